@@ -1,0 +1,62 @@
+# pleinair: one non-recursive Makefile. The facts of each folder (libraries, programs) stand in its module.mk; this file is
+# the machinery. `make demo` and `make check` do everything by themselves, `make help` lists the rest.
+MAKEFLAGS += --no-builtin-rules
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+BUILD ?= build
+PREFIX ?= /usr/local
+CFLAGS ?= -O3 -g
+SANITIZE ?=
+modules := sim firmware-io acquire process render
+
+# Packages are needed before pkg-config can say anything, so `make deps` must work without them.
+packages :=
+pkgs :=
+programs :=
+pages :=
+include $(addsuffix /module.mk,$(modules)) tests/module.mk
+PKG_CFLAGS := $(shell pkg-config --cflags $(pkgs) 2>/dev/null)
+PKG_LIBS := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
+
+house_cflags := -std=gnu17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -Wno-missing-field-initializers \
+	-Wshadow -Wstrict-prototypes -Wmissing-prototypes -fno-math-errno -fno-trapping-math -fopenmp -MMD -MP $(PKG_CFLAGS)
+sanitize_flags := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -fno-sanitize-recover=all)
+link_libs := $(PKG_LIBS) -lembree3 -lm -pthread
+
+# Every .c of a folder is in its library but for the programs' mains, which are listed in module.mk.
+sources = $(sort $(wildcard $(1)/*.c))
+mains := $(foreach p,$(programs),$(p).c)
+objects = $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(mains),$(call sources,$(1))))
+libs := $(foreach m,$(modules),$(if $(call objects,$(m)),$(BUILD)/lib$(m).a))
+bins := $(foreach p,$(programs),$(BUILD)/bin/$(notdir $(p)))
+tests := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/test-*.c)))
+fuzzers := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/fuzz-*.c)))
+
+all: $(bins)
+
+$(BUILD)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(house_cflags) $(CFLAGS) $(sanitize_flags) -c -o $@ $<
+
+define library
+$(BUILD)/lib$(1).a: $(call objects,$(1))
+	@rm -f $$@; $(AR) rcs $$@ $$^
+endef
+$(foreach m,$(modules),$(eval $(call library,$(m))))
+
+define program
+$(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs)
+	@mkdir -p $$(@D)
+	$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$< -Wl,--as-needed -Wl,--start-group $(libs) -Wl,--end-group $$(link_libs)
+endef
+$(foreach p,$(programs),$(eval $(call program,$(p))))
+
+$(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(libs)
+	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--start-group $(libs) -Wl,--end-group $(link_libs)
+# A fuzz target is plain C with LLVMFuzzerTestOneInput; here it is linked to a driver that replays its corpus.
+$(BUILD)/tests/fuzz-%: $(BUILD)/tests/fuzz-%.o $(BUILD)/tests/replay-corpus.o $(libs)
+	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--start-group $(libs) -Wl,--end-group $(link_libs)
+.SECONDARY:
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+
+include tests/targets.mk

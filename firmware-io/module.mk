@@ -1,0 +1,1 @@
+# Wires, stage, camera, and the record of what they said.

@@ -1,0 +1,1 @@
+# Registration, geometry, segments, features, model: nothing yet.

@@ -1,0 +1,1 @@
+# Styles, passes, pictures, kiosk: nothing yet.
