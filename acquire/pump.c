@@ -63,6 +63,13 @@ bool pump_open_lidar(struct pump *p, GError **error)
 	return feed(p, RECORD_LIDAR_OPENED, head_now_ns(p->head), NULL, 0, error);
 }
 
+bool pump_mark(struct pump *p, const char *text, GError **error)
+{
+	int64_t now_ns = head_now_ns(p->head);
+	head_tap(p->head, RECORD_MARK, now_ns, text, strlen(text), NULL, 0);
+	return feed(p, RECORD_MARK, now_ns, text, strlen(text), error);
+}
+
 static bool take_lidar(struct pump *p, GError **error)
 {
 	uint8_t bytes[32768];
@@ -121,12 +128,9 @@ static bool take_camera(struct pump *p, GError **error)
 
 bool pump_turn(struct pump *p, int64_t deadline_ns, GError **error)
 {
-	if (p->stop_asked && p->stop_asked(p->user_data)) {
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_STOPPED, "the scan was stopped");
-		return false;
-	}
 	/* The stage goes last: its pulses let waiting lines be placed. */
-	return head_wait(p->head, deadline_ns, error) && take_lidar(p, error) && take_camera(p, error) && take_stage(p, error);
+	return head_wait(p->head, deadline_ns, error) && take_lidar(p, error) && take_camera(p, error) &&
+		take_stage(p, error) && (!p->each_turn || p->each_turn(p->user_data, error));
 }
 
 bool pump_for(struct pump *p, int64_t duration_ns, GError **error)

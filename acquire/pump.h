@@ -19,8 +19,9 @@ struct pump {
 	head *head;
 	stream *stream;
 	const struct driver *driver;
-	/* Asked once each turn; true ends the pumping with PUMP_ERROR_STOPPED. May be NULL. */
-	bool (*stop_asked)(gpointer user_data);
+	/* Called once each turn, when all that came has been taken; false with an error ends the pumping. May be NULL. It may
+	 * use the head, but not pump. */
+	bool (*each_turn)(gpointer user_data, GError **error);
 	gpointer user_data;
 
 	/* The pump's own. */
@@ -40,6 +41,9 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(pump_reply, pump_reply_free)
 void pump_clear(struct pump *p);
 /* For the stream's sink. */
 void pump_take_reply(struct pump *p, const struct lidar_reply *reply);
+
+/* Writes a RECORD_MARK. */
+bool pump_mark(struct pump *p, const char *text, GError **error);
 
 bool pump_open_lidar(struct pump *p, GError **error);
 

@@ -22,6 +22,7 @@ struct session {
 	GArray *stage_events; /* of struct timed_event, in the first pass */
 	stage_track *track;
 	placement *place;
+	struct camera_controls locked; /* of the photos; zeros until settled */
 };
 
 struct pending {
@@ -320,8 +321,26 @@ static void take_frame(stream *s, const struct record_entry *e)
 	int64_t middle_ns = device_clock_host_ns(s->session->camera_clock, (double)ticks) +
 		info.controls.exposure_100us * INT64_C(50000);
 	double front = stage_track_angle_rad(s->session->track, middle_ns);
+	bool locked = memcmp(&info.controls, &s->session->locked, sizeof info.controls) == 0;
 	if (s->sink.frame)
-		s->sink.frame(&info, (const uint8_t *)e->payload + sizeof info, front, s->sink.user_data);
+		s->sink.frame(&info, (const uint8_t *)e->payload + sizeof info, front, locked, s->sink.user_data);
+}
+
+char *stream_lock_text(const struct camera_controls *c)
+{
+	return g_strdup_printf("{\"camera\": {\"exposure_100us\": %u, \"gain_percent\": %u, \"white_balance_k\": %u}}",
+		c->exposure_100us, c->gain_percent, c->white_balance_k);
+}
+
+/* Marks are for people; only the one that locks the exposure is for us. */
+static void take_mark(stream *s, const struct record_entry *e)
+{
+	int64_t exposure, gain, balance;
+	g_autoptr(manifest) m = manifest_parse(e->payload, e->length, "mark", 0, NULL);
+	if (m && manifest_get_int(m, "camera.exposure_100us", 0, UINT32_MAX, &exposure, NULL) &&
+		manifest_get_int(m, "camera.gain_percent", 0, UINT32_MAX, &gain, NULL) &&
+		manifest_get_int(m, "camera.white_balance_k", 0, UINT32_MAX, &balance, NULL))
+		s->session->locked = (struct camera_controls){ exposure, gain, balance };
 }
 
 static void take_output(stream *s, const struct record_entry *e)
@@ -345,6 +364,7 @@ bool stream_feed(stream *s, const struct record_entry *e, GError **error)
 	case RECORD_LIDAR_OUT: take_output(s, e); break;
 	case RECORD_STAGE: take_stage(s, e); break;
 	case RECORD_FRAME: take_frame(s, e); break;
+	case RECORD_MARK: take_mark(s, e); break;
 	case RECORD_END: s->report.ended = true; break;
 	default: break;
 	}
@@ -391,6 +411,11 @@ GArray *stream_losses(const stream *s)
 const struct calibration *stream_calibration(const stream *s)
 {
 	return s->session ? &s->session->calibration : NULL;
+}
+
+const char *stream_protocol(const stream *s)
+{
+	return s->session ? s->session->driver->protocol : "";
 }
 
 const struct lidar_identity *stream_lidar(const stream *s)

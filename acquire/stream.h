@@ -20,8 +20,10 @@ enum stream_mode { STREAM_LIVE, STREAM_LEARN_FIRST };
 struct stream_sink {
 	/* Each may be NULL. */
 	void (*line)(const struct scanline *line, const struct placed_line *placed, gpointer user_data);
-	/* front_rad: stage angle in the middle of the exposure. pixels have the length that info says, checked. */
-	void (*frame)(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad, gpointer user_data);
+	/* front_rad: stage angle in the middle of the exposure. pixels have the length that info says, checked. locked: taken
+	 * with the exposure that the scan settled on (stream_lock_text); others were for metering. */
+	void (*frame)(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad, bool locked,
+		gpointer user_data);
 	void (*reply)(const struct lidar_reply *reply, gpointer user_data);
 	gpointer user_data;
 };
@@ -53,11 +55,15 @@ bool stream_feed(stream *s, const struct record_entry *entry, GError **error);
 /* After the last entry of the first pass; the next entry fed is the first again. */
 void stream_rewind(stream *s);
 
+/* Text of the RECORD_MARK that says which exposure the photos have; caller frees. */
+char *stream_lock_text(const struct camera_controls *controls);
+
 struct stream_report stream_get_report(const stream *s);
 /* Of struct stream_loss; caller frees. */
 GArray *stream_losses(const stream *s);
 /* Of the present session; NULL before the first. */
 const struct calibration *stream_calibration(const stream *s);
+const char *stream_protocol(const stream *s); /* "" before the first */
 const struct lidar_identity *stream_lidar(const stream *s);
 stage_track *stream_stage(const stream *s);
 
