@@ -2,12 +2,15 @@
 
 void light_choose(struct light *l, struct dice *d)
 {
-	float azimuth = roll_in(d, 0, 2 * G_PI), up = roll_in(d, 32, 54) * G_PI / 180;
-	float low = (54 - up * 180 / G_PI) / 22;
+	/* from the south, between morning and afternoon, so that what faces south is lit */
+	float side = roll(d) < 0.5f ? -1 : 1, azimuth = G_PI + side * roll_in(d, 0.35f, 1.05f);
+	float up = roll_in(d, 34, 52) * G_PI / 180;
+	float low = (52 - up * 180 / G_PI) / 18;
 	l->towards_sun = (vec){ sinf(azimuth) * cosf(up), cosf(azimuth) * cosf(up), sinf(up) };
 	l->sun = (vec){ 0.84f, 0.78f - 0.05f * low, 0.66f - 0.1f * low };
-	l->zenith = (vec){ 0.16f, 0.30f, 0.62f };
-	l->horizon = (vec){ 0.62f, 0.74f, 0.88f };
+	l->zenith = (vec){ 0.19f, 0.33f, 0.64f };
+	l->horizon = (vec){ 0.70f, 0.79f, 0.89f };
+	l->fill = (vec){ 0.05f, 0.046f, 0.04f };
 	l->ground = (vec){ 0.22f, 0.2f, 0.17f };
 	l->clouds = roll_in(d, 0.35f, 0.75f);
 	l->haze_m = roll_in(d, 900, 1600);
@@ -96,8 +99,9 @@ static void gather_probe(const struct world *w, vec place, bool again, unsigned 
 		float level = sqrtf(1 - z * z);
 		struct ray r = { place, { level * cosf(a), level * sinf(a), z }, 300 };
 		struct hit h;
-		vec in = trace_solid(w, &r, &h) ? probe_bounce(w, &r, &h, again)
-						: light_sky(&w->site.light, r.direction, false);
+		vec in = trace_solid(w, &r, false, &h)
+				 ? probe_bounce(w, &r, &h, again)
+				 : light_sky(&w->site.light, r.direction, false);
 		sum[0] += in;
 		for (int k = 0; k < 3; k++)
 			sum[k + 1] += in * r.direction[k];
@@ -133,18 +137,17 @@ void light_gather(struct world *w)
 	gather_pass(w, true, 20);
 }
 
-/* Corners and undersides: how far one short ray gets. */
+/* Corners and what lies under ledges: how far one short ray gets. It always leans the same way,
+ * upwards from walls and away from the sun on the ground, so that the shade has no grain. */
 static float openness(const struct world *w, const struct hit *h)
 {
-	uint32_t seed = hash_cell(
-		(int)(h->place[0] * 1000), (int)(h->place[1] * 1000), (int)(h->place[2] * 1000), 0);
-	float a = 2 * (float)G_PI * hash_unit(seed), z = 0.25f + 0.65f * hash_unit(hash_u32(seed));
-	vec u, v;
-	frame_around(h->normal, &u, &v);
-	float level = sqrtf(1 - z * z);
-	vec d = h->normal * z + u * (level * cosf(a)) + v * (level * sinf(a));
-	struct ray r = { h->place + h->normal * 0.003f, d, 0.6f };
-	return trace_blocked(w, &r) ? 0.5f : 1.12f;
+	const float reach_m = 1.0f;
+	vec n = h->normal, s = w->site.light.towards_sun;
+	float level = 1 - n[2] * n[2];
+	vec lean = (vec){ -s[0], -s[1], 0 } * (1 - level) + (vec){ 0, 0, 1 } * level;
+	struct ray r = { h->place + n * 0.003f, unit(n + lean * 0.9f), reach_m };
+	float free = trace_distance(w, &r) / reach_m;
+	return 0.45f + 0.6f * free;
 }
 
 static vec haze(const struct light *l, vec colour, float range_m)
@@ -158,7 +161,7 @@ static vec shade(const struct world *w, const struct ray *r, const struct hit *h
 	const struct light *l = &w->site.light;
 	vec albedo = material_albedo(m, h->place, h->normal, hit_footprint(r, h), h->face);
 	vec ambient = light_ambient(w, h->place, h->shading);
-	if (fine && h->range_m < 45)
+	if (fine && h->range_m < 60 && m->kind != MATERIAL_LEAF)
 		ambient *= openness(w, h);
 	vec colour = albedo * (sunlight(w, h) + ambient + m->emission);
 	if (m->gloss > 0) {
@@ -175,8 +178,8 @@ static vec mirrored(const struct world *w, const struct ray *r, const struct hit
 	vec away = unit(r->direction - normal * (2 * dot(r->direction, normal)));
 	struct ray back = { h->place + h->normal * 0.003f, away, 400 };
 	struct hit seen;
-	return trace_solid(w, &back, &seen) ? shade(w, &back, &seen, false)
-					    : light_sky(&w->site.light, away, true);
+	return trace_solid(w, &back, true, &seen) ? shade(w, &back, &seen, false)
+						  : light_sky(&w->site.light, away, true);
 }
 
 static vec ripple(const struct hit *h)
@@ -208,10 +211,10 @@ vec light_along(const struct world *w, const struct ray *r)
 {
 	struct ray ahead = *r;
 	struct hit solid, glass;
-	bool any = trace_solid(w, &ahead, &solid);
+	bool any = trace_solid(w, &ahead, true, &solid);
 	if (any)
 		ahead.limit_m = solid.range_m;
-	bool pane = trace_glass(w, &ahead, &glass);
+	bool pane = trace_glass(w, &ahead, false, &glass);
 	vec light =
 		any ? shade(w, r, &solid, !pane) : light_sky(&w->site.light, r->direction, true);
 	if (!pane)

@@ -19,8 +19,8 @@ static RTCGeometry mesh_geometry(RTCDevice device, const struct mesh *m)
 static RTCScene mesh_scene(RTCDevice device, const struct mesh *m, bool commit)
 {
 	RTCScene scene = rtcNewScene(device);
-	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_NONE);
+	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
 	RTCGeometry g = mesh_geometry(device, m);
 	rtcAttachGeometryByID(scene, g, 0);
 	rtcReleaseGeometry(g);
@@ -105,7 +105,7 @@ static vec turned(const struct turn *t, vec n)
 }
 
 static void describe(const struct world *w, const struct mesh *m, const struct ray *r,
-	const struct RTCRayHit *e, struct hit *h)
+	const struct RTCRayHit *e, bool smooth, struct hit *h)
 {
 	struct face f = g_array_index(m->faces, struct face, e->hit.primID);
 	h->range_m = e->ray.tfar;
@@ -114,7 +114,7 @@ static void describe(const struct world *w, const struct mesh *m, const struct r
 	h->object = f.object;
 	h->face = e->hit.primID / 2;
 	h->normal = (vec){ e->hit.Ng_x, e->hit.Ng_y, e->hit.Ng_z };
-	h->shading = smooth_normal(m, &e->hit);
+	h->shading = smooth ? smooth_normal(m, &e->hit) : h->normal;
 	if (e->hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
 		guint i = e->hit.instID[0] - 1;
 		h->object = g_array_index(w->site.placements, struct placement, i).object;
@@ -130,7 +130,7 @@ static void describe(const struct world *w, const struct mesh *m, const struct r
 		h->shading = -h->shading;
 }
 
-bool trace_solid(const struct world *w, const struct ray *r, struct hit *ret_hit)
+bool trace_solid(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit)
 {
 	struct RTCRayHit e;
 	if (!trace(w->solid, r, &e))
@@ -140,17 +140,24 @@ bool trace_solid(const struct world *w, const struct ray *r, struct hit *ret_hit
 		m = model_of(
 			w, g_array_index(w->site.placements, struct placement, e.hit.instID[0] - 1)
 				   .model);
-	describe(w, m, r, &e, ret_hit);
+	describe(w, m, r, &e, smooth, ret_hit);
 	return true;
 }
 
-bool trace_glass(const struct world *w, const struct ray *r, struct hit *ret_hit)
+bool trace_glass(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit)
 {
 	struct RTCRayHit e;
 	if (!trace(w->glass, r, &e))
 		return false;
-	describe(w, &w->site.glass, r, &e, ret_hit);
+	describe(w, &w->site.glass, r, &e, smooth, ret_hit);
 	return true;
+}
+
+float trace_distance(const struct world *w, const struct ray *r)
+{
+	struct RTCRayHit e;
+	trace(w->solid, r, &e);
+	return e.ray.tfar;
 }
 
 bool trace_blocked(const struct world *w, const struct ray *r)

@@ -45,8 +45,11 @@ struct hit {
 	uint16_t object;
 };
 
-bool trace_solid(const struct world *w, const struct ray *r, struct hit *ret_hit);
-bool trace_glass(const struct world *w, const struct ray *r, struct hit *ret_hit);
+/* smooth: the shading normal is wanted; it costs a look at the mesh's points. */
+bool trace_solid(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit);
+bool trace_glass(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit);
+/* How far the ray gets, its limit at most. */
+float trace_distance(const struct world *w, const struct ray *r);
 bool trace_blocked(const struct world *w, const struct ray *r);
 
 /* Angle of a pixel, which textures are filtered for. */

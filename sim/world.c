@@ -18,7 +18,7 @@ static double clearance_m(const struct world *w, vec foot)
 			float a = 2 * G_PI * ((float)i + up) / 32;
 			struct ray r = { foot + (vec){ 0, 0, up }, { sinf(a), cosf(a), 0 }, 2 };
 			struct hit h;
-			if (trace_solid(w, &r, &h) || trace_glass(w, &r, &h))
+			if (trace_solid(w, &r, false, &h) || trace_glass(w, &r, false, &h))
 				near = MIN(near, h.range_m);
 		}
 	return near;
@@ -28,7 +28,7 @@ static bool find_foot(const struct world *w, float x, float y, vec *ret_foot)
 {
 	struct ray down = { { x, y, site_ground(&w->site, x, y) + 2.3f }, { 0, 0, -1 }, 3.5f };
 	struct hit h;
-	if (!trace_solid(w, &down, &h))
+	if (!trace_solid(w, &down, false, &h))
 		return false;
 	*ret_foot = h.place;
 	return h.normal[2] > 0.8f && clearance_m(w, h.place) > reach_clear_m;
@@ -130,10 +130,10 @@ bool world_cast(const world *w, const double origin_m[3], const double direction
 {
 	struct ray r = ray_of(origin_m, direction, limit_m);
 	struct hit h;
-	bool any = trace_solid(w, &r, &h);
+	bool any = trace_solid(w, &r, false, &h);
 	if (any)
 		r.limit_m = h.range_m;
-	any |= trace_glass(w, &r, &h);
+	any |= trace_glass(w, &r, false, &h);
 	*ret_surface = (struct surface){ 0 };
 	if (!any)
 		return false;
