@@ -10,6 +10,7 @@
  *     4 bytes  mark, 0x3ecd52b8            4 bytes  kind                4 bytes  length of the payload
  *     4 bytes  sequence, from 0            8 bytes  host time, ns       4 bytes  zero
  *     4 bytes  CRC-32C of the 28 before and of the payload              then the payload
+ * A new kind of entry is a new version.
  *
  * A power cut loses at most the entry that was being written and what the disk had not yet taken: a thread of the
  * writer's own calls fdatasync without end while there is something to sync, so nothing waits for the disk and the disk
@@ -47,7 +48,9 @@ struct record_entry {
 GQuark record_error_quark(void);
 enum record_error {
 	RECORD_ERROR_DAMAGED, /* the message names the file, the entry and the byte */
+	RECORD_ERROR_NOT_A_RECORD, /* another kind of file, or a record of a later version */
 };
+/* What the system refuses is of G_IO_ERROR. */
 
 /* ---- writing: one owner, one thread ---- */
 typedef struct record_writer record_writer;
@@ -59,11 +62,13 @@ record_writer *record_create(const char *path, GError **error);
  * how much); damage elsewhere is refused with RECORD_ERROR_DAMAGED and the file stays as it is. */
 record_writer *record_append_to(const char *path, uint64_t *ret_cut_bytes, GError **error);
 
-/* Two parts so that a frame's header and pixels need no copy; the second may be NULL, 0. Fails when the disk is full or
- * gone; the file then ends in a cut entry, which the next record_append_to removes. */
+/* Two parts so that a frame's header and pixels need no copy; the second may be NULL, 0. Together they have at most
+ * RECORD_PAYLOAD_MAX bytes. Fails when the disk is full or gone, also when the thread met that with an earlier entry; the
+ * file then may end in a cut entry, which the next record_append_to removes, and every later record_write and record_close
+ * says the same again. */
 bool record_write(record_writer *w, enum record_kind kind, int64_t time_ns, const void *part1, size_t length1,
 	const void *part2, size_t length2, GError **error);
-uint64_t record_writer_size(const record_writer *w); /* bytes in the file so far */
+uint64_t record_writer_size(const record_writer *w); /* bytes of header and whole entries so far */
 
 /* Waits for the disk and closes; false when the disk refused anything on the way. Frees w in any case. */
 bool record_close(record_writer *w, GError **error);
@@ -75,14 +80,18 @@ typedef struct record_reader record_reader;
 enum record_result {
 	RECORD_ENTRY, /* *ret_entry is the next entry */
 	RECORD_AT_END, /* the file ends after a whole entry */
-	RECORD_CUT, /* the file ends inside an entry: a writer was stopped there. ret_entry->offset is where. */
+	RECORD_CUT, /* no whole entry from ret_entry->offset on: a writer was stopped there */
 	RECORD_BAD, /* damage, with whole entries behind it: error is set */
 };
 
-/* Refuses what is not a record, with one sentence. */
+/* Refuses what is not a record, with one sentence. The file may grow meanwhile (the reader sees what was there); it must
+ * not be shortened, so no record_append_to while it is open. */
 record_reader *record_open(const char *path, GError **error);
+/* The same for bytes at hand; name stands for the path in messages. */
+record_reader *record_open_bytes(GBytes *bytes, const char *name, GError **error);
 enum record_result record_next(record_reader *r, struct record_entry *ret_entry, GError **error);
-/* After RECORD_BAD: goes to the next whole entry; the bytes passed over, or 0 when there is none. */
+/* After RECORD_BAD: goes to the next whole entry and returns the bytes passed over. 0 when none is to be had, which can be
+ * in a file that was made to look like entries everywhere; the search gives up there in bounded time. */
 uint64_t record_skip_damage(record_reader *r);
 uint64_t record_reader_size(const record_reader *r);
 uint64_t record_reader_position(const record_reader *r); /* offset of the next entry: progress */
