@@ -3,16 +3,20 @@
 #include <math.h>
 #include <string.h>
 
-static bool get_numbers(const manifest *m, const char *key, double *ret, guint n, double limit, GError **error)
+static bool get_numbers(
+	const manifest *m, const char *key, double *ret, guint n, double limit, GError **error)
 {
 	JsonNode *node = manifest_get_node(m, key);
 	JsonArray *array = node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
 	for (guint i = 0; i < n; i++) {
-		JsonNode *e = array && json_array_get_length(array) == n ? json_array_get_element(array, i) : NULL;
+		JsonNode *e = array && json_array_get_length(array) == n
+				      ? json_array_get_element(array, i)
+				      : NULL;
 		double v = e && JSON_NODE_HOLDS_VALUE(e) ? json_node_get_double(e) : NAN;
 		if (!(fabs(v) <= limit)) {
-			g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: '%s' must be %u numbers within %g",
-				manifest_path(m), key, n, limit);
+			g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+				"%s: '%s' must be %u numbers within %g", manifest_path(m), key, n,
+				limit);
 			return false;
 		}
 		ret[i] = v;
@@ -37,7 +41,8 @@ static bool get_matrix(const manifest *m, const char *key, double ret[3][3], GEr
 		good = good && fabs(norm - 1) < 1e-3;
 	}
 	if (!good)
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: '%s' must be a rotation: three rows of three numbers",
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: '%s' must be a rotation: three rows of three numbers",
 			manifest_path(m), key);
 	return good;
 }
@@ -45,7 +50,8 @@ static bool get_matrix(const manifest *m, const char *key, double ret[3][3], GEr
 /* R = Rz Ry Rx of angles in degrees. */
 static void rotation_of(const double degrees[3], double r[3][3])
 {
-	double a = degrees[0] * G_PI / 180, b = degrees[1] * G_PI / 180, c = degrees[2] * G_PI / 180;
+	double a = degrees[0] * G_PI / 180, b = degrees[1] * G_PI / 180,
+	       c = degrees[2] * G_PI / 180;
 	double sa = sin(a), ca = cos(a), sb = sin(b), cb = cos(b), sc = sin(c), cc = cos(c);
 	double m[3][3] = { { cc * cb, cc * sb * sa - sc * ca, cc * sb * ca + sc * sa },
 		{ sc * cb, sc * sb * sa + cc * ca, sc * sb * ca - cc * sa },
@@ -58,7 +64,8 @@ static bool parse_lidar(const manifest *m, struct lidar_calibration *l, GError *
 	double degrees[3];
 	if (!manifest_get_number(m, "lidar.beam_zero_deg", -360, 360, &l->beam_zero_rad, error) ||
 		!manifest_get_number(m, "lidar.beam_direction", -1, 1, &l->beam_direction, error) ||
-		!manifest_get_number(m, "lidar.range_offset_m", -10, 10, &l->range_offset_m, error) ||
+		!manifest_get_number(
+			m, "lidar.range_offset_m", -10, 10, &l->range_offset_m, error) ||
 		!get_numbers(m, "lidar.rotation_deg", degrees, 3, 180, error) ||
 		!get_numbers(m, "lidar.translation_m", l->translation_m, 3, 10, error))
 		return false;
@@ -73,7 +80,8 @@ static bool parse_stage(const manifest *m, struct stage_calibration *s, GError *
 	int64_t slots, bits;
 	if (!manifest_get_number(m, "stage.steps_per_turn", 16, 1e8, &s->steps_per_turn, error) ||
 		!manifest_get_int(m, "stage.index_slots", 0, 100000, &slots, error) ||
-		!manifest_get_number(m, "stage.azimuth_zero_deg", -360, 360, &s->azimuth_zero_rad, error) ||
+		!manifest_get_number(
+			m, "stage.azimuth_zero_deg", -360, 360, &s->azimuth_zero_rad, error) ||
 		!manifest_get_number(m, "stage.clock_hz", 1, 1e10, &s->clock_hz, error) ||
 		!manifest_get_int(m, "stage.clock_bits", 8, 64, &bits, error))
 		return false;

@@ -6,9 +6,9 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#define BAR_AFTER_US	 (1 * G_USEC_PER_SEC)
-#define BAR_EVERY_US	 (G_USEC_PER_SEC / 10)
-#define BAR_CELLS	 24
+#define BAR_AFTER_US     (1 * G_USEC_PER_SEC)
+#define BAR_EVERY_US     (G_USEC_PER_SEC / 10)
+#define BAR_CELLS        24
 #define LINE_COLUMNS_MIN 50
 
 int cli_fail(const char *command, const GError *error)
@@ -27,8 +27,9 @@ int cli_misuse(const char *command, const char *format, ...)
 	return CLI_WRONG_USAGE;
 }
 
-bool cli_parse(const char *command, const char *parameters, const char *summary, const char *description,
-	const GOptionEntry *entries, int *argc, char ***argv, int *ret_status)
+bool cli_parse(const char *command, const char *parameters, const char *summary,
+	const char *description, const GOptionEntry *entries, int *argc, char ***argv,
+	int *ret_status)
 {
 	g_autoptr(GError) error = NULL;
 	g_autoptr(GOptionContext) context = g_option_context_new(parameters);
@@ -64,15 +65,17 @@ char *cli_duration(double seconds)
 
 struct cli_bar cli_bar_begin(const char *command)
 {
-	return (struct cli_bar){
-		.command = command, .started_us = g_get_monotonic_time(), .terminal = isatty(STDERR_FILENO)
-	};
+	return (struct cli_bar){ .command = command,
+		.started_us = g_get_monotonic_time(),
+		.terminal = isatty(STDERR_FILENO) };
 }
 
 static int line_columns(void)
 {
 	struct winsize size = { 0 };
-	return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= LINE_COLUMNS_MIN ? size.ws_col : 80;
+	return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= LINE_COLUMNS_MIN
+		       ? size.ws_col
+		       : 80;
 }
 
 void cli_bar_update(struct cli_bar *bar, double fraction, const char *doing)
@@ -82,10 +85,12 @@ void cli_bar_update(struct cli_bar *bar, double fraction, const char *doing)
 		return;
 	fraction = CLAMP(fraction, 0.0, 1.0);
 	int full = (int)(fraction * BAR_CELLS);
-	g_autofree char *left = cli_duration(fraction > 0.02 ? spent_us * 1e-6 * (1 - fraction) / fraction : 0);
-	g_autofree char *line = g_strdup_printf("[%.*s%.*s] %3.0f %%  %s%s  %s", full, "========================",
-		BAR_CELLS - full, "                        ", fraction * 100, fraction > 0.02 ? left : "...",
-		fraction > 0.02 ? " left" : "", doing);
+	g_autofree char *left =
+		cli_duration(fraction > 0.02 ? spent_us * 1e-6 * (1 - fraction) / fraction : 0);
+	g_autofree char *line = g_strdup_printf("[%.*s%.*s] %3.0f %%  %s%s  %s", full,
+		"========================", BAR_CELLS - full, "                        ",
+		fraction * 100, fraction > 0.02 ? left : "...", fraction > 0.02 ? " left" : "",
+		doing);
 	fprintf(stderr, "\r\033[K%.*s", line_columns() - 1, line);
 	fflush(stderr);
 	bar->shown_us = now_us;

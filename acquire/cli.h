@@ -2,8 +2,8 @@
 #define ACQUIRE_CLI_H
 /* What all commands share: how they read options, say what is wrong, show progress and end.
  *
- * Exit status 0: done, 1: failed, 2: wrong usage. Messages go to stderr as "pleinair scan: ..."; results to stdout, with --json
- * as one document. */
+ * Exit status 0: done, 1: failed, 2: wrong usage. Messages go to stderr as "pleinair scan: ...";
+ * results to stdout, with --json as one document. */
 #include <glib.h>
 #include <json-glib/json-glib.h>
 #include <stdbool.h>
@@ -15,14 +15,17 @@ int cli_fail(const char *command, const GError *error);
 /* Says what is wrong with the usage and where help is; returns CLI_WRONG_USAGE. */
 int cli_misuse(const char *command, const char *format, ...) G_GNUC_PRINTF(2, 3);
 
-/* Parses with GOption: parameters ("SITE"), summary and description make the help. false: *ret_status is the exit status. */
-bool cli_parse(const char *command, const char *parameters, const char *summary, const char *description,
-	const GOptionEntry *entries, int *argc, char ***argv, int *ret_status);
+/* Parses with GOption: parameters ("SITE"), summary and description make the help. false:
+ * *ret_status is the exit status. */
+bool cli_parse(const char *command, const char *parameters, const char *summary,
+	const char *description, const GOptionEntry *entries, int *argc, char ***argv,
+	int *ret_status);
 
 /* Prints one JSON document; takes the object. */
 void cli_print_json(JsonObject *object);
 
-/* A bar on the terminal, from the second second on; silent where stderr is none. ETA by the pace so far. */
+/* A bar on the terminal, from the second second on; silent where stderr is none. ETA by the pace so
+ * far. */
 struct cli_bar {
 	const char *command;
 	int64_t started_us, shown_us;
@@ -35,7 +38,8 @@ void cli_bar_end(struct cli_bar *bar);
 /* "12 s", "3 min 05 s", "1 h 02 min"; caller frees. */
 char *cli_duration(double seconds);
 
-/* From now on SIGINT and SIGTERM only set what cli_interrupted tells; a second one ends the program. */
+/* From now on SIGINT and SIGTERM only set what cli_interrupted tells; a second one ends the
+ * program. */
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 

@@ -4,11 +4,11 @@
 #define WINDOW_S 60.0 /* either side */
 #define BLOCK_S  10.0 /* one fit serves this long */
 /* Below this base the slope of the envelope is noise: the nominal rate is better. */
-#define SLOPE_BASE_MIN_S 5.0
+#define SLOPE_BASE_MIN_S  5.0
 #define REFIT_AFTER_PAIRS 32
 
-/* device_s counts from the first tick seen; lag_s is host minus device, less the first lag: small numbers, so that doubles
- * keep nanoseconds over days. */
+/* device_s counts from the first tick seen; lag_s is host minus device, less the first lag: small
+ * numbers, so that doubles keep nanoseconds over days. */
 struct pair {
 	double device_s, lag_s;
 };
@@ -27,7 +27,7 @@ struct device_clock {
 	double exchange_at_s, lag_low_s, lag_high_s; /* bounds on the true lag from exchanges */
 	struct line fit;
 	double fit_block; /* block of BLOCK_S that fit serves */
-	guint fit_pairs; /* pairs there were when it was made */
+	guint fit_pairs;  /* pairs there were when it was made */
 	bool fit_valid;
 };
 
@@ -36,7 +36,9 @@ device_clock *device_clock_new(const struct device_clock_desc *desc)
 	device_clock *c = g_new0(device_clock, 1);
 	g_assert(desc->ticks_hz > 0);
 	c->desc = *desc;
-	c->wrap = desc->wrap_at ? (int64_t)desc->wrap_at : desc->wrap_bits < 63 ? INT64_C(1) << desc->wrap_bits : 0;
+	c->wrap = desc->wrap_at          ? (int64_t)desc->wrap_at
+		  : desc->wrap_bits < 63 ? INT64_C(1) << desc->wrap_bits
+					 : 0;
 	c->pairs = g_array_new(FALSE, FALSE, sizeof(struct pair));
 	return c;
 }
@@ -53,7 +55,8 @@ int64_t device_clock_unwrap(device_clock *c, uint64_t ticks, int64_t arrival_ns)
 {
 	int64_t t = (int64_t)ticks;
 	if (c->started && c->wrap) {
-		double elapsed = (double)(arrival_ns - c->last_arrival_ns) * 1e-9 * c->desc.ticks_hz;
+		double elapsed =
+			(double)(arrival_ns - c->last_arrival_ns) * 1e-9 * c->desc.ticks_hz;
 		double expected = (double)c->last_unwrapped + elapsed;
 		t += (int64_t)llround((expected - (double)t) / (double)c->wrap) * c->wrap;
 	}
@@ -91,12 +94,14 @@ void device_clock_add_arrival(device_clock *c, int64_t unwrapped, int64_t arriva
 }
 
 /* The exchanges of a scan lie within a second, in which no clock drifts by what they can tell. */
-void device_clock_add_exchange(device_clock *c, int64_t sent_ns, int64_t unwrapped, int64_t received_ns)
+void device_clock_add_exchange(
+	device_clock *c, int64_t sent_ns, int64_t unwrapped, int64_t received_ns)
 {
 	set_base(c, unwrapped, sent_ns);
 	double device_s = device_seconds(c, (double)unwrapped);
 	double tick_s = c->desc.truncates ? 1.0 / c->desc.ticks_hz : 0.0;
-	double low = host_seconds(c, sent_ns) - (device_s + tick_s), high = host_seconds(c, received_ns) - device_s;
+	double low = host_seconds(c, sent_ns) - (device_s + tick_s),
+	       high = host_seconds(c, received_ns) - device_s;
 	/* Bounds that exclude each other come from a clock that was set: the later ones hold. */
 	bool fresh = !c->exchanged || low > c->lag_high_s || high < c->lag_low_s;
 	c->lag_low_s = fresh ? low : fmax(c->lag_low_s, low);
@@ -112,7 +117,8 @@ bool device_clock_is_known(const device_clock *c)
 
 static double cross(const struct pair *o, const struct pair *a, const struct pair *b)
 {
-	return (a->device_s - o->device_s) * (b->lag_s - o->lag_s) - (a->lag_s - o->lag_s) * (b->device_s - o->device_s);
+	return (a->device_s - o->device_s) * (b->lag_s - o->lag_s) -
+	       (a->lag_s - o->lag_s) * (b->device_s - o->device_s);
 }
 
 static int by_device_time(gconstpointer a, gconstpointer b)
@@ -133,7 +139,8 @@ static guint lower_hull(struct pair *points, guint n)
 	return m;
 }
 
-/* The hull's edge below the middle of the points has the least sum of distances to them of all lines below them. */
+/* The hull's edge below the middle of the points has the least sum of distances to them of all
+ * lines below them. */
 static struct line line_below(const struct pair *points, guint n)
 {
 	double mean = 0;
@@ -145,14 +152,16 @@ static struct line line_below(const struct pair *points, guint n)
 		edge++;
 	double limit = DEVICE_CLOCK_DRIFT_MAX_PPM * 1e-6, slope = 0;
 	if (m >= 2 && points[n - 1].device_s - points[0].device_s >= SLOPE_BASE_MIN_S)
-		slope = (hull[edge + 1].lag_s - hull[edge].lag_s) / (hull[edge + 1].device_s - hull[edge].device_s);
+		slope = (hull[edge + 1].lag_s - hull[edge].lag_s) /
+			(hull[edge + 1].device_s - hull[edge].device_s);
 	struct line l = { .at_s = mean, .slope = CLAMP(slope, -limit, limit), .lag_s = INFINITY };
 	for (guint i = 0; i < m; i++)
 		l.lag_s = fmin(l.lag_s, hull[i].lag_s - l.slope * (hull[i].device_s - mean));
 	return l;
 }
 
-/* Fit of the pairs around the middle of a block. Pairs arrive nearly in order; the sort makes them exactly so. */
+/* Fit of the pairs around the middle of a block. Pairs arrive nearly in order; the sort makes them
+ * exactly so. */
 static struct line fit_around(const device_clock *c, double middle_s)
 {
 	g_autoptr(GArray) near = g_array_new(FALSE, FALSE, sizeof(struct pair));
@@ -200,19 +209,23 @@ static void refit(device_clock *c, double block)
 int64_t device_clock_host_ns(device_clock *c, double unwrapped)
 {
 	double device_s = device_seconds(c, unwrapped), block = floor(device_s / BLOCK_S);
-	/* While it is live the first seconds refit with every few pairs, later ones less and less often. */
+	/* While it is live the first seconds refit with every few pairs, later ones less and less
+	 * often. */
 	guint news = c->pairs->len - c->fit_pairs;
-	if (!c->fit_valid || block != c->fit_block || news > MAX(REFIT_AFTER_PAIRS, c->fit_pairs / 4))
+	if (!c->fit_valid || block != c->fit_block ||
+		news > MAX(REFIT_AFTER_PAIRS, c->fit_pairs / 4))
 		refit(c, block);
 	double half_tick_s = c->desc.truncates ? 0.5 / c->desc.ticks_hz : 0.0;
-	return c->base_ns + (int64_t)llround((device_s + half_tick_s + line_at(&c->fit, device_s)) * 1e9);
+	return c->base_ns +
+	       (int64_t)llround((device_s + half_tick_s + line_at(&c->fit, device_s)) * 1e9);
 }
 
 double device_clock_drift_ppm(device_clock *c)
 {
 	if (c->pairs->len < 2)
 		return 0;
-	g_autofree struct pair *all = g_memdup2(c->pairs->data, c->pairs->len * sizeof(struct pair));
+	g_autofree struct pair *all =
+		g_memdup2(c->pairs->data, c->pairs->len * sizeof(struct pair));
 	qsort(all, c->pairs->len, sizeof *all, by_device_time);
 	struct line l = line_below(all, c->pairs->len);
 	return -l.slope * 1e6; /* a device that runs fast lags less and less */

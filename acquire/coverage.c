@@ -3,13 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A column is whole with this share of what full columns have: a lost revolution takes far more than that. */
+/* A column is whole with this share of what full columns have: a lost revolution takes far more
+ * than that. */
 #define WHOLE_SHARE 0.97
 
 struct coverage {
 	struct panorama_desc desc;
 	double column_rad, row_rad;
-	uint8_t *seen; /* columns * rows, column by column */
+	uint8_t *seen;   /* columns * rows, column by column */
 	uint32_t *count; /* of a column */
 };
 
@@ -58,7 +59,8 @@ static void clear_column(coverage *c, uint32_t column)
 
 void coverage_clear(coverage *c, double from_rad, double to_rad)
 {
-	int64_t first = (int64_t)floor(from_rad / c->column_rad), last = (int64_t)floor(to_rad / c->column_rad);
+	int64_t first = (int64_t)floor(from_rad / c->column_rad),
+		last = (int64_t)floor(to_rad / c->column_rad);
 	int64_t n = c->desc.columns;
 	for (int64_t i = first; i <= last && i < first + n; i++) {
 		clear_column(c, (uint32_t)(((i % n) + n) % n));
@@ -72,7 +74,8 @@ static int by_count(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* What a full column has: not all rows, where the lidar's beams are wider apart than they. Before anything was seen, all. */
+/* What a full column has: not all rows, where the lidar's beams are wider apart than they. Before
+ * anything was seen, all. */
 static uint32_t full_count(const coverage *c)
 {
 	g_autofree uint32_t *sorted = g_memdup2(c->count, c->desc.columns * sizeof *sorted);
@@ -104,11 +107,13 @@ GArray *coverage_missing(const coverage *c, double join_rad)
 	GArray *list = g_array_new(FALSE, FALSE, sizeof(struct front_interval));
 	uint32_t half = (c->desc.columns + 1) / 2, full = full_count(c);
 	for (uint32_t i = 0; i < half; i++) {
-		if (is_whole(c, i, full) && is_whole(c, (i + c->desc.columns / 2) % c->desc.columns, full))
+		if (is_whole(c, i, full) &&
+			is_whole(c, (i + c->desc.columns / 2) % c->desc.columns, full))
 			continue;
 		struct front_interval f = { (i - 0.5) * c->column_rad, (i + 1.5) * c->column_rad };
 		struct front_interval *last =
-			list->len ? &g_array_index(list, struct front_interval, list->len - 1) : NULL;
+			list->len ? &g_array_index(list, struct front_interval, list->len - 1)
+				  : NULL;
 		if (last && f.from_rad - last->to_rad <= join_rad)
 			last->to_rad = f.to_rad;
 		else

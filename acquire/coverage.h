@@ -1,7 +1,8 @@
 #ifndef ACQUIRE_COVERAGE_H
 #define ACQUIRE_COVERAGE_H
-/* Which cells of a panorama's grid a beam has gone to, while the scan runs: one bit a cell. From it the scan knows where it
- * has to go again, be it for lost revolutions, an unplugged lidar or a scan that was resumed. One owner. */
+/* Which cells of a panorama's grid a beam has gone to, while the scan runs: one bit a cell. From it
+ * the scan knows where it has to go again, be it for lost revolutions, an unplugged lidar or a scan
+ * that was resumed. One owner. */
 #include "acquire/panorama.h"
 
 typedef struct coverage coverage;
@@ -22,7 +23,8 @@ void coverage_clear(coverage *c, double from_rad, double to_rad);
 /* Share of the columns that are as full as the others. */
 double coverage_fraction(const coverage *c);
 uint32_t coverage_missing_columns(const coverage *c);
-/* Where the front must pass again, in rising order, gaps under join_rad joined; caller frees. Of struct front_interval. */
+/* Where the front must pass again, in rising order, gaps under join_rad joined; caller frees. Of
+ * struct front_interval. */
 GArray *coverage_missing(const coverage *c, double join_rad);
 
 #endif

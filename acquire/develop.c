@@ -3,10 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Gaps up to this many cells are filled: a lidar with beams a third of a degree apart leaves two rows of a fine grid. */
-#define FILL_REACH 4u
-#define FRACTION_LEARN 0.3
-#define FRACTION_PLACE 0.4
+/* Gaps up to this many cells are filled: a lidar with beams a third of a degree apart leaves two
+ * rows of a fine grid. */
+#define FILL_REACH               4u
+#define FRACTION_LEARN           0.3
+#define FRACTION_PLACE           0.4
 #define ENTRIES_BETWEEN_PROGRESS 256
 
 struct developing {
@@ -14,17 +15,18 @@ struct developing {
 	GArray *photos; /* of struct photo, pixels in the mapped record */
 };
 
-static void take_line(const struct scanline *line, const struct placed_line *placed, gpointer user_data)
+static void take_line(
+	const struct scanline *line, const struct placed_line *placed, gpointer user_data)
 {
 	struct developing *d = user_data;
 	(void)line;
 	if (!placed->suspect)
-		panorama_add(d->panorama, placed->azimuth_rad, placed->elevation_rad, placed->range_m, placed->intensity,
-			placed->beams);
+		panorama_add(d->panorama, placed->azimuth_rad, placed->elevation_rad,
+			placed->range_m, placed->intensity, placed->beams);
 }
 
-static void take_frame(
-	const struct camera_frame_info *info, const uint8_t *pixels, double front_rad, bool locked, gpointer user_data)
+static void take_frame(const struct camera_frame_info *info, const uint8_t *pixels,
+	double front_rad, bool locked, gpointer user_data)
 {
 	struct developing *d = user_data;
 	struct photo photo = { *info, pixels, front_rad };
@@ -44,8 +46,8 @@ static void say(const struct develop_options *o, double fraction)
 }
 
 /* One pass over the record. */
-static bool feed_all(stream *s, const char *path, const struct develop_options *o, double from, double share,
-	struct develop_result *result, record_reader **ret_reader, GError **error)
+static bool feed_all(stream *s, const char *path, const struct develop_options *o, double from,
+	double share, struct develop_result *result, record_reader **ret_reader, GError **error)
 {
 	g_autoptr(record_reader) reader = record_open(path, error);
 	struct record_entry e;
@@ -88,8 +90,8 @@ static void fill_result(stream *s, struct develop_result *result)
 	g_strlcpy(result->protocol, stream_protocol(s), sizeof result->protocol);
 }
 
-panorama *develop_record(
-	const char *path, const struct develop_options *o, struct develop_result *ret_result, GError **error)
+panorama *develop_record(const char *path, const struct develop_options *o,
+	struct develop_result *ret_result, GError **error)
 {
 	struct develop_result result = { 0 };
 	g_autoptr(panorama) p = panorama_new(&o->desc, error);
@@ -109,7 +111,8 @@ panorama *develop_record(
 	fill_result(s, &result);
 	panorama_fill(p, FILL_REACH);
 	if (stream_calibration(s) && stream_calibration(s)->has_camera)
-		colour_panorama(p, (const struct photo *)(void *)photos->data, photos->len, stream_calibration(s));
+		colour_panorama(p, (const struct photo *)(void *)photos->data, photos->len,
+			stream_calibration(s));
 	result.photos = photos->len;
 	say(o, 1);
 	if (ret_result)

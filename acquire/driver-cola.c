@@ -11,10 +11,11 @@
 
 static const char *refusal_words(unsigned long code)
 {
-	static const char *const words[] = { "no error", "wrong user level", "unknown method", "unknown variable",
-		"value out of range", "invalid data", "unknown error", "too many parameters", "parameters are missing",
-		"unknown type", "writing is not allowed", "unknown command for this name", "unknown command", "busy",
-		"out of bounds", "unknown event" };
+	static const char *const words[] = { "no error", "wrong user level", "unknown method",
+		"unknown variable", "value out of range", "invalid data", "unknown error",
+		"too many parameters", "parameters are missing", "unknown type",
+		"writing is not allowed", "unknown command for this name", "unknown command",
+		"busy", "out of bounds", "unknown event" };
 	return code < G_N_ELEMENTS(words) ? words[code] : "see the manual";
 }
 
@@ -22,16 +23,17 @@ static const char *refusal_words(unsigned long code)
 static char *answer_to(const char *command)
 {
 	g_auto(GStrv) words = g_strsplit(command, " ", 3);
-	const char *type = g_str_equal(words[0], "sRN") ? "sRA" :
-		g_str_equal(words[0], "sWN")		? "sWA" :
-		g_str_equal(words[0], "sMN")		? "sAN" :
-							  "sEA";
+	const char *type = g_str_equal(words[0], "sRN")   ? "sRA"
+			   : g_str_equal(words[0], "sWN") ? "sWA"
+			   : g_str_equal(words[0], "sMN") ? "sAN"
+							  : "sEA";
 	return g_strdup_printf("%s %s", type, words[1]);
 }
 
 static pump_reply *ask(struct pump *p, const char *command, GError **error)
 {
-	g_autofree char *frame = g_strdup_printf("\x02%s\x03", command), *wanted = answer_to(command);
+	g_autofree char *frame = g_strdup_printf("\x02%s\x03", command),
+			*wanted = answer_to(command);
 	pump_clear(p);
 	if (!pump_send(p, frame, strlen(frame), error))
 		return NULL;
@@ -41,7 +43,8 @@ static pump_reply *ask(struct pump *p, const char *command, GError **error)
 		if (!g_str_has_prefix(r->command, "sFA"))
 			continue;
 		unsigned long code = strtoul(r->status, NULL, 16);
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "the lidar refuses '%s': error %lX, %s", command, code,
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
+			"the lidar refuses '%s': error %lX, %s", command, code,
 			refusal_words(code));
 		pump_reply_free(r);
 		return NULL;
@@ -91,7 +94,9 @@ static bool check_ranging(const char *ident, GError **error)
 	if (!type || number < 2.50)
 		return true;
 	g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
-		"this lidar measures no ranges: a TiM3xx with firmware 2.50 or later only watches fields (%s)", ident);
+		"this lidar measures no ranges: a TiM3xx with firmware 2.50 or later only watches "
+		"fields (%s)",
+		ident);
 	return false;
 }
 
@@ -105,9 +110,10 @@ static bool await_ready(struct pump *p, GError **error)
 		long state = strtol(r->text, NULL, 16);
 		if (state == 1)
 			return true;
-		if (state == 2 && (!order_if_known(p, "sMN SetAccessMode 3 F4724744", error) ||
-					  !order_if_known(p, "sMN mSCreboot", error) || !pump_for(p, REBOOT_NS, error) ||
-					  !pump_open_lidar(p, error)))
+		if (state == 2 &&
+			(!order_if_known(p, "sMN SetAccessMode 3 F4724744", error) ||
+				!order_if_known(p, "sMN mSCreboot", error) ||
+				!pump_for(p, REBOOT_NS, error) || !pump_open_lidar(p, error)))
 			return false;
 		if (!pump_for(p, 500 * MILLISECOND_NS, error))
 			return false;
@@ -121,17 +127,18 @@ static bool prepare(struct pump *p, GError **error)
 	if (!wake(p, error) || !await_ready(p, error))
 		return false;
 	g_autoptr(pump_reply) ident = ask(p, "sRN DeviceIdent", error);
-	return ident && check_ranging(ident->text, error) && order_if_known(p, "sRN SerialNumber", error) &&
-		order_if_known(p, "sRN FirmwareVersion", error) && order_if_known(p, "sRN LMPscancfg", error) &&
-		order(p, "sRN LMPoutputRange", error);
+	return ident && check_ranging(ident->text, error) &&
+	       order_if_known(p, "sRN SerialNumber", error) &&
+	       order_if_known(p, "sRN FirmwareVersion", error) &&
+	       order_if_known(p, "sRN LMPscancfg", error) && order(p, "sRN LMPoutputRange", error);
 }
 
 /* Sixteen-bit intensities where the device lets itself be configured. */
 static bool start(struct pump *p, GError **error)
 {
 	return order_if_known(p, "sMN SetAccessMode 3 F4724744", error) &&
-		order_if_known(p, "sWN LMDscandatacfg 01 00 1 1 0 00 00 0 0 0 0 +1", error) &&
-		order_if_known(p, "sMN Run", error) && order(p, "sEN LMDscandata 1", error);
+	       order_if_known(p, "sWN LMDscandatacfg 01 00 1 1 0 00 00 0 0 0 0 +1", error) &&
+	       order_if_known(p, "sMN Run", error) && order(p, "sEN LMDscandata 1", error);
 }
 
 static bool stop(struct pump *p, GError **error)

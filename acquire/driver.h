@@ -1,7 +1,8 @@
 #ifndef ACQUIRE_DRIVER_H
 #define ACQUIRE_DRIVER_H
-/* A driver speaks a lidar's protocol: it starts and stops the device; the decoder of the same name reads what comes. The
- * table has a row per protocol; adding a lidar is adding a decoder and a row. */
+/* A driver speaks a lidar's protocol: it starts and stops the device; the decoder of the same name
+ * reads what comes. The table has a row per protocol; adding a lidar is adding a decoder and a row.
+ */
 #include "acquire/clock.h"
 #include "acquire/decoder.h"
 #include "acquire/placement.h"
@@ -12,7 +13,8 @@ struct driver {
 	const char *protocol;
 	struct device_clock_desc clock;
 	enum stamp_instant stamp;
-	/* Wakes the device from whatever state it is in, identifies it and compares clocks. Says what is wrong in words. */
+	/* Wakes the device from whatever state it is in, identifies it and compares clocks. Says
+	 * what is wrong in words. */
 	bool (*prepare)(struct pump *p, GError **error);
 	/* Ranges begin to flow. */
 	bool (*start)(struct pump *p, GError **error);

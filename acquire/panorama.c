@@ -3,16 +3,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Two ranges belong to one surface when they differ by less than this share: filling does not bridge more. */
+/* Two ranges belong to one surface when they differ by less than this share: filling does not
+ * bridge more. */
 #define FILL_RANGE_RATIO 1.08f
 
 panorama *panorama_new(const struct panorama_desc *desc, GError **error)
 {
-	if (desc->columns < 4 || desc->columns > PANORAMA_COLUMNS_MAX || desc->rows < 1 || desc->rows > PANORAMA_ROWS_MAX ||
+	if (desc->columns < 4 || desc->columns > PANORAMA_COLUMNS_MAX || desc->rows < 1 ||
+		desc->rows > PANORAMA_ROWS_MAX ||
 		(uint64_t)desc->columns * desc->rows > PANORAMA_CELLS_MAX ||
 		!(desc->elevation_max_rad > desc->elevation_min_rad)) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "a panorama of %u columns and %u rows cannot be",
-			desc->columns, desc->rows);
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"a panorama of %u columns and %u rows cannot be", desc->columns,
+			desc->rows);
 		return NULL;
 	}
 	size_t cells = (size_t)desc->columns * desc->rows;
@@ -57,9 +60,11 @@ static int64_t distance2(int16_t a, int16_t b)
 	return (int64_t)a * a + (int64_t)b * b;
 }
 
-static void add_beam(panorama *p, double azimuth_rad, double elevation_rad, float range_m, uint16_t intensity)
+static void add_beam(
+	panorama *p, double azimuth_rad, double elevation_rad, float range_m, uint16_t intensity)
 {
-	double x = azimuth_rad / p->column_rad, y = (p->desc.elevation_max_rad - elevation_rad) / p->row_rad;
+	double x = azimuth_rad / p->column_rad,
+	       y = (p->desc.elevation_max_rad - elevation_rad) / p->row_rad;
 	double column = floor(x), row = floor(y);
 	if (!(row >= 0 && row < p->desc.rows && x >= 0))
 		return;
@@ -76,8 +81,8 @@ static void add_beam(panorama *p, double azimuth_rad, double elevation_rad, floa
 	p->elevation_offset[i] = up;
 }
 
-void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation_rad, const float *range_m,
-	const uint16_t *intensity, size_t beams)
+void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation_rad,
+	const float *range_m, const uint16_t *intensity, size_t beams)
 {
 	for (size_t i = 0; i < beams; i++)
 		add_beam(p, azimuth_rad[i], elevation_rad[i], range_m[i], intensity[i]);
@@ -108,8 +113,11 @@ static void fill_between(panorama *p, const struct run *r, uint32_t from, uint32
 			continue;
 		p->cell[i] = smooth || p->cell[side] == CELL_MEASURED ? CELL_FILLED : CELL_EMPTY;
 		/* Inverse range is linear across a plane. */
-		p->range_m[i] = smooth ? 1 / ((1 - t) / p->range_m[a] + t / p->range_m[b]) : p->range_m[side];
-		p->intensity[i] = smooth ? (uint16_t)lrintf((1 - t) * p->intensity[a] + t * p->intensity[b]) : p->intensity[side];
+		p->range_m[i] = smooth ? 1 / ((1 - t) / p->range_m[a] + t / p->range_m[b])
+				       : p->range_m[side];
+		p->intensity[i] =
+			smooth ? (uint16_t)lrintf((1 - t) * p->intensity[a] + t * p->intensity[b])
+			       : p->intensity[side];
 	}
 }
 
@@ -133,11 +141,13 @@ static void fill_run(panorama *p, const struct run *r, uint32_t reach)
 
 void panorama_fill(panorama *p, uint32_t reach)
 {
-	/* Along columns first: there the beams of one revolution stand, without a turn of the stage between them. */
+	/* Along columns first: there the beams of one revolution stand, without a turn of the stage
+	 * between them. */
 	for (uint32_t c = 0; c < p->desc.columns; c++)
 		fill_run(p, &(struct run){ c, p->desc.columns, p->desc.rows, false }, reach);
 	for (uint32_t r = 0; r < p->desc.rows; r++)
-		fill_run(p, &(struct run){ (size_t)r * p->desc.columns, 1, p->desc.columns, true }, reach);
+		fill_run(p, &(struct run){ (size_t)r * p->desc.columns, 1, p->desc.columns, true },
+			reach);
 }
 
 double panorama_azimuth_rad(const panorama *p, uint32_t row, uint32_t column)
@@ -154,7 +164,8 @@ double panorama_elevation_rad(const panorama *p, uint32_t row, uint32_t column)
 
 void panorama_point(const panorama *p, uint32_t row, uint32_t column, double ret_m[3])
 {
-	double azimuth = panorama_azimuth_rad(p, row, column), elevation = panorama_elevation_rad(p, row, column);
+	double azimuth = panorama_azimuth_rad(p, row, column),
+	       elevation = panorama_elevation_rad(p, row, column);
 	double range = p->range_m[panorama_index(p, row, column)];
 	ret_m[0] = range * cos(elevation) * sin(azimuth);
 	ret_m[1] = range * cos(elevation) * cos(azimuth);

@@ -1,12 +1,14 @@
 #ifndef ACQUIRE_PANORAMA_H
 #define ACQUIRE_PANORAMA_H
-/* A panorama is one full turn of the head as a grid: columns of rising azimuth from left to right (clockwise seen from
- * above, so that it looks as the place does), rows of falling elevation from top to bottom. Cells are equal in angle.
+/* A panorama is one full turn of the head as a grid: columns of rising azimuth from left to right
+ * (clockwise seen from above, so that it looks as the place does), rows of falling elevation from
+ * top to bottom. Cells are equal in angle.
  *
- * It is resampled from beams without mixing them: a cell keeps the beam that passed nearest its centre, as measured, with
- * the beam's own direction as an offset from the centre. So a measured cell is a point as exact as the scanner made it.
- * Cells that no beam came near are filled from their neighbours for looking at, and say so; nothing downstream may treat
- * them as measured. One owner; not thread-safe while written, const after. */
+ * It is resampled from beams without mixing them: a cell keeps the beam that passed nearest its
+ * centre, as measured, with the beam's own direction as an offset from the centre. So a measured
+ * cell is a point as exact as the scanner made it. Cells that no beam came near are filled from
+ * their neighbours for looking at, and say so; nothing downstream may treat them as measured. One
+ * owner; not thread-safe while written, const after. */
 #include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,13 +19,14 @@ typedef struct panorama panorama;
 enum panorama_cell {
 	CELL_EMPTY, /* no beam went there */
 	CELL_MEASURED,
-	CELL_FILLED, /* interpolated */
+	CELL_FILLED,    /* interpolated */
 	CELL_NO_RETURN, /* a beam went there and nothing came back: open sky, water, glass */
 };
 
 struct panorama_desc {
 	uint32_t columns, rows;
-	double elevation_min_rad, elevation_max_rad; /* lower edge of the last row, upper edge of row 0 */
+	double elevation_min_rad,
+		elevation_max_rad; /* lower edge of the last row, upper edge of row 0 */
 };
 
 #define PANORAMA_COLUMNS_MAX 65536u
@@ -49,15 +52,17 @@ panorama *panorama_new(const struct panorama_desc *desc, GError **error);
 void panorama_free(panorama *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(panorama, panorama_free)
 
-/* The grid of a preset: columns over a full turn, rows over 90 degrees from 40 below to 50 above the horizon, laid so that
- * the centre of a row is at elevation 0. */
+/* The grid of a preset: columns over a full turn, rows over 90 degrees from 40 below to 50 above
+ * the horizon, laid so that the centre of a row is at elevation 0. */
 struct panorama_desc panorama_desc_for(uint32_t columns, uint32_t rows);
 
-/* Beams in any order; azimuth 0..2 pi; range 0 = no return. Beams outside the rows are passed over. */
-void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation_rad, const float *range_m,
-	const uint16_t *intensity, size_t beams);
+/* Beams in any order; azimuth 0..2 pi; range 0 = no return. Beams outside the rows are passed over.
+ */
+void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation_rad,
+	const float *range_m, const uint16_t *intensity, size_t beams);
 
-/* Fills empty cells between beams up to reach cells apart in a row or column; ranges across an edge are not mixed. */
+/* Fills empty cells between beams up to reach cells apart in a row or column; ranges across an edge
+ * are not mixed. */
 void panorama_fill(panorama *p, uint32_t reach);
 
 static inline size_t panorama_index(const panorama *p, uint32_t row, uint32_t column)
@@ -70,7 +75,8 @@ double panorama_azimuth_rad(const panorama *p, uint32_t row, uint32_t column);
 double panorama_elevation_rad(const panorama *p, uint32_t row, uint32_t column);
 /* The point in the scanner frame (x right of home, y along it, z up). Needs a range. */
 void panorama_point(const panorama *p, uint32_t row, uint32_t column, double ret_m[3]);
-/* Diameter of the patch that the cell stands for, at its range (Xu & Chen 2004, section 3): the larger side of the cell. */
+/* Diameter of the patch that the cell stands for, at its range (Xu & Chen 2004, section 3): the
+ * larger side of the cell. */
 float panorama_point_size_m(const panorama *p, uint32_t row, uint32_t column);
 /* Share of the cells of a column that a beam went to, 0..1. */
 double panorama_column_coverage(const panorama *p, uint32_t column);

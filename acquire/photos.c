@@ -2,14 +2,14 @@
 #include <math.h>
 
 #define SECOND_NS INT64_C(1000000000)
-#define DEGREE	  (G_PI / 180)
+#define DEGREE    (G_PI / 180)
 /* A photo serves a wanted angle when it was taken this near. */
 #define NEAR_ENOUGH (4 * DEGREE)
 /* Frames for metering: one each this often. */
 #define METER_EVERY_NS (SECOND_NS)
 /* The brightest sixth of what is not sky may come close to white. */
 #define METER_PERCENTILE 0.85
-#define METER_TARGET	 0.62 /* of full scale, linear */
+#define METER_TARGET     0.62 /* of full scale, linear */
 
 struct photos {
 	camera *camera;
@@ -18,7 +18,8 @@ struct photos {
 	bool lent, metering;
 	int64_t lent_ns, metered_ns;
 	struct camera_controls controls;
-	double radiance_sum; /* logarithms of what a frame's percentile says, per unit of exposure */
+	double radiance_sum; /* logarithms of what a frame's percentile says, per unit of exposure
+			      */
 	uint32_t metered;
 };
 
@@ -28,7 +29,9 @@ photos *photos_new(camera *c, uint32_t count)
 	p->camera = c;
 	p->count = c ? count : 0;
 	p->taken = g_new0(bool, p->count + 1);
-	p->controls = (struct camera_controls){ .exposure_100us = 50, .gain_percent = 100, .white_balance_k = 5500 };
+	p->controls = (struct camera_controls){
+		.exposure_100us = 50, .gain_percent = 100, .white_balance_k = 5500
+	};
 	return p;
 }
 
@@ -71,7 +74,8 @@ bool photos_settle_exposure(photos *p, GError **error)
 	if (p->metered) {
 		double wanted = METER_TARGET / exp(p->radiance_sum / p->metered);
 		c.exposure_100us = (uint32_t)CLAMP(lrint(wanted), 1, 330);
-		/* Beyond a thirtieth of a second the stage would blur it: gain has to do the rest. */
+		/* Beyond a thirtieth of a second the stage would blur it: gain has to do the rest.
+		 */
 		c.gain_percent = (uint32_t)CLAMP(lrint(100 * wanted / c.exposure_100us), 100, 1600);
 	}
 	p->lent = false;
@@ -118,10 +122,12 @@ bool photos_watch(photos *p, double front_rad, int64_t now_ns, GError **error)
 	double turn = front_rad - floor(front_rad / (2 * G_PI)) * (2 * G_PI);
 	uint32_t k = (uint32_t)(turn / spacing) % p->count;
 	double past = turn - (k + 0.5) * spacing;
-	return p->taken[k] || past < -0.5 * DEGREE || past > NEAR_ENOUGH ? true : lend(p, now_ns, error);
+	return p->taken[k] || past < -0.5 * DEGREE || past > NEAR_ENOUGH ? true
+									 : lend(p, now_ns, error);
 }
 
-void photos_take(photos *p, const struct camera_frame_info *info, const uint8_t *pixels, double front_rad, bool locked)
+void photos_take(photos *p, const struct camera_frame_info *info, const uint8_t *pixels,
+	double front_rad, bool locked)
 {
 	p->lent = false;
 	if (p->count == 0)

@@ -8,7 +8,7 @@
 
 const char *const picture_names[] = { "range", "intensity", "colour", "cells", NULL };
 
-#define PERCENTILE_LOW	0.01
+#define PERCENTILE_LOW  0.01
 #define PERCENTILE_HIGH 0.99
 
 struct stretch {
@@ -32,7 +32,8 @@ static struct stretch find_stretch(const panorama *p, float (*value)(const panor
 	if (kept == 0)
 		return (struct stretch){ 0, 1 };
 	qsort(sample, kept, sizeof *sample, by_value);
-	struct stretch s = { sample[(size_t)(PERCENTILE_LOW * (kept - 1))], sample[(size_t)(PERCENTILE_HIGH * (kept - 1))] };
+	struct stretch s = { sample[(size_t)(PERCENTILE_LOW * (kept - 1))],
+		sample[(size_t)(PERCENTILE_HIGH * (kept - 1))] };
 	s.high = fmaxf(s.high, s.low + 1e-3f);
 	return s;
 }
@@ -42,17 +43,20 @@ static float log_range(const panorama *p, size_t i)
 	return logf(p->range_m[i]);
 }
 
-/* What falls with the square of the range says little of the surface: half of that is taken back. */
+/* What falls with the square of the range says little of the surface: half of that is taken back.
+ */
 static float levelled_intensity(const panorama *p, size_t i)
 {
 	return p->intensity[i] * (1 + p->range_m[i] / 10);
 }
 
-/* Turbo-like ramp by cosines: warm near, cold far, no two neighbours alike, lightness rising to the middle. */
+/* Turbo-like ramp by cosines: warm near, cold far, no two neighbours alike, lightness rising to the
+ * middle. */
 static void ramp(float t, uint8_t rgb[3])
 {
-	static const float stops[][3] = { { 122, 4, 3 }, { 221, 61, 8 }, { 251, 154, 44 }, { 225, 221, 55 }, { 150, 250, 80 },
-		{ 49, 242, 153 }, { 40, 187, 236 }, { 70, 107, 227 }, { 48, 18, 59 } };
+	static const float stops[][3] = { { 122, 4, 3 }, { 221, 61, 8 }, { 251, 154, 44 },
+		{ 225, 221, 55 }, { 150, 250, 80 }, { 49, 242, 153 }, { 40, 187, 236 },
+		{ 70, 107, 227 }, { 48, 18, 59 } };
 	int last = G_N_ELEMENTS(stops) - 1;
 	float x = CLAMP(t, 0.0f, 1.0f) * last;
 	int k = MIN((int)x, last - 1);
@@ -81,7 +85,8 @@ static void colour_photo(const panorama *p, size_t i, const struct stretch *s, u
 
 static void colour_cell(const panorama *p, size_t i, const struct stretch *s, uint8_t rgb[3])
 {
-	static const uint8_t palette[][3] = { { 0, 0, 0 }, { 255, 255, 255 }, { 240, 140, 30 }, { 60, 100, 200 } };
+	static const uint8_t palette[][3] = { { 0, 0, 0 }, { 255, 255, 255 }, { 240, 140, 30 },
+		{ 60, 100, 200 } };
 	(void)s;
 	memcpy(rgb, palette[p->cell[i] & 3], 3);
 }
@@ -96,30 +101,38 @@ static const struct {
 	[PICTURE_CELLS] = { colour_cell, NULL },
 };
 
-static bool write_png(const char *path, const uint8_t *rgb, uint32_t width, uint32_t height, GError **error)
+static bool write_png(
+	const char *path, const uint8_t *rgb, uint32_t width, uint32_t height, GError **error)
 {
-	png_image image = { .version = PNG_IMAGE_VERSION, .width = width, .height = height, .format = PNG_FORMAT_RGB };
+	png_image image = { .version = PNG_IMAGE_VERSION,
+		.width = width,
+		.height = height,
+		.format = PNG_FORMAT_RGB };
 	image.flags = PNG_IMAGE_FLAG_FAST;
 	g_autofree char *beside = g_strconcat(path, ".new", NULL);
 	if (!png_image_write_to_file(&image, beside, 0, rgb, 0, NULL)) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_FAILED, "%s: cannot be written: %s", path, image.message);
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_FAILED, "%s: cannot be written: %s",
+			path, image.message);
 		remove(beside);
 		return false;
 	}
 	if (rename(beside, path) == 0)
 		return true;
-	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path, g_strerror(errno));
+	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path,
+		g_strerror(errno));
 	return false;
 }
 
 bool picture_save(const panorama *p, enum picture kind, const char *path, GError **error)
 {
 	if (kind == PICTURE_COLOUR && !p->rgb) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: this scan has no colour", path);
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: this scan has no colour",
+			path);
 		return false;
 	}
 	size_t n = (size_t)p->desc.columns * p->desc.rows;
-	struct stretch s = painters[kind].value ? find_stretch(p, painters[kind].value) : (struct stretch){ 0, 1 };
+	struct stretch s = painters[kind].value ? find_stretch(p, painters[kind].value)
+						: (struct stretch){ 0, 1 };
 	g_autofree uint8_t *rgb = g_malloc0(3 * n);
 #pragma omp parallel for
 	for (size_t i = 0; i < n; i++)

@@ -4,10 +4,11 @@
 #include "acquire/panorama.h"
 
 enum picture {
-	PICTURE_RANGE, /* false colour over the logarithm of range: near is warm, far is cold; no return black */
+	PICTURE_RANGE, /* false colour over the logarithm of range: near is warm, far is cold; no
+			  return black */
 	PICTURE_INTENSITY, /* grey, stretched to what the panorama holds; corrected for range */
-	PICTURE_COLOUR, /* as photographed; needs p->rgb */
-	PICTURE_CELLS, /* measured white, filled orange, no return blue, empty black */
+	PICTURE_COLOUR,    /* as photographed; needs p->rgb */
+	PICTURE_CELLS,     /* measured white, filled orange, no return blue, empty black */
 	PICTURES
 };
 extern const char *const picture_names[]; /* "range", "intensity", ... */

@@ -2,7 +2,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The stage turns by less than a step between so few beams: its angle is interpolated across them. */
+/* The stage turns by less than a step between so few beams: its angle is interpolated across them.
+ */
 #define BEAMS_PER_KNOT 64u
 
 struct placement {
@@ -43,10 +44,11 @@ void placement_free(placement *p)
 	g_free(p);
 }
 
-void placement_sweep(const struct scanline *line, enum stamp_instant stamp, int64_t stamp_ns, int64_t *ret_first_ns,
-	int64_t *ret_last_ns)
+void placement_sweep(const struct scanline *line, enum stamp_instant stamp, int64_t stamp_ns,
+	int64_t *ret_first_ns, int64_t *ret_last_ns)
 {
-	double sweep_ns = (line->beams - 1) * fabs(line->angle_step_rad) / (2 * G_PI * line->scan_rate_hz) * 1e9;
+	double sweep_ns = (line->beams - 1) * fabs(line->angle_step_rad) /
+			  (2 * G_PI * line->scan_rate_hz) * 1e9;
 	*ret_first_ns = stamp_ns - (stamp == STAMP_LAST_BEAM ? llround(sweep_ns) : 0);
 	*ret_last_ns = *ret_first_ns + llround(sweep_ns);
 }
@@ -110,12 +112,14 @@ static void place_beam(placement *p, const struct scanline *line, uint32_t i, do
 	p->azimuth_rad[i] = wrap(p->azimuth_rad[i]);
 }
 
-void placement_place(placement *p, const struct scanline *line, const stage_track *track, int64_t first_ns,
-	int64_t last_ns, struct placed_line *ret)
+void placement_place(placement *p, const struct scanline *line, const stage_track *track,
+	int64_t first_ns, int64_t last_ns, struct placed_line *ret)
 {
-	if (line->beams != p->beams || line->first_angle_rad != p->first_angle_rad || line->angle_step_rad != p->angle_step_rad)
+	if (line->beams != p->beams || line->first_angle_rad != p->first_angle_rad ||
+		line->angle_step_rad != p->angle_step_rad)
 		tabulate(p, line);
-	double zero = p->calibration.stage.azimuth_zero_rad, front = stage_track_angle_rad(track, first_ns);
+	double zero = p->calibration.stage.azimuth_zero_rad,
+	       front = stage_track_angle_rad(track, first_ns);
 	*ret = (struct placed_line){ .beams = line->beams,
 		.elevation_rad = p->elevation_rad,
 		.azimuth_rad = p->azimuth_rad,
@@ -128,7 +132,8 @@ void placement_place(placement *p, const struct scanline *line, const stage_trac
 		uint32_t to = MIN(from + BEAMS_PER_KNOT, line->beams);
 		double next = stage_track_angle_rad(track, first_ns + llround(beam_ns * to));
 		for (uint32_t i = from; i < to; i++)
-			place_beam(p, line, i, zero + front + (next - front) * (i - from) / (to - from));
+			place_beam(p, line, i,
+				zero + front + (next - front) * (i - from) / (to - from));
 		front = next;
 	}
 	ret->front_last_rad = front;

@@ -7,10 +7,12 @@
 #include <unistd.h>
 
 #define ROWS_PER_STRIP 32u
-/* Noise does not compress: the fastest level costs a fifth of the default's time and a hundredth in size. */
+/* Noise does not compress: the fastest level costs a fifth of the default's time and a hundredth in
+ * size. */
 #define DEFLATE_LEVEL 1
 
-const char *const planes_names[] = { "range.tiff", "intensity.tiff", "cell.tiff", "offset.tiff", "colour.tiff", NULL };
+const char *const planes_names[] = { "range.tiff", "intensity.tiff", "cell.tiff", "offset.tiff",
+	"colour.tiff", NULL };
 
 enum plane { RANGE, INTENSITY, CELL, OFFSET, COLOUR, PLANES };
 
@@ -49,12 +51,13 @@ static void catch_complaints(void)
 
 static bool fail(GError **error, const char *path, const char *what)
 {
-	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_FAILED, "%s: %s%s%s", path, what, *last_complaint ? ": " : "",
-		last_complaint);
+	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_FAILED, "%s: %s%s%s", path, what,
+		*last_complaint ? ": " : "", last_complaint);
 	return false;
 }
 
-/* The bytes of rows [row, row + rows) as the file has them; the offsets' two planes are interleaved. */
+/* The bytes of rows [row, row + rows) as the file has them; the offsets' two planes are
+ * interleaved. */
 static void gather(const panorama *p, enum plane plane, uint32_t row, uint32_t rows, uint8_t *out)
 {
 	size_t at = panorama_index(p, row, 0), n = (size_t)rows * p->desc.columns;
@@ -98,7 +101,8 @@ static void describe(TIFF *t, const panorama *p, enum plane plane)
 	TIFFSetField(t, TIFFTAG_SAMPLESPERPIXEL, l->samples);
 	TIFFSetField(t, TIFFTAG_SAMPLEFORMAT, l->format);
 	TIFFSetField(t, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
-	TIFFSetField(t, TIFFTAG_PHOTOMETRIC, plane == COLOUR ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
+	TIFFSetField(
+		t, TIFFTAG_PHOTOMETRIC, plane == COLOUR ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
 	TIFFSetField(t, TIFFTAG_ROWSPERSTRIP, ROWS_PER_STRIP);
 	TIFFSetField(t, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
 	TIFFSetField(t, TIFFTAG_ZIPQUALITY, DEFLATE_LEVEL);
@@ -128,7 +132,8 @@ static bool sync_file(const char *path, GError **error)
 	int fd = open(path, O_RDONLY | O_CLOEXEC);
 	bool good = fd >= 0 && fsync(fd) == 0;
 	if (!good)
-		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path, g_strerror(errno));
+		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path,
+			g_strerror(errno));
 	if (fd >= 0)
 		close(fd);
 	return good;
@@ -145,7 +150,8 @@ static bool save_plane(const panorama *p, enum plane plane, const char *folder, 
 	bool good = write_strips(t, p, plane) && TIFFFlush(t);
 	TIFFClose(t);
 	/* TIFFClose has no result; what it complains of was not written either. */
-	return good && !*last_complaint ? sync_file(path, error) : fail(error, path, "cannot be written");
+	return good && !*last_complaint ? sync_file(path, error)
+					: fail(error, path, "cannot be written");
 }
 
 bool planes_save(const panorama *p, const char *folder, GError **error)
@@ -178,8 +184,9 @@ static bool has_layout(TIFF *t, const panorama *p, enum plane plane)
 	TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLEFORMAT, &format);
 	TIFFGetFieldDefaulted(t, TIFFTAG_PLANARCONFIG, &planar);
 	TIFFGetFieldDefaulted(t, TIFFTAG_ROWSPERSTRIP, &strip);
-	return width == p->desc.columns && height == p->desc.rows && bits == l->bits && samples == l->samples &&
-		format == l->format && planar == PLANARCONFIG_CONTIG && !TIFFIsTiled(t) && strip == ROWS_PER_STRIP;
+	return width == p->desc.columns && height == p->desc.rows && bits == l->bits &&
+	       samples == l->samples && format == l->format && planar == PLANARCONFIG_CONTIG &&
+	       !TIFFIsTiled(t) && strip == ROWS_PER_STRIP;
 }
 
 static bool read_strips(TIFF *t, panorama *p, enum plane plane)
@@ -206,7 +213,8 @@ static bool load_plane(panorama *p, enum plane plane, const char *folder, GError
 	bool fits = has_layout(t, p, plane), good = fits && read_strips(t, p, plane);
 	TIFFClose(t);
 	if (!fits)
-		return fail(error, path, "is not the plane of this scan: its size or type differs from scan.json");
+		return fail(error, path,
+			"is not the plane of this scan: its size or type differs from scan.json");
 	return good || fail(error, path, "is damaged");
 }
 
@@ -216,10 +224,13 @@ static bool check_cells(const panorama *p, const char *folder, GError **error)
 	for (size_t i = 0; i < (size_t)p->desc.columns * p->desc.rows; i++) {
 		bool has_range = p->range_m[i] > 0 && p->range_m[i] < 1e6f;
 		bool wants_range = p->cell[i] == CELL_MEASURED || p->cell[i] == CELL_FILLED;
-		if (p->cell[i] <= CELL_NO_RETURN && has_range == wants_range && (has_range || p->range_m[i] == 0))
+		if (p->cell[i] <= CELL_NO_RETURN && has_range == wants_range &&
+			(has_range || p->range_m[i] == 0))
 			continue;
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: row %zu, column %zu: range %g and cell %u contradict each other",
-			folder, i / p->desc.columns, i % p->desc.columns, (double)p->range_m[i], p->cell[i]);
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: row %zu, column %zu: range %g and cell %u contradict each other",
+			folder, i / p->desc.columns, i % p->desc.columns, (double)p->range_m[i],
+			p->cell[i]);
 		return false;
 	}
 	return true;

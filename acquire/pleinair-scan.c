@@ -4,20 +4,26 @@
 #include "acquire/scan.h"
 #include <stdio.h>
 
-#define COMMAND		 "scan"
-#define CONFIGURATION	 "/etc/pleinair.conf"
+#define COMMAND          "scan"
+#define CONFIGURATION    "/etc/pleinair.conf"
 #define PREVIEW_EVERY_US G_USEC_PER_SEC
 
 static char *device, *preset_name, *preview;
 static gboolean resume, salvage, discard, json;
 
 static const GOptionEntry entries[] = {
-	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device, "The head: sim:SCENE or replay:FILE", "URI" },
-	{ "preset", 'p', 0, G_OPTION_ARG_STRING, &preset_name, "draft (750x198), standard (1500x396) or fine (3000x792)", "NAME" },
-	{ "preview", 0, 0, G_OPTION_ARG_FILENAME, &preview, "Keep a picture of what has been seen so far in this PNG", "FILE" },
-	{ "resume", 0, 0, G_OPTION_ARG_NONE, &resume, "Go on with the scan that was begun and not finished", NULL },
-	{ "salvage", 0, 0, G_OPTION_ARG_NONE, &salvage, "With --resume: go on without what is damaged in the record", NULL },
-	{ "discard", 0, 0, G_OPTION_ARG_NONE, &discard, "Remove the scan that was begun and not finished, and end", NULL },
+	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device, "The head: sim:SCENE or replay:FILE",
+		"URI" },
+	{ "preset", 'p', 0, G_OPTION_ARG_STRING, &preset_name,
+		"draft (750x198), standard (1500x396) or fine (3000x792)", "NAME" },
+	{ "preview", 0, 0, G_OPTION_ARG_FILENAME, &preview,
+		"Keep a picture of what has been seen so far in this PNG", "FILE" },
+	{ "resume", 0, 0, G_OPTION_ARG_NONE, &resume,
+		"Go on with the scan that was begun and not finished", NULL },
+	{ "salvage", 0, 0, G_OPTION_ARG_NONE, &salvage,
+		"With --resume: go on without what is damaged in the record", NULL },
+	{ "discard", 0, 0, G_OPTION_ARG_NONE, &discard,
+		"Remove the scan that was begun and not finished, and end", NULL },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the result as JSON", NULL },
 	{ NULL },
 };
@@ -50,22 +56,24 @@ static bool show_progress(const struct run_progress *p, gpointer user_data)
 	return cli_interrupted();
 }
 
-static void show_prediction(const struct prediction *p, const struct lidar_identity *lidar, gpointer user_data)
+static void show_prediction(
+	const struct prediction *p, const struct lidar_identity *lidar, gpointer user_data)
 {
 	g_autofree char *bytes = g_format_size(p->bytes), *time = cli_duration(p->seconds);
 	(void)user_data;
 	if (!json)
-		g_printerr("%s: %u beams at %g Hz; this takes %s, %.2f million points and %s\n", lidar->model, lidar->beams,
-			lidar->scan_rate_hz, time, (double)p->points * 1e-6, bytes);
+		g_printerr("%s: %u beams at %g Hz; this takes %s, %.2f million points and %s\n",
+			lidar->model, lidar->beams, lidar->scan_rate_hz, time,
+			(double)p->points * 1e-6, bytes);
 }
 
 /* The head that the appliance's own configuration names. */
 static char *configured_device(void)
 {
 	g_autoptr(GKeyFile) file = g_key_file_new();
-	return g_key_file_load_from_file(file, CONFIGURATION, G_KEY_FILE_NONE, NULL) ?
-		g_key_file_get_string(file, "head", "device", NULL) :
-		NULL;
+	return g_key_file_load_from_file(file, CONFIGURATION, G_KEY_FILE_NONE, NULL)
+		       ? g_key_file_get_string(file, "head", "device", NULL)
+		       : NULL;
 }
 
 static void print_result(const site *s, const struct scan_result *r)
@@ -73,10 +81,12 @@ static void print_result(const site *s, const struct scan_result *r)
 	double cells = (double)r->columns * r->rows;
 	g_autofree char *folder = site_scan_path(s, r->number);
 	if (!json) {
-		printf("%s: %u x %u, %.1f %% measured, %.1f %% without return, %u photos\n", folder, r->columns, r->rows,
-			100 * r->counts.measured / cells, 100 * r->counts.no_return / cells, r->photos);
+		printf("%s: %u x %u, %.1f %% measured, %.1f %% without return, %u photos\n", folder,
+			r->columns, r->rows, 100 * r->counts.measured / cells,
+			100 * r->counts.no_return / cells, r->photos);
 		if (r->report.lost_revolutions || r->missing_columns)
-			printf("%" G_GUINT64_FORMAT " revolutions were lost; %u columns are still missing\n",
+			printf("%" G_GUINT64_FORMAT
+			       " revolutions were lost; %u columns are still missing\n",
 				r->report.lost_revolutions, r->missing_columns);
 		return;
 	}
@@ -102,7 +112,8 @@ static int discard_partial(site *s)
 {
 	uint32_t number;
 	g_autoptr(GError) error = NULL;
-	if (!site_find_partial(s, &number, &error) || (number && !site_discard_partial(s, number, &error)))
+	if (!site_find_partial(s, &number, &error) ||
+		(number && !site_discard_partial(s, number, &error)))
 		return cli_fail(COMMAND, error);
 	if (number)
 		printf("scan %04u was discarded\n", number);
@@ -133,7 +144,8 @@ static int record(site *s, head *h, const struct preset *preset)
 	}
 	cli_fail(COMMAND, error);
 	if (partial)
-		g_printerr("pleinair scan: scan %04u is kept as far as it got: 'pleinair scan %s --resume' goes on with it, "
+		g_printerr("pleinair scan: scan %04u is kept as far as it got: 'pleinair scan %s "
+			   "--resume' goes on with it, "
 			   "'--discard' removes it\n",
 			partial, site_path(s));
 	return CLI_FAILED;
@@ -143,7 +155,8 @@ int main(int argc, char **argv)
 {
 	int status;
 	g_autoptr(GError) error = NULL;
-	if (!cli_parse(COMMAND, "SITE", "Records one scan into a site, which is made when it is not there.",
+	if (!cli_parse(COMMAND, "SITE",
+		    "Records one scan into a site, which is made when it is not there.",
 		    "Examples:\n"
 		    "  pleinair scan oak --device 'sim:court?seed=7&station=2' --preset draft\n"
 		    "  pleinair scan oak --resume\n",
@@ -155,11 +168,13 @@ int main(int argc, char **argv)
 		return cli_misuse(COMMAND, "--salvage goes with --resume");
 	const struct preset *preset = preset_find(preset_name ? preset_name : "standard");
 	if (!preset)
-		return cli_misuse(COMMAND, "there is no preset '%s': draft, standard or fine", preset_name);
+		return cli_misuse(
+			COMMAND, "there is no preset '%s': draft, standard or fine", preset_name);
 	if (!device)
 		device = configured_device();
 	if (!device && !resume && !discard)
-		return cli_misuse(COMMAND, "which device? Without a scanner try --device sim:court");
+		return cli_misuse(
+			COMMAND, "which device? Without a scanner try --device sim:court");
 	/* A head that is not there must not leave a new, empty site behind. */
 	g_autoptr(head) h = resume || discard ? NULL : head_open(device, &error);
 	if (error)

@@ -1,4 +1,5 @@
-/* pleinair COMMAND ...: runs pleinair-COMMAND, which stands beside this program, in its libexec folder or on the PATH. */
+/* pleinair COMMAND ...: runs pleinair-COMMAND, which stands beside this program, in its libexec
+ * folder or on the PATH. */
 #include "acquire/cli.h"
 #include <errno.h>
 #include <stdio.h>
@@ -23,7 +24,8 @@ static char *find_program(const char *command)
 	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
 	g_autofree char *folder = g_path_get_dirname(self ? self : ".");
 	g_autofree char *beside = g_build_filename(folder, name, NULL);
-	g_autofree char *libexec = g_build_filename(folder, "..", "libexec", "pleinair", name, NULL);
+	g_autofree char *libexec =
+		g_build_filename(folder, "..", "libexec", "pleinair", name, NULL);
 	if (strchr(command, '/'))
 		return NULL;
 	if (g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE))
@@ -41,7 +43,9 @@ static void print_help(FILE *out)
 		out);
 	for (size_t i = 0; i < G_N_ELEMENTS(commands); i++)
 		fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].summary);
-	fputs("\n'pleinair COMMAND --help' tells the options of a command; 'man pleinair' tells more.\n", out);
+	fputs("\n'pleinair COMMAND --help' tells the options of a command; 'man pleinair' tells "
+	      "more.\n",
+		out);
 }
 
 int main(int argc, char **argv)
@@ -50,7 +54,8 @@ int main(int argc, char **argv)
 		print_help(stderr);
 		return CLI_WRONG_USAGE;
 	}
-	if (g_str_equal(argv[1], "--help") || g_str_equal(argv[1], "-h") || g_str_equal(argv[1], "help")) {
+	if (g_str_equal(argv[1], "--help") || g_str_equal(argv[1], "-h") ||
+		g_str_equal(argv[1], "help")) {
 		print_help(stdout);
 		return CLI_DONE;
 	}

@@ -5,7 +5,8 @@
 #define DEGREE (G_PI / 180)
 /* Revolutions a column: above one, so that a column is met whatever the phase of the mirror. */
 #define REVOLUTIONS_PER_COLUMN 1.06
-/* Bytes of a beam on the wire: SCIP's three characters each for range and intensity, with sums; CoLa is alike. */
+/* Bytes of a beam on the wire: SCIP's three characters each for range and intensity, with sums;
+ * CoLa is alike. */
 #define WIRE_BYTES_PER_BEAM 6.2
 /* Bytes of a cell in the planes, compressed, as measured on simulated and quiet real scans. */
 #define PLANE_BYTES_PER_CELL 9.0
@@ -46,18 +47,24 @@ static double move_seconds(double angle, double rate, double acceleration)
 	return angle < ramp ? 2 * sqrt(angle / acceleration) : angle / rate + rate / acceleration;
 }
 
-struct prediction preset_predict(
-	const struct preset *preset, const struct lidar_identity *lidar, const struct calibration *calibration)
+struct prediction preset_predict(const struct preset *preset, const struct lidar_identity *lidar,
+	const struct calibration *calibration)
 {
 	struct stage_pace pace = preset_pace(preset, lidar->scan_rate_hz);
 	double a = pace.acceleration_rad_s2, pass = G_PI + 2 * pace.run_up_rad;
 	bool photos = calibration->has_camera;
-	double seconds = move_seconds(G_PI, pace.home_rad_s, a) + move_seconds(pass, pace.scan_rad_s, a) +
-		(photos ? move_seconds(G_PI, pace.photo_rad_s, a) : 0) + move_seconds(2 * G_PI, pace.travel_rad_s, a) + 2;
-	double turns = pass / pace.scan_rad_s * lidar->scan_rate_hz, cells = (double)preset->columns * preset->rows;
-	double frames = photos ? preset->photos * 1.5 * calibration->camera.width * calibration->camera.height : 0;
+	double seconds = move_seconds(G_PI, pace.home_rad_s, a) +
+			 move_seconds(pass, pace.scan_rad_s, a) +
+			 (photos ? move_seconds(G_PI, pace.photo_rad_s, a) : 0) +
+			 move_seconds(2 * G_PI, pace.travel_rad_s, a) + 2;
+	double turns = pass / pace.scan_rad_s * lidar->scan_rate_hz,
+	       cells = (double)preset->columns * preset->rows;
+	double frames = photos ? preset->photos * 1.5 * calibration->camera.width *
+					 calibration->camera.height
+			       : 0;
 	double row_beams = fmin(preset->rows, G_PI / 2 / fabs(lidar->angle_step_rad) + 1);
 	return (struct prediction){ .seconds = seconds,
 		.points = (uint64_t)(row_beams * preset->columns),
-		.bytes = (uint64_t)(turns * lidar->beams * WIRE_BYTES_PER_BEAM + frames + cells * PLANE_BYTES_PER_CELL) };
+		.bytes = (uint64_t)(turns * lidar->beams * WIRE_BYTES_PER_BEAM + frames +
+				    cells * PLANE_BYTES_PER_CELL) };
 }

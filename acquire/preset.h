@@ -1,6 +1,7 @@
 #ifndef ACQUIRE_PRESET_H
 #define ACQUIRE_PRESET_H
-/* A preset is how finely a scan is made. What it will take is predicted from the lidar that is connected. */
+/* A preset is how finely a scan is made. What it will take is predicted from the lidar that is
+ * connected. */
 #include "acquire/calibration.h"
 #include "acquire/decoder.h"
 #include <stdbool.h>
@@ -9,7 +10,7 @@
 struct preset {
 	const char *name, *title;
 	uint32_t columns, rows;
-	uint32_t photos; /* a turn */
+	uint32_t photos;      /* a turn */
 	uint32_t rescans_max; /* times that lost columns are gone back for */
 };
 
@@ -30,10 +31,10 @@ struct stage_pace preset_pace(const struct preset *preset, double scan_rate_hz);
 struct prediction {
 	double seconds;
 	uint64_t points; /* of the panorama that a beam can reach, at most */
-	uint64_t bytes; /* record and planes */
+	uint64_t bytes;  /* record and planes */
 };
 /* The half turn of the lidar pass, the photo half, homing and travel; no losses. */
-struct prediction preset_predict(
-	const struct preset *preset, const struct lidar_identity *lidar, const struct calibration *calibration);
+struct prediction preset_predict(const struct preset *preset, const struct lidar_identity *lidar,
+	const struct calibration *calibration);
 
 #endif

@@ -2,11 +2,11 @@
 #include "acquire/driver.h"
 #include <string.h>
 
-G_DEFINE_QUARK(pump-error-quark, pump_error)
+G_DEFINE_QUARK(pump - error - quark, pump_error)
 
 /* Answers that nobody takes are old ones. */
 #define REPLIES_MAX 64
-#define SECOND_NS INT64_C(1000000000)
+#define SECOND_NS   INT64_C(1000000000)
 
 void pump_reply_free(pump_reply *r)
 {
@@ -27,15 +27,19 @@ void pump_clear(struct pump *p)
 void pump_take_reply(struct pump *p, const struct lidar_reply *reply)
 {
 	pump_reply *r = g_new(pump_reply, 1);
-	*r = (pump_reply){ reply->arrival_ns, g_strdup(reply->command), g_strdup(reply->status), g_strdup(reply->text) };
+	*r = (pump_reply){ reply->arrival_ns, g_strdup(reply->command), g_strdup(reply->status),
+		g_strdup(reply->text) };
 	g_queue_push_tail(&p->replies, r);
 	if (g_queue_get_length(&p->replies) > REPLIES_MAX)
 		pump_reply_free(g_queue_pop_head(&p->replies));
 }
 
-static bool feed(struct pump *p, enum record_kind kind, int64_t time_ns, const void *payload, size_t length, GError **error)
+static bool feed(struct pump *p, enum record_kind kind, int64_t time_ns, const void *payload,
+	size_t length, GError **error)
 {
-	struct record_entry e = { .kind = kind, .length = length, .time_ns = time_ns, .payload = payload };
+	struct record_entry e = {
+		.kind = kind, .length = length, .time_ns = time_ns, .payload = payload
+	};
 	return stream_feed(p->stream, &e, error);
 }
 
@@ -76,7 +80,8 @@ static bool take_lidar(struct pump *p, GError **error)
 	int64_t arrival_ns;
 	GError *gone = NULL;
 	gssize n = 0;
-	while (p->lidar_open && (n = wire_read(p->head->lidar, bytes, sizeof bytes, &arrival_ns, &gone)) > 0) {
+	while (p->lidar_open &&
+		(n = wire_read(p->head->lidar, bytes, sizeof bytes, &arrival_ns, &gone)) > 0) {
 		p->last_bytes_ns = arrival_ns;
 		if (!feed(p, RECORD_LIDAR_IN, arrival_ns, bytes, n, error))
 			return false;
@@ -99,7 +104,8 @@ static bool take_stage(struct pump *p, GError **error)
 	}
 	if (n == 0 && p->stage_fault) {
 		p->stage_fault = false;
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE, "the pan stage stopped by itself: is something in its way?");
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE,
+			"the pan stage stopped by itself: is something in its way?");
 		return false;
 	}
 	return n == 0;
@@ -114,7 +120,8 @@ static bool take_camera(struct pump *p, GError **error)
 	int n = 0;
 	g_autoptr(GError) gone = NULL;
 	while (p->head->camera && !p->camera_gone &&
-		(n = camera_read(p->head->camera, &info, &pixels, &bytes, &arrival_ns, &gone)) > 0) {
+		(n = camera_read(p->head->camera, &info, &pixels, &bytes, &arrival_ns, &gone)) >
+			0) {
 		g_autofree uint8_t *payload = g_malloc(sizeof info + bytes);
 		memcpy(payload, &info, sizeof info);
 		memcpy(payload + sizeof info, pixels, bytes);
@@ -129,8 +136,9 @@ static bool take_camera(struct pump *p, GError **error)
 bool pump_turn(struct pump *p, int64_t deadline_ns, GError **error)
 {
 	/* The stage goes last: its pulses let waiting lines be placed. */
-	return head_wait(p->head, deadline_ns, error) && take_lidar(p, error) && take_camera(p, error) &&
-		take_stage(p, error) && (!p->each_turn || p->each_turn(p->user_data, error));
+	return head_wait(p->head, deadline_ns, error) && take_lidar(p, error) &&
+	       take_camera(p, error) && take_stage(p, error) &&
+	       (!p->each_turn || p->each_turn(p->user_data, error));
 }
 
 bool pump_for(struct pump *p, int64_t duration_ns, GError **error)
@@ -164,7 +172,8 @@ pump_reply *pump_answer(struct pump *p, const char *command, int64_t timeout_ns,
 		if (!pump_turn(p, deadline_ns, error))
 			return NULL;
 	}
-	g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "the lidar does not answer '%s'", command);
+	g_set_error(
+		error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "the lidar does not answer '%s'", command);
 	return NULL;
 }
 
@@ -183,7 +192,8 @@ bool pump_move(struct pump *p, const struct stage_move *move, GError **error)
 			silent_since_ns = head_now_ns(p->head);
 		known_ns = now_known_ns;
 		if (head_now_ns(p->head) - silent_since_ns > 5 * SECOND_NS) {
-			g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE, "the pan stage does not move: check its motor supply");
+			g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE,
+				"the pan stage does not move: check its motor supply");
 			return false;
 		}
 	}

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #define SECOND_NS INT64_C(1000000000)
-#define DEGREE	  (G_PI / 180)
+#define DEGREE    (G_PI / 180)
 /* Gaps nearer than this are passed over in one go: stopping and running up again takes longer. */
 #define JOIN_RAD (4 * DEGREE)
 /* Times that the lidar may fail in one scan before it is given up. */
@@ -26,16 +26,18 @@ struct run {
 	double seen_fraction; /* never falls, whatever is cleared */
 };
 
-static void take_line(const struct scanline *line, const struct placed_line *placed, gpointer user_data)
+static void take_line(
+	const struct scanline *line, const struct placed_line *placed, gpointer user_data)
 {
 	run *r = user_data;
 	(void)line;
 	coverage_add(r->coverage, placed->azimuth_rad, placed->elevation_rad, placed->beams);
-	panorama_add(r->preview, placed->azimuth_rad, placed->elevation_rad, placed->range_m, placed->intensity, placed->beams);
+	panorama_add(r->preview, placed->azimuth_rad, placed->elevation_rad, placed->range_m,
+		placed->intensity, placed->beams);
 }
 
-static void take_frame(
-	const struct camera_frame_info *info, const uint8_t *pixels, double front_rad, bool locked, gpointer user_data)
+static void take_frame(const struct camera_frame_info *info, const uint8_t *pixels,
+	double front_rad, bool locked, gpointer user_data)
 {
 	run *r = user_data;
 	photos_take(r->photos, info, pixels, front_rad, locked);
@@ -83,7 +85,8 @@ static bool report_progress(run *r, GError **error)
 	return false;
 }
 
-/* A lidar that streams says something each turn; sixteen turns of silence, and at least a second, are a stall. */
+/* A lidar that streams says something each turn; sixteen turns of silence, and at least a second,
+ * are a stall. */
 static bool check_lidar(run *r, GError **error)
 {
 	if (!r->streaming)
@@ -94,8 +97,10 @@ static bool check_lidar(run *r, GError **error)
 		g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "the lidar has fallen silent");
 		return false;
 	}
-	if (stream_get_report(r->pump.stream).device_errors > r->device_errors + DEVICE_ERRORS_MAX) {
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "the lidar reports an error of its own");
+	if (stream_get_report(r->pump.stream).device_errors >
+		r->device_errors + DEVICE_ERRORS_MAX) {
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
+			"the lidar reports an error of its own");
 		return false;
 	}
 	return true;
@@ -110,13 +115,14 @@ static bool serve_camera(run *r, GError **error)
 		return r->controls_known || photos_meter(r->photos, now_ns, error);
 	stage_track *track = stream_stage(r->pump.stream);
 	return !stage_track_is_homed(track) || !stage_track_is_moving(track) ||
-		photos_watch(r->photos, stage_track_angle_rad(track, now_ns), now_ns, error);
+	       photos_watch(r->photos, stage_track_angle_rad(track, now_ns), now_ns, error);
 }
 
 static bool each_turn(gpointer user_data, GError **error)
 {
 	run *r = user_data;
-	return check_lidar(r, error) && (!stream_stage(r->pump.stream) || serve_camera(r, error)) && report_progress(r, error);
+	return check_lidar(r, error) && (!stream_stage(r->pump.stream) || serve_camera(r, error)) &&
+	       report_progress(r, error);
 }
 
 run *run_new(head *h, const struct run_options *options)
@@ -124,8 +130,11 @@ run *run_new(head *h, const struct run_options *options)
 	run *r = g_new0(run, 1);
 	const struct preset *preset = options->preset;
 	struct panorama_desc fine = panorama_desc_for(preset->columns, preset->rows);
-	struct panorama_desc coarse = panorama_desc_for(MIN(preset->columns, 1000), MIN(preset->rows, 264));
-	struct stream_sink sink = { .line = take_line, .frame = take_frame, .reply = take_reply, .user_data = r };
+	struct panorama_desc coarse =
+		panorama_desc_for(MIN(preset->columns, 1000), MIN(preset->rows, 264));
+	struct stream_sink sink = {
+		.line = take_line, .frame = take_frame, .reply = take_reply, .user_data = r
+	};
 	r->options = *options;
 	r->coverage = coverage_new(&fine);
 	r->preview = panorama_new(&coarse, NULL);
@@ -164,8 +173,8 @@ bool run_begin(run *r, const struct record_entry *session, GError **error)
 {
 	if (r->pump.driver)
 		return stream_feed(r->pump.stream, session, error);
-	g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "there is no driver for lidars that speak '%s'",
-		r->pump.head->lidar_protocol);
+	g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
+		"there is no driver for lidars that speak '%s'", r->pump.head->lidar_protocol);
 	return false;
 }
 
@@ -196,7 +205,8 @@ static double steps_per_rad(const run *r)
 
 static struct stage_move move_to(const run *r, double angle_rad, double rate_rad_s)
 {
-	return (struct stage_move){ .target_steps = llround(stage_track_steps_at(stream_stage(r->pump.stream), angle_rad)),
+	return (struct stage_move){ .target_steps = llround(stage_track_steps_at(
+					    stream_stage(r->pump.stream), angle_rad)),
 		.rate_steps_s = rate_rad_s * steps_per_rad(r),
 		.acceleration_steps_s2 = r->pace.acceleration_rad_s2 * steps_per_rad(r) };
 }
@@ -211,14 +221,16 @@ static bool lock_exposure(run *r, GError **error)
 {
 	r->metering = false;
 	struct camera_controls controls = photos_controls(r->photos);
-	if (!(r->controls_known ? photos_use_controls(r->photos, &controls, error) : photos_settle_exposure(r->photos, error)))
+	if (!(r->controls_known ? photos_use_controls(r->photos, &controls, error)
+				: photos_settle_exposure(r->photos, error)))
 		return false;
 	controls = photos_controls(r->photos);
 	g_autofree char *text = stream_lock_text(&controls);
 	return pump_mark(&r->pump, text, error);
 }
 
-/* Always clockwise, so that slack in the gear lies on the same side each time. The camera meters on the way. */
+/* Always clockwise, so that slack in the gear lies on the same side each time. The camera meters on
+ * the way. */
 static bool home(run *r, GError **error)
 {
 	struct stage_move move = move_to(r, 2.2 * G_PI, r->pace.home_rad_s);
@@ -232,7 +244,8 @@ static bool home(run *r, GError **error)
 		if (!pump_turn(&r->pump, head_now_ns(r->pump.head) + SECOND_NS / 4, error))
 			return false;
 	if (!stage_track_is_homed(track)) {
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE, "the pan stage turned once round and did not find its home position");
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE,
+			"the pan stage turned once round and did not find its home position");
 		return false;
 	}
 	if (!r->pump.stage_stopped && !stage_stop(r->pump.head->stage, error))
@@ -259,7 +272,8 @@ static bool pass(run *r, const struct front_interval *f, GError **error)
 {
 	double ahead = f->from_rad - r->pace.run_up_rad, beyond = f->to_rad + r->pace.run_up_rad;
 	/* From behind, so that the gear's slack is taken up before the first column. */
-	return go(r, ahead, r->pace.travel_rad_s, error) && go(r, beyond, r->pace.scan_rad_s, error);
+	return go(r, ahead, r->pace.travel_rad_s, error) &&
+	       go(r, beyond, r->pace.scan_rad_s, error);
 }
 
 /* The beams of an interval in which the stage slipped lie in wrong places: they do not count. */
@@ -268,8 +282,10 @@ static void forget_suspects(run *r)
 	stage_track *track = stream_stage(r->pump.stream);
 	g_autoptr(GArray) suspects = stage_track_suspects(track);
 	for (; r->suspects < suspects->len; r->suspects++) {
-		const struct stage_suspect *s = &g_array_index(suspects, struct stage_suspect, r->suspects);
-		double a = stage_track_angle_rad(track, s->from_ns), b = stage_track_angle_rad(track, s->to_ns);
+		const struct stage_suspect *s =
+			&g_array_index(suspects, struct stage_suspect, r->suspects);
+		double a = stage_track_angle_rad(track, s->from_ns),
+		       b = stage_track_angle_rad(track, s->to_ns);
 		double slack = fabs(s->error_rad);
 		coverage_clear(r->coverage, fmin(a, b) - slack, fmax(a, b) + slack);
 	}
@@ -287,17 +303,19 @@ static bool pass_over_missing(run *r, GError **error)
 /* What a lidar may come back from; all else ends the run. */
 static bool can_recover(const GError *e)
 {
-	return g_error_matches(e, PUMP_ERROR, PUMP_ERROR_LIDAR_GONE) || g_error_matches(e, PUMP_ERROR, PUMP_ERROR_NO_ANSWER) ||
-		g_error_matches(e, PUMP_ERROR, PUMP_ERROR_REFUSED);
+	return g_error_matches(e, PUMP_ERROR, PUMP_ERROR_LIDAR_GONE) ||
+	       g_error_matches(e, PUMP_ERROR, PUMP_ERROR_NO_ANSWER) ||
+	       g_error_matches(e, PUMP_ERROR, PUMP_ERROR_REFUSED);
 }
 
 static bool revive(run *r, GError **error)
 {
-	return (r->pump.lidar_open || pump_open_lidar(&r->pump, error)) && r->pump.driver->prepare(&r->pump, error) &&
-		start_lidar(r, error);
+	return (r->pump.lidar_open || pump_open_lidar(&r->pump, error)) &&
+	       r->pump.driver->prepare(&r->pump, error) && start_lidar(r, error);
 }
 
-/* Stops the stage and tries to get the lidar back: by talking to it, then by plugging anew, until patience ends. */
+/* Stops the stage and tries to get the lidar back: by talking to it, then by plugging anew, until
+ * patience ends. */
 static bool recover(run *r, const GError *cause, GError **error)
 {
 	double patience_s = r->options.wait_for_lidar_s > 0 ? r->options.wait_for_lidar_s : 60;
@@ -306,7 +324,8 @@ static bool recover(run *r, const GError *cause, GError **error)
 	doing(r, words);
 	r->streaming = false;
 	if (++r->recoveries > RECOVERIES_MAX) {
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "%s, time and again", cause->message);
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "%s, time and again",
+			cause->message);
 		return false;
 	}
 	if (!stage_stop(r->pump.head->stage, error))
@@ -329,7 +348,8 @@ static bool recover(run *r, const GError *cause, GError **error)
 
 static void say_pass(run *r, uint32_t turn)
 {
-	g_autofree char *words = g_strdup_printf("going back for %u columns", coverage_missing_columns(r->coverage));
+	g_autofree char *words =
+		g_strdup_printf("going back for %u columns", coverage_missing_columns(r->coverage));
 	doing(r, turn ? words : "scanning");
 }
 
@@ -339,7 +359,8 @@ static bool scan_columns(run *r, GError **error)
 		return true;
 	if (!start_lidar(r, error))
 		return false;
-	for (uint32_t turn = 0; turn <= r->options.preset->rescans_max && coverage_missing_columns(r->coverage) > 0;) {
+	for (uint32_t turn = 0; turn <= r->options.preset->rescans_max &&
+				coverage_missing_columns(r->coverage) > 0;) {
 		g_autoptr(GError) failed = NULL;
 		say_pass(r, turn);
 		bool passed = pass_over_missing(r, &failed);
@@ -363,12 +384,14 @@ static bool take_photos(run *r, GError **error)
 	doing(r, "taking photos");
 	for (int tries = 0; tries < 3 && !r->pump.camera_gone; tries++) {
 		stage_track *track = stream_stage(r->pump.stream);
-		double now = stage_track_angle_rad(track, head_now_ns(r->pump.head)), first, next, reach = 6 * DEGREE;
+		double now = stage_track_angle_rad(track, head_now_ns(r->pump.head)), first, next,
+		       reach = 6 * DEGREE;
 		if (!photos_next(r->photos, 0, &first))
 			return true;
 		if (tries == 0 && photos_next(r->photos, now + reach, &next))
 			first = next;
-		if (!go(r, first - reach, r->pace.travel_rad_s, error) || !go(r, 2 * G_PI, r->pace.photo_rad_s, error))
+		if (!go(r, first - reach, r->pace.travel_rad_s, error) ||
+			!go(r, 2 * G_PI, r->pace.photo_rad_s, error))
 			return false;
 	}
 	return true;

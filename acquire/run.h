@@ -1,18 +1,19 @@
 #ifndef ACQUIRE_RUN_H
 #define ACQUIRE_RUN_H
-/* A run drives a head through one scan while its record is written: home, meter, pass over what is not yet covered,
- * photograph the rest, come back. There is one idea in it: *go where coverage is missing*. At first that is everywhere;
- * after a lost revolution, a slipped stage, an unplugged lidar or a power cut it is what was lost. One owner, one thread. */
+/* A run drives a head through one scan while its record is written: home, meter, pass over what is
+ * not yet covered, photograph the rest, come back. There is one idea in it: *go where coverage is
+ * missing*. At first that is everywhere; after a lost revolution, a slipped stage, an unplugged
+ * lidar or a power cut it is what was lost. One owner, one thread. */
 #include "acquire/coverage.h"
 #include "acquire/photos.h"
 #include "acquire/preset.h"
 #include "acquire/pump.h"
 
 struct run_progress {
-	double fraction; /* 0..1 */
+	double fraction;        /* 0..1 */
 	double column_fraction; /* of the columns that are whole */
 	uint32_t photos_taken, photos_wanted;
-	const char *doing; /* "homing", "scanning", "going back for 12 columns", ... */
+	const char *doing;       /* "homing", "scanning", "going back for 12 columns", ... */
 	const panorama *preview; /* what has been seen so far, coarsely; in no way final */
 };
 
@@ -40,7 +41,8 @@ bool run_begin(run *r, const struct record_entry *session, GError **error);
 bool run_prepare(run *r, GError **error);
 struct prediction run_predict(const run *r);
 const struct lidar_identity *run_lidar(const run *r);
-/* Scans until all is covered or cannot be. false: stopped, or something is broken; the record is good as far as it goes. */
+/* Scans until all is covered or cannot be. false: stopped, or something is broken; the record is
+ * good as far as it goes. */
 bool run_scan(run *r, GError **error);
 
 uint32_t run_missing_columns(const run *r);

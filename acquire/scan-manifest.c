@@ -99,15 +99,15 @@ static char *hash_file(const char *path, int64_t *ret_bytes, GError **error)
 	if (!file)
 		return NULL;
 	*ret_bytes = (int64_t)g_mapped_file_get_length(file);
-	return g_compute_checksum_for_data(
-		G_CHECKSUM_SHA256, (const guchar *)g_mapped_file_get_contents(file), g_mapped_file_get_length(file));
+	return g_compute_checksum_for_data(G_CHECKSUM_SHA256,
+		(const guchar *)g_mapped_file_get_contents(file), g_mapped_file_get_length(file));
 }
 
 /* raw.rec, then the planes that are there. */
 static GPtrArray *file_names(const char *folder)
 {
 	GPtrArray *names = g_ptr_array_new();
-	g_ptr_array_add(names, (gpointer)"raw.rec");
+	g_ptr_array_add(names, (gpointer) "raw.rec");
 	for (const char *const *name = planes_names; *name; name++) {
 		g_autofree char *path = g_build_filename(folder, *name, NULL);
 		if (g_file_test(path, G_FILE_TEST_EXISTS))
@@ -146,7 +146,8 @@ static bool set_files(manifest *m, const char *folder, GError **error)
 	return good;
 }
 
-bool scan_manifest_finish(manifest *m, const char *folder, const panorama *p, const struct develop_result *d, GError **error)
+bool scan_manifest_finish(manifest *m, const char *folder, const panorama *p,
+	const struct develop_result *d, GError **error)
 {
 	g_autofree char *finished = now_text();
 	set_lidar(m, d);
@@ -165,7 +166,8 @@ const struct preset *scan_manifest_preset(const manifest *m, GError **error)
 	const char *name = manifest_get_string(m, "preset", error);
 	const struct preset *p = name ? preset_find(name) : NULL;
 	if (name && !p)
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: there is no preset '%s'", manifest_path(m), name);
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: there is no preset '%s'",
+			manifest_path(m), name);
 	return p;
 }
 
@@ -179,8 +181,8 @@ bool scan_manifest_grid(const manifest *m, struct panorama_desc *ret, GError **e
 		!manifest_get_number(m, "panorama.elevation_max_deg", -90, 90.1, &high, error))
 		return false;
 	if (high <= low || columns * rows > PANORAMA_CELLS_MAX) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: 'panorama' describes a grid that cannot be",
-			manifest_path(m));
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: 'panorama' describes a grid that cannot be", manifest_path(m));
 		return false;
 	}
 	*ret = (struct panorama_desc){ columns, rows, low * DEGREE, high * DEGREE };
@@ -193,16 +195,19 @@ static bool verify_file(const manifest *m, const char *folder, const char *name,
 	JsonObject *files = json_node_get_object(manifest_get_node(m, "files"));
 	JsonNode *node = json_object_get_member(files, name);
 	JsonObject *o = JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
-	int64_t bytes = 0, wanted = o ? json_object_get_int_member_with_default(o, "bytes", -1) : -1;
+	int64_t bytes = 0,
+		wanted = o ? json_object_get_int_member_with_default(o, "bytes", -1) : -1;
 	g_autofree char *sum = hash_file(path, &bytes, error);
 	if (!sum)
 		return false;
 	if (bytes != wanted)
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: has %" G_GINT64_FORMAT " bytes, scan.json says %" G_GINT64_FORMAT,
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: has %" G_GINT64_FORMAT " bytes, scan.json says %" G_GINT64_FORMAT,
 			path, bytes, wanted);
 	else if (g_strcmp0(sum, json_object_get_string_member_with_default(o, "sha256", "")) != 0)
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
-			"%s: is not as it was written: its SHA-256 differs from that in scan.json", path);
+			"%s: is not as it was written: its SHA-256 differs from that in scan.json",
+			path);
 	else
 		return true;
 	return false;
@@ -212,14 +217,16 @@ bool scan_manifest_verify(const manifest *m, const char *folder, GError **error)
 {
 	JsonNode *node = manifest_get_node(m, "files");
 	if (!node || !JSON_NODE_HOLDS_OBJECT(node)) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: 'files' is missing", manifest_path(m));
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: 'files' is missing",
+			manifest_path(m));
 		return false;
 	}
 	g_autoptr(GList) names = json_object_get_members(json_node_get_object(node));
 	for (GList *name = names; name; name = name->next)
 		if (strchr(name->data, '/') || !verify_file(m, folder, name->data, error)) {
 			if (error && !*error)
-				g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: 'files' names a path: %s", manifest_path(m),
+				g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+					"%s: 'files' names a path: %s", manifest_path(m),
 					(char *)name->data);
 			return false;
 		}

@@ -25,15 +25,17 @@ bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error)
 {
 	struct statvfs v;
 	if (statvfs(folder, &v) < 0) {
-		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", folder, g_strerror(errno));
+		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", folder,
+			g_strerror(errno));
 		return false;
 	}
 	uint64_t free_bytes = (uint64_t)v.f_bavail * v.f_frsize;
 	if (free_bytes >= need_bytes && free_bytes - need_bytes >= SPARE_BYTES)
 		return true;
 	g_autofree char *need = g_format_size(need_bytes), *have = g_format_size(free_bytes);
-	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOSPC, "%s: there is not enough space: the scan needs %s, %s are free", folder,
-		need, have);
+	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOSPC,
+		"%s: there is not enough space: the scan needs %s, %s are free", folder, need,
+		have);
 	return false;
 }
 
@@ -65,7 +67,8 @@ static bool begin_new(struct recording *r, GError **error)
 		return false;
 	if (partial) {
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_EXIST,
-			"%s: scan %04u was begun and not finished: resume or discard it first", site_path(r->site), partial);
+			"%s: scan %04u was begun and not finished: resume or discard it first",
+			site_path(r->site), partial);
 		return false;
 	}
 	r->preset = r->options->preset;
@@ -78,7 +81,8 @@ static bool begin_resumed(struct recording *r, GError **error)
 	if (!site_find_partial(r->site, &r->number, error))
 		return false;
 	if (r->number == 0) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOENT, "%s: there is no partial scan to resume", site_path(r->site));
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOENT,
+			"%s: there is no partial scan to resume", site_path(r->site));
 		return false;
 	}
 	name_paths(r);
@@ -91,7 +95,8 @@ static bool begin_resumed(struct recording *r, GError **error)
 char *scan_partial_device(const site *s, GError **error)
 {
 	struct recording r = { .site = (site *)s };
-	const char *device = begin_resumed(&r, error) ? manifest_get_string(r.scan, "device", error) : NULL;
+	const char *device =
+		begin_resumed(&r, error) ? manifest_get_string(r.scan, "device", error) : NULL;
 	char *copy = g_strdup(device);
 	recording_clear(&r);
 	return copy;
@@ -122,9 +127,9 @@ static bool open_record(struct recording *r, GError **error)
 	bool exists = g_file_test(r->raw, G_FILE_TEST_EXISTS);
 	if (exists && !recall(r, error))
 		return false;
-	r->record = !exists		 ? record_create(r->raw, error) :
-		r->options->salvage ? record_append_past_damage(r->raw, error) :
-				      record_append_to(r->raw, NULL, error);
+	r->record = !exists               ? record_create(r->raw, error)
+		    : r->options->salvage ? record_append_past_damage(r->raw, error)
+					  : record_append_to(r->raw, NULL, error);
 	return r->record != NULL;
 }
 
@@ -146,12 +151,13 @@ static bool open_head(struct recording *r, GError **error)
 static bool begin_session(struct recording *r, GError **error)
 {
 	g_autofree char *text = scan_session_text(r->options->device, r->head);
-	struct record_entry e = {
-		.kind = RECORD_SESSION, .length = strlen(text), .time_ns = head_now_ns(r->head), .payload = text
-	};
+	struct record_entry e = { .kind = RECORD_SESSION,
+		.length = strlen(text),
+		.time_ns = head_now_ns(r->head),
+		.payload = text };
 	head_attach_record(r->head, r->record);
 	return record_write(r->record, e.kind, e.time_ns, e.payload, e.length, NULL, 0, error) &&
-		run_begin(r->run, &e, error);
+	       run_begin(r->run, &e, error);
 }
 
 /* ---- the end ---- */
@@ -166,7 +172,8 @@ static bool finish_record(struct recording *r, GError **error)
 }
 
 /* Panorama, planes and manifest of what stands in folder. */
-static bool develop_into(const char *folder, manifest *scan, bool skip_damage, struct scan_result *result, GError **error)
+static bool develop_into(const char *folder, manifest *scan, bool skip_damage,
+	struct scan_result *result, GError **error)
 {
 	struct develop_options o = { .skip_damage = skip_damage };
 	struct develop_result d = { 0 };
@@ -174,7 +181,8 @@ static bool develop_into(const char *folder, manifest *scan, bool skip_damage, s
 	if (!scan_manifest_grid(scan, &o.desc, error))
 		return false;
 	g_autoptr(panorama) p = develop_record(raw, &o, &d, error);
-	bool good = p && planes_save(p, folder, error) && scan_manifest_finish(scan, folder, p, &d, error);
+	bool good = p && planes_save(p, folder, error) &&
+		    scan_manifest_finish(scan, folder, p, &d, error);
 	if (good)
 		*result = (struct scan_result){ .columns = p->desc.columns,
 			.rows = p->desc.rows,
@@ -193,7 +201,8 @@ static bool run_it(struct recording *r, GError **error)
 	predicted = run_predict(r->run);
 	if (r->options->predicted)
 		r->options->predicted(&predicted, run_lidar(r->run), r->options->user_data);
-	return scan_check_space(r->folder, predicted.bytes, error) && run_scan(r->run, error) && finish_record(r, error);
+	return scan_check_space(r->folder, predicted.bytes, error) && run_scan(r->run, error) &&
+	       finish_record(r, error);
 }
 
 /* A scan that never got as far as its first turn is no scan: nothing is kept of it. */
@@ -220,14 +229,15 @@ static bool record_into(struct recording *r, struct scan_result *result, GError 
 	return true;
 }
 
-bool scan_record(site *s, const struct scan_options *options, struct scan_result *ret_result, uint32_t *ret_partial,
-	GError **error)
+bool scan_record(site *s, const struct scan_options *options, struct scan_result *ret_result,
+	uint32_t *ret_partial, GError **error)
 {
 	struct recording r = { .site = s, .options = options, .head = options->head };
 	struct scan_result result = { 0 };
 	*ret_partial = 0;
 	/* A device that is not there must leave the site as it was. */
-	bool begun = open_head(&r, error) && (options->resume ? begin_resumed(&r, error) : begin_new(&r, error));
+	bool begun = open_head(&r, error) &&
+		     (options->resume ? begin_resumed(&r, error) : begin_new(&r, error));
 	bool good = begun && record_into(&r, &result, error);
 	if (begun && !good) {
 		if (is_worth_keeping(&r))
@@ -243,17 +253,20 @@ bool scan_record(site *s, const struct scan_options *options, struct scan_result
 
 panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error)
 {
-	g_autofree char *folder = site_scan_path(s, number), *path = g_build_filename(folder, "scan.json", NULL);
+	g_autofree char *folder = site_scan_path(s, number),
+			*path = g_build_filename(folder, "scan.json", NULL);
 	struct panorama_desc desc;
 	g_autoptr(manifest) scan = manifest_load(path, SCAN_SCHEMA, error);
-	if (!scan || !scan_manifest_grid(scan, &desc, error) || (verify && !scan_manifest_verify(scan, folder, error)))
+	if (!scan || !scan_manifest_grid(scan, &desc, error) ||
+		(verify && !scan_manifest_verify(scan, folder, error)))
 		return NULL;
 	return planes_load(folder, &desc, error);
 }
 
 bool scan_develop_again(site *s, uint32_t number, GError **error)
 {
-	g_autofree char *folder = site_scan_path(s, number), *path = g_build_filename(folder, "scan.json", NULL);
+	g_autofree char *folder = site_scan_path(s, number),
+			*path = g_build_filename(folder, "scan.json", NULL);
 	struct scan_result result;
 	g_autoptr(manifest) scan = manifest_load(path, SCAN_SCHEMA, error);
 	return scan && develop_into(folder, scan, false, &result, error);

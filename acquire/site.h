@@ -23,7 +23,6 @@ void site_free(site *s); /* NULL is fine; lets the lock go */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(site, site_free)
 
 const char *site_path(const site *s);
-const char *site_name(const site *s);
 const manifest *site_manifest(const site *s);
 
 /* Numbers of the finished scans in rising order; caller frees. */

@@ -19,7 +19,7 @@ struct session {
 	const struct driver *driver;
 	device_clock *stage_clock, *camera_clock;
 	GPtrArray *lidar_clocks; /* one each time the lidar was plugged in: its clock starts anew */
-	GArray *stage_events; /* of struct timed_event, in the first pass */
+	GArray *stage_events;    /* of struct timed_event, in the first pass */
 	stage_track *track;
 	placement *place;
 	struct camera_controls locked; /* of the photos; zeros until settled */
@@ -194,10 +194,12 @@ static void take_reply(const struct lidar_reply *reply, gpointer user_data)
 {
 	stream *s = user_data;
 	uint64_t ticks;
-	if (s->asked_clock_ns && s->session->driver->clock_reply && s->session->driver->clock_reply(reply, &ticks)) {
+	if (s->asked_clock_ns && s->session->driver->clock_reply &&
+		s->session->driver->clock_reply(reply, &ticks)) {
 		int64_t unwrapped = device_clock_unwrap(s->lidar_clock, ticks, reply->arrival_ns);
 		if (s->learning || s->mode == STREAM_LIVE)
-			device_clock_add_exchange(s->lidar_clock, s->asked_clock_ns, unwrapped, reply->arrival_ns);
+			device_clock_add_exchange(
+				s->lidar_clock, s->asked_clock_ns, unwrapped, reply->arrival_ns);
 		s->asked_clock_ns = 0;
 	}
 	if (!s->learning && s->sink.reply)
@@ -231,16 +233,17 @@ static struct session *session_new(const struct record_entry *e, GError **error)
 		return NULL;
 	s.driver = driver_find(protocol);
 	if (!s.driver) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: there is no lidar protocol '%s'", name, protocol);
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: there is no lidar protocol '%s'", name, protocol);
 		return NULL;
 	}
 	const struct stage_calibration *st = &s.calibration.stage;
 	const struct camera_calibration *ca = &s.calibration.camera;
-	s.stage_clock = device_clock_new(
-		&(struct device_clock_desc){ .ticks_hz = st->clock_hz, .wrap_bits = st->clock_bits });
+	s.stage_clock = device_clock_new(&(struct device_clock_desc){
+		.ticks_hz = st->clock_hz, .wrap_bits = st->clock_bits });
 	if (s.calibration.has_camera)
-		s.camera_clock = device_clock_new(
-			&(struct device_clock_desc){ .ticks_hz = ca->clock_hz, .wrap_bits = ca->clock_bits });
+		s.camera_clock = device_clock_new(&(struct device_clock_desc){
+			.ticks_hz = ca->clock_hz, .wrap_bits = ca->clock_bits });
 	s.lidar_clocks = g_ptr_array_new_with_free_func((GDestroyNotify)device_clock_free);
 	s.stage_events = g_array_new(FALSE, FALSE, sizeof(struct timed_event));
 	s.track = stage_track_new(st->steps_per_turn, st->index_slots);
@@ -273,7 +276,8 @@ static void plug_lidar(stream *s)
 	place_pending(s);
 	drop_pending(s);
 	if (s->learning || s->mode == STREAM_LIVE)
-		g_ptr_array_add(s->session->lidar_clocks, device_clock_new(&s->session->driver->clock));
+		g_ptr_array_add(
+			s->session->lidar_clocks, device_clock_new(&s->session->driver->clock));
 	if (s->plug_at < s->session->lidar_clocks->len)
 		s->lidar_clock = s->session->lidar_clocks->pdata[s->plug_at++];
 	reset_decoder(s);
@@ -288,7 +292,8 @@ static void take_stage(stream *s, const struct record_entry *e)
 	if (s->mode == STREAM_LEARN_FIRST && !s->learning)
 		return; /* the track is whole already */
 	for (size_t i = 0; i < n; i++) {
-		struct timed_event t = { events[i], device_clock_unwrap(s->session->stage_clock, events[i].ticks, e->time_ns) };
+		struct timed_event t = { events[i],
+			device_clock_unwrap(s->session->stage_clock, events[i].ticks, e->time_ns) };
 		/* The last of a batch waited least: only it says something of the delay. */
 		if (i + 1 == n)
 			device_clock_add_arrival(s->session->stage_clock, t.ticks, e->time_ns);
@@ -313,22 +318,25 @@ static void take_frame(stream *s, const struct record_entry *e)
 	if (s->learning)
 		return;
 	const struct camera_calibration *c = &s->session->calibration.camera;
-	if (info.flags & CAMERA_FRAME_ERROR || info.fourcc != CAMERA_FOURCC_NV12 || info.width != c->width ||
-		info.height != c->height || e->length - sizeof info != camera_frame_bytes(&info)) {
+	if (info.flags & CAMERA_FRAME_ERROR || info.fourcc != CAMERA_FOURCC_NV12 ||
+		info.width != c->width || info.height != c->height ||
+		e->length - sizeof info != camera_frame_bytes(&info)) {
 		s->report.bad_frames++;
 		return;
 	}
 	int64_t middle_ns = device_clock_host_ns(s->session->camera_clock, (double)ticks) +
-		info.controls.exposure_100us * INT64_C(50000);
+			    info.controls.exposure_100us * INT64_C(50000);
 	double front = stage_track_angle_rad(s->session->track, middle_ns);
 	bool locked = memcmp(&info.controls, &s->session->locked, sizeof info.controls) == 0;
 	if (s->sink.frame)
-		s->sink.frame(&info, (const uint8_t *)e->payload + sizeof info, front, locked, s->sink.user_data);
+		s->sink.frame(&info, (const uint8_t *)e->payload + sizeof info, front, locked,
+			s->sink.user_data);
 }
 
 char *stream_lock_text(const struct camera_controls *c)
 {
-	return g_strdup_printf("{\"camera\": {\"exposure_100us\": %u, \"gain_percent\": %u, \"white_balance_k\": %u}}",
+	return g_strdup_printf("{\"camera\": {\"exposure_100us\": %u, \"gain_percent\": %u, "
+			       "\"white_balance_k\": %u}}",
 		c->exposure_100us, c->gain_percent, c->white_balance_k);
 }
 
@@ -376,8 +384,10 @@ void stream_rewind(stream *s)
 	for (guint i = 0; i < s->sessions->len; i++) {
 		struct session *session = s->sessions->pdata[i];
 		for (guint k = 0; k < session->stage_events->len; k++) {
-			const struct timed_event *t = &g_array_index(session->stage_events, struct timed_event, k);
-			stage_track_feed(session->track, &t->event, device_clock_host_ns(session->stage_clock, (double)t->ticks));
+			const struct timed_event *t =
+				&g_array_index(session->stage_events, struct timed_event, k);
+			stage_track_feed(session->track, &t->event,
+				device_clock_host_ns(session->stage_clock, (double)t->ticks));
 		}
 		g_array_set_size(session->stage_events, 0);
 	}
@@ -397,7 +407,8 @@ struct stream_report stream_get_report(const stream *s)
 	if (s->lidar_clock)
 		r.drift_ppm = device_clock_drift_ppm(s->lidar_clock);
 	for (guint i = 0; i < s->sessions->len; i++) {
-		g_autoptr(GArray) suspects = stage_track_suspects(((struct session *)s->sessions->pdata[i])->track);
+		g_autoptr(GArray) suspects =
+			stage_track_suspects(((struct session *)s->sessions->pdata[i])->track);
 		r.suspect_intervals += suspects->len;
 	}
 	return r;

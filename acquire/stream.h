@@ -1,11 +1,12 @@
 #ifndef ACQUIRE_STREAM_H
 #define ACQUIRE_STREAM_H
-/* A stream takes the entries of a record in order - live, as they are written, or from the file - and gives out placed
- * scanlines and frames with the stage angle at which they were taken.
+/* A stream takes the entries of a record in order - live, as they are written, or from the file -
+ * and gives out placed scanlines and frames with the stage angle at which they were taken.
  *
- * A line can be placed once the clocks are known and the stage's pulses reach beyond its last beam. Live, lines wait for
- * that in a short queue, and clocks are as good as what has been seen so far. From a file the stream goes through twice:
- * it learns all clocks and pulses first, is rewound, and then places every line with what it knows of the whole scan.
+ * A line can be placed once the clocks are known and the stage's pulses reach beyond its last beam.
+ * Live, lines wait for that in a short queue, and clocks are as good as what has been seen so far.
+ * From a file the stream goes through twice: it learns all clocks and pulses first, is rewound, and
+ * then places every line with what it knows of the whole scan.
  *
  * One owner; not thread-safe. Callbacks may not feed. */
 #include "acquire/decoder.h"
@@ -19,11 +20,13 @@ enum stream_mode { STREAM_LIVE, STREAM_LEARN_FIRST };
 
 struct stream_sink {
 	/* Each may be NULL. */
-	void (*line)(const struct scanline *line, const struct placed_line *placed, gpointer user_data);
-	/* front_rad: stage angle in the middle of the exposure. pixels have the length that info says, checked. locked: taken
-	 * with the exposure that the scan settled on (stream_lock_text); others were for metering. */
-	void (*frame)(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad, bool locked,
-		gpointer user_data);
+	void (*line)(
+		const struct scanline *line, const struct placed_line *placed, gpointer user_data);
+	/* front_rad: stage angle in the middle of the exposure. pixels have the length that info
+	 * says, checked. locked: taken with the exposure that the scan settled on
+	 * (stream_lock_text); others were for metering. */
+	void (*frame)(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad,
+		bool locked, gpointer user_data);
 	void (*reply)(const struct lidar_reply *reply, gpointer user_data);
 	gpointer user_data;
 };
@@ -39,11 +42,11 @@ struct stream_report {
 	uint64_t revolutions, lost_revolutions;
 	uint32_t counter_jumps; /* the counter jumped but no time had passed: nothing is missing */
 	uint64_t device_errors; /* revolutions that the device itself did not trust: not placed */
-	uint64_t unplaced; /* whole revolutions that no clock or stage angle was known for */
+	uint64_t unplaced;      /* whole revolutions that no clock or stage angle was known for */
 	uint64_t bad_telegrams, bad_frames;
 	uint32_t suspect_intervals; /* of the stage */
-	double drift_ppm; /* of the lidar's clock in the last session */
-	bool ended; /* RECORD_END was seen */
+	double drift_ppm;           /* of the lidar's clock in the last session */
+	bool ended;                 /* RECORD_END was seen */
 };
 
 stream *stream_new(enum stream_mode mode, const struct stream_sink *sink);

@@ -1,8 +1,8 @@
 #ifndef FIRMWARE_IO_CAMERA_H
 #define FIRMWARE_IO_CAMERA_H
-/* The camera exposes all the time; a buffer that was lent to it (camera_queue) is filled by the next exposure that
- * begins, exposures without a buffer are dropped and only counted in the sequence: V4L2's streaming model. One owner, one
- * thread. Reading never blocks. */
+/* The camera exposes all the time; a buffer that was lent to it (camera_queue) is filled by the
+ * next exposure that begins, exposures without a buffer are dropped and only counted in the
+ * sequence: V4L2's streaming model. One owner, one thread. Reading never blocks. */
 #include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@ typedef struct camera camera;
 /* Exposure and white balance are always locked: a panorama must not change its mind half-way. */
 struct camera_controls {
 	uint32_t exposure_100us; /* V4L2_CID_EXPOSURE_ABSOLUTE */
-	uint32_t gain_percent; /* 100 = base sensitivity */
+	uint32_t gain_percent;   /* 100 = base sensitivity */
 	uint32_t white_balance_k;
 };
 
@@ -36,9 +36,10 @@ struct camera_frame_info {
 struct camera_ops {
 	bool (*set_controls)(camera *c, const struct camera_controls *controls, GError **error);
 	bool (*queue)(camera *c, GError **error);
-	/* 1 with a frame (its pixels are the camera's own until the next call), 0 for none, -1 with an error (WIRE_ERROR). */
-	int (*read)(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels, size_t *ret_bytes,
-		int64_t *ret_arrival_ns, GError **error);
+	/* 1 with a frame (its pixels are the camera's own until the next call), 0 for none, -1 with
+	 * an error (WIRE_ERROR). */
+	int (*read)(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
+		size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error);
 };
 
 struct camera {
@@ -54,7 +55,7 @@ static inline size_t camera_frame_bytes(const struct camera_frame_info *info)
 
 bool camera_set_controls(camera *c, const struct camera_controls *controls, GError **error);
 bool camera_queue(camera *c, GError **error);
-int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels, size_t *ret_bytes,
-	int64_t *ret_arrival_ns, GError **error);
+int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
+	size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error);
 
 #endif

@@ -1,6 +1,6 @@
-/* A recorded head: replay:FILE plays the first session of a record, replay:FILE?session=N the Nth. What the host writes is
- * taken and forgotten; the lidar's answers come as they came then. Time jumps from entry to entry. After the last entry
- * the lidar is gone for good. */
+/* A recorded head: replay:FILE plays the first session of a record, replay:FILE?session=N the Nth.
+ * What the host writes is taken and forgotten; the lidar's answers come as they came then. Time
+ * jumps from entry to entry. After the last entry the lidar is gone for good. */
 #include "firmware-io/head.h"
 #include <json-glib/json-glib.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@ struct replay_head {
 	record_reader *reader;
 	int64_t now_ns;
 	struct record_entry next; /* valid while !ended */
-	size_t taken; /* bytes of a lidar entry already read */
+	size_t taken;             /* bytes of a lidar entry already read */
 	bool ended;
 	bool lidar_gone;
 };
@@ -83,13 +83,15 @@ static bool replay_lidar_open(wire *w, GError **error)
 	return true;
 }
 
-static gssize replay_lidar_read(wire *w, void *bytes, size_t size, int64_t *ret_arrival_ns, GError **error)
+static gssize replay_lidar_read(
+	wire *w, void *bytes, size_t size, int64_t *ret_arrival_ns, GError **error)
 {
 	struct replay_head *r = (struct replay_head *)w->head;
 	if (is_due(r, RECORD_LIDAR_GONE))
 		r->lidar_gone = true;
 	if (r->lidar_gone) {
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, r->ended ? "the record has ended" : "the lidar was unplugged");
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE,
+			r->ended ? "the record has ended" : "the lidar was unplugged");
 		return -1;
 	}
 	if (!is_due(r, RECORD_LIDAR_IN))
@@ -126,7 +128,8 @@ static bool replay_stage_stop(stage *s, GError **error)
 	return true;
 }
 
-static gssize replay_stage_read(stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
+static gssize replay_stage_read(
+	stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
 {
 	struct replay_head *r = (struct replay_head *)s->head;
 	if (!is_due(r, RECORD_STAGE))
@@ -149,8 +152,8 @@ static bool replay_camera_queue(camera *c, GError **error)
 	return true;
 }
 
-static int replay_camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
-	size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error)
+static int replay_camera_read(camera *c, struct camera_frame_info *ret_info,
+	const uint8_t **ret_pixels, size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error)
 {
 	struct replay_head *r = (struct replay_head *)c->head;
 	if (!is_due(r, RECORD_FRAME) || r->next.length < sizeof *ret_info)
@@ -162,18 +165,22 @@ static int replay_camera_read(camera *c, struct camera_frame_info *ret_info, con
 	return advance(r, error) ? 1 : -1;
 }
 
-static const struct wire_ops lidar_ops = {
-	.open = replay_lidar_open, .read = replay_lidar_read, .write = replay_lidar_write, .close = replay_lidar_close
-};
+static const struct wire_ops lidar_ops = { .open = replay_lidar_open,
+	.read = replay_lidar_read,
+	.write = replay_lidar_write,
+	.close = replay_lidar_close };
 static const struct stage_ops stage_ops = {
 	.move = replay_stage_move, .stop = replay_stage_stop, .read = replay_stage_read
 };
 static const struct camera_ops camera_ops = {
 	.set_controls = replay_camera_set, .queue = replay_camera_queue, .read = replay_camera_read
 };
-static const struct head_ops replay_ops = { .now_ns = replay_now_ns, .wait = replay_wait, .close = replay_close };
+static const struct head_ops replay_ops = {
+	.now_ns = replay_now_ns, .wait = replay_wait, .close = replay_close
+};
 
-/* Leaves r->next on the entry after the wanted session's header and fills in what the header says. */
+/* Leaves r->next on the entry after the wanted session's header and fills in what the header says.
+ */
 static bool find_session(struct replay_head *r, const char *path, uint32_t wanted, GError **error)
 {
 	struct record_entry e;
@@ -184,18 +191,23 @@ static bool find_session(struct replay_head *r, const char *path, uint32_t wante
 			continue;
 		g_autoptr(JsonParser) parser = json_parser_new();
 		JsonObject *o = NULL;
-		if (json_parser_load_from_data(parser, e.payload, e.length, NULL) && json_parser_get_root(parser) &&
+		if (json_parser_load_from_data(parser, e.payload, e.length, NULL) &&
+			json_parser_get_root(parser) &&
 			JSON_NODE_HOLDS_OBJECT(json_parser_get_root(parser)))
 			o = json_node_get_object(json_parser_get_root(parser));
-		if (!o || !json_object_has_member(o, "calibration") || !json_object_has_member(o, "protocol"))
+		if (!o || !json_object_has_member(o, "calibration") ||
+			!json_object_has_member(o, "protocol"))
 			break;
-		r->base.lidar_protocol = g_strdup(json_object_get_string_member_with_default(o, "protocol", ""));
-		r->base.calibration = json_to_string(json_object_get_member(o, "calibration"), FALSE);
+		r->base.lidar_protocol =
+			g_strdup(json_object_get_string_member_with_default(o, "protocol", ""));
+		r->base.calibration =
+			json_to_string(json_object_get_member(o, "calibration"), FALSE);
 		r->now_ns = e.time_ns;
 		return advance(r, error);
 	}
 	if (result != RECORD_BAD)
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "%s: holds no session %u to replay", path, wanted);
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+			"%s: holds no session %u to replay", path, wanted);
 	return false;
 }
 
@@ -210,7 +222,10 @@ head *head_open_replay(const char *rest, GError **error)
 	if (!reader)
 		return NULL;
 	struct replay_head *r = g_new0(struct replay_head, 1);
-	*r = (struct replay_head){ .base = { .ops = &replay_ops, .lidar = &r->lidar, .stage = &r->stage, .camera = &r->camera },
+	*r = (struct replay_head){ .base = { .ops = &replay_ops,
+					   .lidar = &r->lidar,
+					   .stage = &r->stage,
+					   .camera = &r->camera },
 		.lidar = { &lidar_ops, &r->base },
 		.stage = { &stage_ops, &r->base },
 		.camera = { &camera_ops, &r->base },

@@ -1,5 +1,5 @@
-/* The simulator's head: three devices behind one link. What arrives is sorted into a queue per device; each read takes
- * from its queue, each wait fills them. */
+/* The simulator's head: three devices behind one link. What arrives is sorted into a queue per
+ * device; each read takes from its queue, each wait fills them. */
 #include "firmware-io/head.h"
 #include "sim/link.h"
 #include <errno.h>
@@ -30,9 +30,9 @@ struct sim_head {
 	int fd;
 	bool real_time;
 	int64_t now_ns;
-	GByteArray *received; /* bytes of messages not yet whole */
+	GByteArray *received;                          /* bytes of messages not yet whole */
 	GQueue lidar_queue, stage_queue, camera_queue; /* of struct message */
-	size_t lidar_taken; /* bytes of the first lidar message already read */
+	size_t lidar_taken;   /* bytes of the first lidar message already read */
 	struct message *lent; /* to the caller of a stage or camera read */
 	bool lidar_answered, lidar_present, camera_gone;
 	GArray *events;
@@ -57,8 +57,8 @@ static bool lost(GError **error, const char *what)
 	return false;
 }
 
-static bool send_message(
-	struct sim_head *s, enum link_kind kind, int64_t host_ns, const void *payload, size_t length, GError **error)
+static bool send_message(struct sim_head *s, enum link_kind kind, int64_t host_ns,
+	const void *payload, size_t length, GError **error)
 {
 	struct link_header header = { .length = length, .kind = kind, .host_ns = host_ns };
 	g_autofree uint8_t *bytes = g_malloc(sizeof header + length);
@@ -89,7 +89,8 @@ static void enqueue(GQueue *queue, const struct link_header *header, const uint8
 }
 
 /* Takes one message in. true when it was LINK_NOW. */
-static bool take_message(struct sim_head *s, const struct link_header *header, const uint8_t *payload)
+static bool take_message(
+	struct sim_head *s, const struct link_header *header, const uint8_t *payload)
 {
 	switch (header->kind) {
 	case LINK_LIDAR_BYTES:
@@ -186,7 +187,8 @@ static bool wait_real(struct sim_head *s, int64_t deadline_ns, GError **error)
 static bool sim_wait(head *h, int64_t deadline_ns, GError **error)
 {
 	struct sim_head *s = (struct sim_head *)h;
-	return s->real_time ? wait_real(s, deadline_ns, error) : wait_virtual(s, deadline_ns, error);
+	return s->real_time ? wait_real(s, deadline_ns, error)
+			    : wait_virtual(s, deadline_ns, error);
 }
 
 static void clear_queue(GQueue *queue)
@@ -226,7 +228,8 @@ static bool lidar_open(wire *w, GError **error)
 			return false;
 	if (s->lidar_present)
 		return true;
-	g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "the lidar is not there: check its plug and its power");
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE,
+		"the lidar is not there: check its plug and its power");
 	return false;
 }
 
@@ -267,7 +270,8 @@ static const struct wire_ops lidar_ops = {
 
 static bool stage_move_sim(stage *st, const struct stage_move *move, GError **error)
 {
-	struct link_stage_move m = { move->target_steps, move->rate_steps_s, move->acceleration_steps_s2 };
+	struct link_stage_move m = { move->target_steps, move->rate_steps_s,
+		move->acceleration_steps_s2 };
 	return send_message((struct sim_head *)st->head, LINK_STAGE_MOVE, 0, &m, sizeof m, error);
 }
 
@@ -276,7 +280,8 @@ static bool stage_stop_sim(stage *st, GError **error)
 	return send_message((struct sim_head *)st->head, LINK_STAGE_STOP, 0, NULL, 0, error);
 }
 
-static gssize stage_read_sim(stage *st, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
+static gssize stage_read_sim(
+	stage *st, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
 {
 	struct sim_head *s = (struct sim_head *)st->head;
 	static const enum stage_event_kind kinds[] = { [LINK_STAGE_STEP] = STAGE_STEP,
@@ -295,7 +300,9 @@ static gssize stage_read_sim(stage *st, const struct stage_event **ret_events, i
 		memcpy(&e, m->payload + at, sizeof e);
 		if (e.kind >= G_N_ELEMENTS(kinds))
 			continue;
-		struct stage_event event = { .ticks = e.ticks_us, .direction = e.direction, .kind = kinds[e.kind] };
+		struct stage_event event = {
+			.ticks = e.ticks_us, .direction = e.direction, .kind = kinds[e.kind]
+		};
 		g_array_append_val(s->events, event);
 	}
 	*ret_events = (const struct stage_event *)(void *)s->events->data;
@@ -303,12 +310,16 @@ static gssize stage_read_sim(stage *st, const struct stage_event **ret_events, i
 	return s->events->len;
 }
 
-static const struct stage_ops stage_sim_ops = { .move = stage_move_sim, .stop = stage_stop_sim, .read = stage_read_sim };
+static const struct stage_ops stage_sim_ops = {
+	.move = stage_move_sim, .stop = stage_stop_sim, .read = stage_read_sim
+};
 
 static bool camera_set_sim(camera *c, const struct camera_controls *controls, GError **error)
 {
-	struct link_camera_controls m = { controls->exposure_100us, controls->gain_percent, controls->white_balance_k };
-	return send_message((struct sim_head *)c->head, LINK_CAMERA_CONTROLS, 0, &m, sizeof m, error);
+	struct link_camera_controls m = { controls->exposure_100us, controls->gain_percent,
+		controls->white_balance_k };
+	return send_message(
+		(struct sim_head *)c->head, LINK_CAMERA_CONTROLS, 0, &m, sizeof m, error);
 }
 
 static bool camera_queue_sim(camera *c, GError **error)
@@ -316,8 +327,8 @@ static bool camera_queue_sim(camera *c, GError **error)
 	return send_message((struct sim_head *)c->head, LINK_CAMERA_QUEUE, 0, NULL, 0, error);
 }
 
-static int camera_read_sim(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels, size_t *ret_bytes,
-	int64_t *ret_arrival_ns, GError **error)
+static int camera_read_sim(camera *c, struct camera_frame_info *ret_info,
+	const uint8_t **ret_pixels, size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error)
 {
 	struct sim_head *s = (struct sim_head *)c->head;
 	struct link_frame f;
@@ -347,7 +358,9 @@ static const struct camera_ops camera_sim_ops = {
 	.set_controls = camera_set_sim, .queue = camera_queue_sim, .read = camera_read_sim
 };
 
-static const struct head_ops sim_ops = { .now_ns = sim_now_ns, .wait = sim_wait, .close = sim_close };
+static const struct head_ops sim_ops = {
+	.now_ns = sim_now_ns, .wait = sim_wait, .close = sim_close
+};
 
 /* The simulator speaks first. */
 static bool read_hello(struct sim_head *s, GError **error)
@@ -358,7 +371,8 @@ static bool read_hello(struct sim_head *s, GError **error)
 	for (;;) {
 		if (s->received->len >= sizeof header) {
 			memcpy(&header, s->received->data, sizeof header);
-			if (header.kind != LINK_HELLO || header.length < sizeof hello || header.length > LINK_PAYLOAD_MAX)
+			if (header.kind != LINK_HELLO || header.length < sizeof hello ||
+				header.length > LINK_PAYLOAD_MAX)
 				return lost(error, "it does not speak the link's protocol");
 			if (s->received->len >= sizeof header + header.length)
 				break;
@@ -370,12 +384,14 @@ static bool read_hello(struct sim_head *s, GError **error)
 	}
 	memcpy(&hello, s->received->data + sizeof header, sizeof hello);
 	if (hello.version != LINK_VERSION)
-		return lost(error, "its link is of another version; build both from the same source");
+		return lost(
+			error, "its link is of another version; build both from the same source");
 	s->real_time = hello.real_time;
 	s->now_ns = header.host_ns;
 	s->base.lidar_protocol = g_strndup(hello.lidar_protocol, sizeof hello.lidar_protocol);
-	s->base.calibration = g_strndup((const char *)s->received->data + sizeof header + sizeof hello,
-		header.length - sizeof hello);
+	s->base.calibration =
+		g_strndup((const char *)s->received->data + sizeof header + sizeof hello,
+			header.length - sizeof hello);
 	g_byte_array_remove_range(s->received, 0, sizeof header + header.length);
 	return true;
 }
@@ -383,7 +399,10 @@ static bool read_hello(struct sim_head *s, GError **error)
 head *head_open_link(int fd, GError **error)
 {
 	struct sim_head *s = g_new0(struct sim_head, 1);
-	*s = (struct sim_head){ .base = { .ops = &sim_ops, .lidar = &s->lidar, .stage = &s->stage, .camera = &s->camera },
+	*s = (struct sim_head){ .base = { .ops = &sim_ops,
+					.lidar = &s->lidar,
+					.stage = &s->stage,
+					.camera = &s->camera },
 		.lidar = { &lidar_ops, &s->base },
 		.stage = { &stage_sim_ops, &s->base },
 		.camera = { &camera_sim_ops, &s->base },
@@ -411,10 +430,12 @@ static char *find_simulator(void)
 static void add_complaint(GSubprocess *process, GError **error)
 {
 	g_autofree char *said = NULL;
-	if (!g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &said, NULL) || !said || !*g_strstrip(said))
+	if (!g_subprocess_communicate_utf8(process, NULL, NULL, NULL, &said, NULL) || !said ||
+		!*g_strstrip(said))
 		return;
 	g_clear_error(error);
-	const char *text = g_str_has_prefix(said, "pleinair-sim: ") ? said + strlen("pleinair-sim: ") : said;
+	const char *text =
+		g_str_has_prefix(said, "pleinair-sim: ") ? said + strlen("pleinair-sim: ") : said;
 	g_set_error_literal(error, WIRE_ERROR, WIRE_ERROR_BROKEN, text);
 }
 
@@ -423,17 +444,20 @@ head *head_open_sim(const char *description, GError **error)
 	int ends[2];
 	g_autofree char *program = find_simulator();
 	if (!program) {
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "device 'sim:': the program pleinair-sim is not installed");
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+			"device 'sim:': the program pleinair-sim is not installed");
 		return NULL;
 	}
 	if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) < 0) {
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "device 'sim:': no socket: %s", g_strerror(errno));
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "device 'sim:': no socket: %s",
+			g_strerror(errno));
 		return NULL;
 	}
-	g_autoptr(GSubprocessLauncher) launcher = g_subprocess_launcher_new(G_SUBPROCESS_FLAGS_STDERR_PIPE);
+	g_autoptr(GSubprocessLauncher) launcher =
+		g_subprocess_launcher_new(G_SUBPROCESS_FLAGS_STDERR_PIPE);
 	g_subprocess_launcher_take_fd(launcher, ends[1], 3);
-	g_autoptr(GSubprocess) process =
-		g_subprocess_launcher_spawn(launcher, error, program, "--fd", "3", description, NULL);
+	g_autoptr(GSubprocess) process = g_subprocess_launcher_spawn(
+		launcher, error, program, "--fd", "3", description, NULL);
 	g_clear_object(&launcher); /* closes our copy of the simulator's end */
 	if (!process) {
 		close(ends[0]);

@@ -1,14 +1,17 @@
 #include "firmware-io/head.h"
 #include <string.h>
 
-G_DEFINE_QUARK(wire-error-quark, wire_error)
+G_DEFINE_QUARK(wire - error - quark, wire_error)
 
-/* The drivers of real lidars are found by the port's name; what they need beside it (the stage's pins, the camera's node)
- * stands in /etc/pleinair.conf. They are opened here once their backends are in. */
+/* The drivers of real lidars are found by the port's name; what they need beside it (the stage's
+ * pins, the camera's node) stands in /etc/pleinair.conf. They are opened here once their backends
+ * are in. */
 static head *head_open_device(const char *rest, GError **error)
 {
 	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
-		"device '%s': this build has no USB, serial, camera and stage backends; use sim:SCENE or replay:FILE", rest);
+		"device '%s': this build has no USB, serial, camera and stage backends; use "
+		"sim:SCENE or replay:FILE",
+		rest);
 	return NULL;
 }
 
@@ -32,7 +35,9 @@ head *head_open(const char *uri, GError **error)
 			strncmp(uri, schemes[i].scheme, colon - uri) == 0)
 			return schemes[i].open(colon + 1, error);
 	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
-		"device '%s': is none of sim:SCENE, replay:FILE, tim:, scip:PORT, ld:PORT, rplidar:PORT", uri);
+		"device '%s': is none of sim:SCENE, replay:FILE, tim:, scip:PORT, ld:PORT, "
+		"rplidar:PORT",
+		uri);
 	return NULL;
 }
 
@@ -65,11 +70,12 @@ void head_close(head *h)
 	h->ops->close(h);
 }
 
-void head_tap(head *h, enum record_kind kind, int64_t time_ns, const void *part1, size_t length1, const void *part2,
-	size_t length2)
+void head_tap(head *h, enum record_kind kind, int64_t time_ns, const void *part1, size_t length1,
+	const void *part2, size_t length2)
 {
 	if (h->record && !h->record_error)
-		record_write(h->record, kind, time_ns, part1, length1, part2, length2, &h->record_error);
+		record_write(
+			h->record, kind, time_ns, part1, length1, part2, length2, &h->record_error);
 }
 
 bool wire_open(wire *w, GError **error)
@@ -111,11 +117,13 @@ bool stage_stop(stage *s, GError **error)
 	return s->ops->stop(s, error);
 }
 
-gssize stage_read(stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
+gssize stage_read(
+	stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
 {
 	gssize n = s->ops->read(s, ret_events, ret_arrival_ns, error);
 	if (n > 0)
-		head_tap(s->head, RECORD_STAGE, *ret_arrival_ns, *ret_events, n * sizeof **ret_events, NULL, 0);
+		head_tap(s->head, RECORD_STAGE, *ret_arrival_ns, *ret_events,
+			n * sizeof **ret_events, NULL, 0);
 	return n;
 }
 
@@ -129,12 +137,13 @@ bool camera_queue(camera *c, GError **error)
 	return c->ops->queue(c, error);
 }
 
-int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels, size_t *ret_bytes,
-	int64_t *ret_arrival_ns, GError **error)
+int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
+	size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error)
 {
 	int n = c->ops->read(c, ret_info, ret_pixels, ret_bytes, ret_arrival_ns, error);
 	if (n > 0)
-		head_tap(c->head, RECORD_FRAME, *ret_arrival_ns, ret_info, sizeof *ret_info, *ret_pixels, *ret_bytes);
+		head_tap(c->head, RECORD_FRAME, *ret_arrival_ns, ret_info, sizeof *ret_info,
+			*ret_pixels, *ret_bytes);
 	else if (n < 0)
 		head_tap(c->head, RECORD_CAMERA_GONE, head_now_ns(c->head), NULL, 0, NULL, 0);
 	return n;

@@ -11,12 +11,12 @@ struct knot {
 struct stage_track {
 	double steps_per_turn;
 	uint32_t index_slots;
-	GArray *knots; /* of struct knot, times rising */
+	GArray *knots;    /* of struct knot, times rising */
 	GArray *suspects; /* of struct stage_suspect */
-	double count; /* steps from power-on, slips put right */
-	double slipped; /* what was put right so far: commanded = count + slipped */
+	double count;     /* steps from power-on, slips put right */
+	double slipped;   /* what was put right so far: commanded = count + slipped */
 	double home_steps;
-	double index_phase; /* of the slots, in steps, once known */
+	double index_phase;    /* of the slots, in steps, once known */
 	int64_t good_since_ns; /* the last slot that was where it should be */
 	bool homed, phase_known, moving;
 };
@@ -43,7 +43,8 @@ void stage_track_free(stage_track *t)
 static void add_knot(stage_track *t, int64_t time_ns)
 {
 	struct knot k = { time_ns, t->count };
-	if (t->knots->len && g_array_index(t->knots, struct knot, t->knots->len - 1).time_ns >= time_ns)
+	if (t->knots->len &&
+		g_array_index(t->knots, struct knot, t->knots->len - 1).time_ns >= time_ns)
 		k.time_ns = g_array_index(t->knots, struct knot, t->knots->len - 1).time_ns + 1;
 	g_array_append_val(t->knots, k);
 }
@@ -70,12 +71,12 @@ static double steps_at_time(const stage_track *t, int64_t time_ns)
 	const struct knot *k = &g_array_index(t->knots, struct knot, MAX(i, 0));
 	if (i < 0 || i + 1 >= (gssize)t->knots->len)
 		return k->steps;
-	return k[0].steps +
-		(k[1].steps - k[0].steps) * (double)(time_ns - k[0].time_ns) / (double)(k[1].time_ns - k[0].time_ns);
+	return k[0].steps + (k[1].steps - k[0].steps) * (double)(time_ns - k[0].time_ns) /
+				    (double)(k[1].time_ns - k[0].time_ns);
 }
 
-/* A slot lies between the last pulse and the next: half a step on is the best guess until the next pulse is known, and
- * good to half a step, which is far below what a slip is. */
+/* A slot lies between the last pulse and the next: half a step on is the best guess until the next
+ * pulse is known, and good to half a step, which is far below what a slip is. */
 static double steps_now(const stage_track *t, int64_t time_ns, int direction)
 {
 	guint n = t->knots->len;
@@ -148,7 +149,8 @@ double stage_track_angle_rad(const stage_track *t, int64_t time_ns)
 
 int64_t stage_track_known_until_ns(const stage_track *t)
 {
-	return t->knots->len ? g_array_index(t->knots, struct knot, t->knots->len - 1).time_ns : INT64_MIN;
+	return t->knots->len ? g_array_index(t->knots, struct knot, t->knots->len - 1).time_ns
+			     : INT64_MIN;
 }
 
 double stage_track_steps_at(const stage_track *t, double angle_rad)
@@ -164,7 +166,8 @@ bool stage_track_is_moving(const stage_track *t)
 bool stage_track_is_suspect(const stage_track *t, int64_t time_ns)
 {
 	for (guint i = 0; i < t->suspects->len; i++) {
-		const struct stage_suspect *s = &g_array_index(t->suspects, struct stage_suspect, i);
+		const struct stage_suspect *s =
+			&g_array_index(t->suspects, struct stage_suspect, i);
 		if (time_ns >= s->from_ns && time_ns <= s->to_ns)
 			return true;
 	}

@@ -2,10 +2,12 @@
 #define FIRMWARE_IO_STAGE_TRACK_H
 /* The stage's angle at any instant, from its step pulses and its home and index slots.
  *
- * Between two pulses the rotor is taken to move evenly: it has inertia, and a microstep is 0.03 degrees. The home slot,
- * passed clockwise, is angle 0; angles do not wrap, so a second turn goes on from 2 pi. Index slots are evenly spaced; each is
- * compared with where the first one said it should be, and a disagreement of over one full step (16 microsteps) marks the
- * time since the last good slot as suspect: steps were lost there (DEVICES 4.3). The count is then put right by the slot.
+ * Between two pulses the rotor is taken to move evenly: it has inertia, and a microstep is 0.03
+ * degrees. The home slot, passed clockwise, is angle 0; angles do not wrap, so a second turn goes
+ * on from 2 pi. Index slots are evenly spaced; each is compared with where the first one said it
+ * should be, and a disagreement of over one full step (16 microsteps) marks the time since the last
+ * good slot as suspect: steps were lost there (DEVICES 4.3). The count is then put right by the
+ * slot.
  *
  * Times must not fall. Const between calls of stage_track_feed: any number of readers then. */
 #include "firmware-io/stage.h"
@@ -25,7 +27,8 @@ void stage_track_feed(stage_track *t, const struct stage_event *event, int64_t t
 
 /* Home has been passed: angles are known, also of the time before. */
 bool stage_track_is_homed(const stage_track *t);
-/* Angle from home at that instant, clockwise; the rotor rests before the first and after the last pulse. */
+/* Angle from home at that instant, clockwise; the rotor rests before the first and after the last
+ * pulse. */
 double stage_track_angle_rad(const stage_track *t, int64_t time_ns);
 /* Time of the last pulse or stop: angles up to here are final. */
 int64_t stage_track_known_until_ns(const stage_track *t);
