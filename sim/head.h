@@ -7,6 +7,7 @@
  * Unknown keys, values out of range and faults that do not parse are refused with a sentence that names them. */
 #include <glib.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 /* Where the truth of a scan goes, for tests. Called on the simulator's thread once per revolution, before its bytes are
  * sent; the arrays hold one value per beam, in the order sent, and live only during the call. */

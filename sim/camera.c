@@ -1,0 +1,357 @@
+#include "sim/camera.h"
+#include "sim/chance.h"
+#include "sim/threads.h"
+#include <math.h>
+#include <string.h>
+
+#define TRANSFER_NS INT64_C(30000000)
+#define BUFFERS_MAX 64
+#define CURVE_SIZE  4096
+
+const double camera_pitch_rad = 5 * M_PI / 180;
+
+struct exposure {
+	int64_t start_ns, middle_ns, due_ns;
+	struct link_frame frame;
+	uint32_t rows_done;
+};
+
+struct camera {
+	struct camera_setup setup;
+	struct lens lens;
+	struct device_clock clock;
+	float *rays;                  /* unit directions in the head's frame, 3 per pixel */
+	guint8 curve[CURVE_SIZE + 1]; /* linear 0..1 to sRGB 0..255 */
+	float *linear;                /* the frame being drawn, RGB */
+	struct link_camera_controls controls;
+	uint32_t buffers;
+	bool started, gone;
+	int64_t first_ns; /* of exposure 0 */
+	double period_ns;
+	uint32_t next;            /* exposure that did not start yet */
+	struct exposure *current; /* being exposed or drawn; NULL: none */
+	uint32_t bad_left, lost_left;
+};
+
+struct camera_mount camera_mount(void)
+{
+	double c = cos(camera_pitch_rad), s = sin(camera_pitch_rad);
+
+	return (struct camera_mount){ .rotation = { { 1, 0, 0 }, { 0, s, -c }, { 0, c, s } },
+		.translation_m = { 0, 0.045, 0.07 } };
+}
+
+static void fill_rays(camera *c)
+{
+	const struct camera_mount mount = camera_mount();
+	float *ray = c->rays;
+
+	for (uint32_t v = 0; v < c->lens.height; v++)
+		for (uint32_t u = 0; u < c->lens.width; u++, ray += 3) {
+			double d[3];
+
+			lens_ray(&c->lens, u, v, d);
+			for (int k = 0; k < 3; k++)
+				ray[k] = (float)(mount.rotation[0][k] * d[0] +
+						 mount.rotation[1][k] * d[1] +
+						 mount.rotation[2][k] * d[2]);
+		}
+}
+
+static void fill_curve(camera *c)
+{
+	for (int i = 0; i <= CURVE_SIZE; i++) {
+		double x = (double)i / CURVE_SIZE;
+		double y = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+
+		c->curve[i] = (guint8)lrint(255 * y);
+	}
+}
+
+static double from_seed(const sim_options *o, uint64_t what, double low, double high)
+{
+	return low + (high - low) * chance_uniform(chance_hash(o->seed, CHANCE_CLOCK, 3, what));
+}
+
+camera *camera_new(const struct camera_setup *setup)
+{
+	const sim_options *o = setup->options;
+
+	if (o->camera_width == 0)
+		return NULL;
+	camera *c = g_new0(camera, 1);
+	gsize pixels = (gsize)o->camera_width * o->camera_height;
+
+	c->setup = *setup;
+	c->lens = lens_for_size(o->camera_width, o->camera_height, o->distortion);
+	c->clock = (struct device_clock){ .origin_ns = setup->now_ns,
+		.start_ticks = o->camera_clock_start == UINT64_MAX
+				       ? (uint64_t)from_seed(o, 0, 0, 4294967296.0)
+				       : o->camera_clock_start,
+		.tick_ns = 1e3,
+		.drift_ppm = isnan(o->camera_ppm) ? from_seed(o, 1, -50, 50) : o->camera_ppm,
+		.bits = 32 };
+	c->period_ns = device_clock_true_ns(&c->clock, 1e9 / o->fps);
+	c->controls = (struct link_camera_controls){ 50, 100, 5500 };
+	c->rays = g_new(float, 3 * pixels);
+	c->linear = g_new(float, 3 * pixels);
+	fill_rays(c);
+	fill_curve(c);
+	return c;
+}
+
+void camera_free(camera *c)
+{
+	if (!c)
+		return;
+	g_free(c->rays);
+	g_free(c->linear);
+	g_free(c->current);
+	g_free(c);
+}
+
+const struct lens *camera_lens(const camera *c)
+{
+	return &c->lens;
+}
+
+bool camera_set_controls(camera *c, const struct link_camera_controls *controls)
+{
+	if (controls->exposure_100us < 1 || controls->exposure_100us > 10000 ||
+		controls->gain_percent < 1 || controls->gain_percent > 6400 ||
+		controls->white_balance_k < 1000 || controls->white_balance_k > 20000)
+		return false;
+	c->controls = *controls;
+	return true;
+}
+
+static int64_t start_ns(const camera *c, uint32_t exposure)
+{
+	return c->first_ns + llrint(c->period_ns * exposure);
+}
+
+/* Exposures that had no buffer went by unseen. */
+static void catch_up(camera *c, int64_t now_ns)
+{
+	double late = ((double)(now_ns - c->first_ns)) / c->period_ns;
+
+	if (late > c->next)
+		c->next = (uint32_t)ceil(late);
+}
+
+void camera_queue(camera *c, int64_t now_ns)
+{
+	if (c->gone) {
+		outbox_push(c->setup.out, now_ns, LINK_CAMERA_GONE, NULL);
+		return;
+	}
+	if (!c->started) {
+		c->started = true;
+		c->first_ns =
+			now_ns + llrint(c->period_ns * from_seed(c->setup.options, 2, 0.1, 1));
+	}
+	if (c->buffers == 0)
+		catch_up(c, now_ns);
+	c->buffers = MIN(c->buffers + 1, BUFFERS_MAX);
+}
+
+int64_t camera_next_ns(const camera *c)
+{
+	if (c->current)
+		return c->current->due_ns;
+	return c->buffers > 0 && !c->gone ? start_ns(c, c->next) : INT64_MAX;
+}
+
+bool camera_passes(const camera *c, double *ret_from_rad, double *ret_to_rad)
+{
+	if (c->current)
+		return false;
+	*ret_from_rad = stage_azimuth_rad(c->setup.stage, start_ns(c, c->next), -c->period_ns);
+	*ret_to_rad = stage_azimuth_rad(c->setup.stage, start_ns(c, c->next), 0);
+	return true;
+}
+
+void camera_strike(camera *c, int64_t now_ns, const struct fault *fault)
+{
+	switch (fault->kind) {
+	case FAULT_BADFRAME: c->bad_left = fault->count; break;
+	case FAULT_FRAMELOSS: c->lost_left = (uint32_t)fault->param; break;
+	case FAULT_CAMERAGONE:
+		c->gone = true;
+		outbox_push(c->setup.out, now_ns, LINK_CAMERA_GONE, NULL);
+		break;
+	default: g_assert_not_reached();
+	}
+}
+
+static void start_exposure(camera *c)
+{
+	int64_t at_ns = start_ns(c, c->next);
+	int64_t exposure_ns = (int64_t)c->controls.exposure_100us * 100000;
+
+	c->current = g_new0(struct exposure, 1);
+	*c->current = (struct exposure){ .start_ns = at_ns,
+		.middle_ns = at_ns + exposure_ns / 2,
+		.due_ns = at_ns + exposure_ns + MIN(TRANSFER_NS, (int64_t)(c->period_ns / 2)),
+		.frame = { .ticks_us = device_clock_ticks(&c->clock, at_ns),
+			.sequence = c->next,
+			.flags = c->bad_left > 0 ? LINK_FRAME_ERROR : 0,
+			.width = c->lens.width,
+			.height = c->lens.height,
+			.exposure_100us = c->controls.exposure_100us,
+			.gain_percent = c->controls.gain_percent,
+			.white_balance_k = c->controls.white_balance_k } };
+	c->bad_left -= c->bad_left > 0;
+	c->buffers--;
+}
+
+/* Head to world at the middle of the exposure: turned by the stage, then as the tripod stands. */
+static void pose(const camera *c, double ret_rotation[3][3], double ret_origin_m[3])
+{
+	const struct world_station *station = &c->setup.station;
+	const struct camera_mount mount = camera_mount();
+	double azimuth = stage_azimuth_rad(c->setup.stage, c->current->middle_ns, 0);
+	double sine = sin(azimuth), cosine = cos(azimuth);
+	double turn[3][3] = { { cosine, sine, 0 }, { -sine, cosine, 0 }, { 0, 0, 1 } };
+
+	for (int i = 0; i < 3; i++) {
+		ret_origin_m[i] = station->position_m[i];
+		for (int j = 0; j < 3; j++) {
+			ret_rotation[i][j] = 0;
+			for (int k = 0; k < 3; k++)
+				ret_rotation[i][j] += station->rotation[i][k] * turn[k][j];
+			ret_origin_m[i] += ret_rotation[i][j] * mount.translation_m[j];
+		}
+	}
+}
+
+/* Sensor noise: shot noise and a floor, from four draws of sixteen bits whose sum is nearly normal.
+ */
+static float sensor_noise(const camera *c, gsize pixel, float level)
+{
+	uint64_t h = chance_hash(
+		c->setup.options->seed, CHANCE_PIXEL, c->current->frame.sequence, pixel);
+	float sum = (float)((h & 0xffff) + (h >> 16 & 0xffff) + (h >> 32 & 0xffff) + (h >> 48)) /
+		    65535.0f;
+
+	return (sum - 2) * 1.732f * sqrtf(2e-5f * fmaxf(level, 0) + 4e-7f);
+}
+
+static void draw_row(camera *c, uint32_t v, const double rotation[3][3], const double origin_m[3])
+{
+	const struct link_frame *f = &c->current->frame;
+	float exposure = (float)(f->exposure_100us / 50.0 * f->gain_percent / 100.0);
+	float warmth = sqrtf((float)f->white_balance_k / 5500);
+	const float gain[3] = { exposure * warmth, exposure, exposure / warmth };
+
+	for (uint32_t u = 0; u < f->width; u++) {
+		gsize pixel = (gsize)v * f->width + u;
+		const float *ray = c->rays + 3 * pixel;
+		float *rgb = c->linear + 3 * pixel;
+		double direction[3];
+
+		for (int k = 0; k < 3; k++)
+			direction[k] = rotation[k][0] * ray[0] + rotation[k][1] * ray[1] +
+				       rotation[k][2] * ray[2];
+		world_radiance(c->setup.world, origin_m, direction, rgb);
+		float noise = sensor_noise(c, pixel, rgb[1] * gain[1]);
+
+		for (int k = 0; k < 3; k++)
+			rgb[k] = rgb[k] * gain[k] + noise;
+	}
+}
+
+static void draw(camera *c, uint32_t rows)
+{
+	uint32_t from = c->current->rows_done, to = MIN(from + rows, c->lens.height);
+	double rotation[3][3], origin_m[3];
+
+	pose(c, rotation, origin_m);
+#pragma omp parallel for schedule(dynamic, 4) if (THREADS)
+	for (uint32_t v = from; v < to; v++)
+		draw_row(c, v, rotation, origin_m);
+	c->current->rows_done = to;
+}
+
+static void encode(const camera *c, guint8 *nv12)
+{
+	uint32_t width = c->lens.width, height = c->lens.height;
+	guint8 *chroma = nv12 + (gsize)width * height;
+
+	for (uint32_t v = 0; v < height; v += 2)
+		for (uint32_t u = 0; u < width; u += 2) {
+			int sum[3] = { 0 };
+
+			for (int corner = 0; corner < 4; corner++) {
+				gsize pixel = (gsize)(v + corner / 2) * width + u + corner % 2;
+				int rgb[3];
+
+				for (int k = 0; k < 3; k++) {
+					float x = CLAMP(c->linear[3 * pixel + k], 0.0f, 1.0f);
+
+					rgb[k] = c->curve[(int)(x * CURVE_SIZE + 0.5f)];
+					sum[k] += rgb[k];
+				}
+				nv12[pixel] = (guint8)(16 + ((16829 * rgb[0] + 33039 * rgb[1] +
+								     6416 * rgb[2] + 32768) >>
+								    16));
+			}
+			/* Sums of four: two bits more to shift away. */
+			*chroma++ = (guint8)(128 + ((-9714 * sum[0] - 19070 * sum[1] +
+							    28784 * sum[2] + 131072) >>
+							   18));
+			*chroma++ = (guint8)(128 + ((28784 * sum[0] - 24103 * sum[1] -
+							    4681 * sum[2] + 131072) >>
+							   18));
+		}
+}
+
+/* What a broken transfer leaves: the lower part shifted sideways and a band without data. */
+static void damage(const camera *c, guint8 *nv12)
+{
+	uint32_t width = c->lens.width, height = c->lens.height;
+	guint8 *from = nv12 + (gsize)width * (height / 3);
+
+	memmove(from, from + width / 3, (gsize)width * (height / 2));
+	memset(nv12 + (gsize)width * (height * 3 / 4), 0, (gsize)width * (height / 8));
+}
+
+static void deliver(camera *c)
+{
+	struct exposure *e = c->current;
+	gsize pixels = (gsize)c->lens.width * c->lens.height;
+	GByteArray *payload = g_byte_array_new();
+
+	draw(c, c->lens.height);
+	g_byte_array_append(payload, (const guint8 *)&e->frame, sizeof e->frame);
+	g_byte_array_set_size(payload, (guint)(sizeof e->frame + pixels * 3 / 2));
+	encode(c, payload->data + sizeof e->frame);
+	if (e->frame.flags & LINK_FRAME_ERROR)
+		damage(c, payload->data + sizeof e->frame);
+	outbox_push(c->setup.out, e->due_ns, LINK_CAMERA_FRAME, payload);
+}
+
+void camera_run(camera *c, int64_t now_ns)
+{
+	if (c->current) {
+		if (!c->gone)
+			deliver(c);
+		g_clear_pointer(&c->current, g_free);
+		catch_up(c, now_ns);
+		return;
+	}
+	if (c->lost_left > 0)
+		c->lost_left--;
+	else if (!c->gone)
+		start_exposure(c);
+	c->next++;
+}
+
+bool camera_prepare(camera *c, int64_t now_ns, uint32_t rows)
+{
+	if (!c->current || now_ns < c->current->middle_ns ||
+		c->current->rows_done >= c->lens.height)
+		return false;
+	draw(c, rows);
+	return true;
+}

@@ -1,0 +1,380 @@
+#include "sim/head.h"
+#include "sim/camera.h"
+#include "sim/certificate.h"
+#include "sim/chance.h"
+#include "sim/host.h"
+#include "sim/lidar.h"
+#include "sim/truth.h"
+#include <gio/gio.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+/* The simulation is a row of events. Each device knows when its next one is due; the earliest
+ * happens, may push messages into the outbox, and those become events of their own when they arrive
+ * at the host. Nothing else moves time. */
+
+#define VIRTUAL_START_NS INT64_C(1000000000000)
+#define PATIENCE_NS      INT64_C(3600000000000) /* a LINK_WAIT without end is answered after this */
+#define INDEX_SLOTS      24
+#define BEAMS_AT_ONCE    128 /* of work done ahead, so that no event waits long for it */
+#define ROWS_AT_ONCE     8
+
+struct head {
+	sim_options *options;
+	const struct sim_head_options *wishes;
+	world *world;
+	stage *stage;
+	lidar *lidar;
+	camera *camera; /* NULL: none */
+	outbox *out;
+	host *host;
+	truth_log *log; /* NULL: none */
+	int64_t now_ns;
+	int64_t origin_ns; /* real time: CLOCK_MONOTONIC when the head began, which its time agrees
+			      with */
+	bool powered;
+	GError *broken; /* why the host was given up */
+	bool sent;
+};
+
+static int64_t monotonic_ns(void)
+{
+	struct timespec now;
+
+	clock_gettime(CLOCK_MONOTONIC, &now);
+	return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
+}
+
+static int64_t real_time_ns(const struct head *h)
+{
+	int64_t since_ns = monotonic_ns() - h->origin_ns;
+
+	if (h->options->speed == 1)
+		return h->origin_ns + since_ns;
+	return h->origin_ns + llrint((double)since_ns * h->options->speed);
+}
+
+static void tell_truth(const struct sim_truth_revolution *revolution, gpointer user_data)
+{
+	struct head *h = user_data;
+
+	if (h->log)
+		truth_log_write(h->log, revolution);
+	if (h->wishes->truth)
+		h->wishes->truth(revolution, h->wishes->truth_data);
+}
+
+static double from_seed(const sim_options *o, uint64_t what, double low, double high)
+{
+	return low + (high - low) * chance_uniform(chance_hash(o->seed, CHANCE_STAGE, 0, what));
+}
+
+static stage *make_stage(const struct head *h)
+{
+	const sim_options *o = h->options;
+	double azimuth_deg = isnan(o->home_deg) ? from_seed(o, 0, 20, 340) : o->home_deg;
+	struct stage_desc desc = { .steps_per_turn = o->steps_per_turn,
+		.index_slots = INDEX_SLOTS,
+		.initial_azimuth_rad = azimuth_deg * M_PI / 180,
+		.backlash_steps = o->backlash_steps,
+		.clock = { .origin_ns = h->now_ns,
+			.start_ticks = o->stage_clock_start == UINT64_MAX
+					       ? (uint64_t)from_seed(o, 1, 0, 4294967296.0)
+					       : o->stage_clock_start,
+			.tick_ns = 1e3,
+			.drift_ppm = isnan(o->stage_ppm) ? from_seed(o, 2, -50, 50) : o->stage_ppm,
+			.bits = 32 } };
+
+	return stage_new(&desc, h->now_ns);
+}
+
+static void make_devices(struct head *h, const struct world_station *station)
+{
+	bool wants_truth = h->log || h->wishes->truth;
+
+	h->out = outbox_new();
+	h->stage = make_stage(h);
+	h->lidar = lidar_new(&(struct lidar_setup){ .options = h->options,
+		.world = h->world,
+		.station = *station,
+		.stage = h->stage,
+		.out = h->out,
+		.truth = wants_truth ? tell_truth : NULL,
+		.truth_data = h,
+		.now_ns = h->now_ns });
+	h->camera = camera_new(&(struct camera_setup){ .options = h->options,
+		.world = h->world,
+		.station = *station,
+		.stage = h->stage,
+		.out = h->out,
+		.now_ns = h->now_ns });
+}
+
+static bool head_begin(struct head *h, GError **error)
+{
+	struct world_station station;
+
+	h->options = options_parse(h->wishes->description, error);
+	if (!h->options)
+		return false;
+	if (!truth_open_world(h->options, &h->world, &station, error))
+		return false;
+	if (h->options->truth && !(h->log = truth_log_new(h->options->truth, error)))
+		return false;
+	h->now_ns = h->origin_ns = h->options->speed > 0 ? monotonic_ns() : VIRTUAL_START_NS;
+	h->powered = true;
+	make_devices(h, &station);
+	return true;
+}
+
+static void head_end(struct head *h)
+{
+	lidar_free(h->lidar);
+	camera_free(h->camera);
+	stage_free(h->stage);
+	outbox_free(h->out);
+	world_free(h->world);
+	truth_log_free(h->log);
+	options_free(h->options);
+	host_free(h->host);
+}
+
+static void give_up(struct head *h)
+{
+	h->powered = false;
+}
+
+static void send(
+	struct head *h, enum link_kind kind, int64_t host_ns, const void *payload, gsize length)
+{
+	if (h->powered && !host_send(h->host, kind, host_ns, payload, length, &h->broken))
+		give_up(h);
+}
+
+static void greet(struct head *h)
+{
+	g_autofree char *json =
+		certificate_json(h->options, h->camera ? camera_lens(h->camera) : NULL);
+	g_autoptr(GByteArray) payload = g_byte_array_new();
+	struct link_hello hello = { .version = LINK_VERSION, .real_time = h->options->speed > 0 };
+
+	g_strlcpy(hello.lidar_protocol, h->options->lidar == SIM_LIDAR_COLA ? "cola" : "scip",
+		sizeof hello.lidar_protocol);
+	g_byte_array_append(payload, (const guint8 *)&hello, sizeof hello);
+	g_byte_array_append(payload, (const guint8 *)json, (guint)strlen(json));
+	send(h, LINK_HELLO, h->now_ns, payload->data, payload->len);
+}
+
+static void strike(struct head *h, const struct fault *fault)
+{
+	switch (fault->kind) {
+	case FAULT_POWER: give_up(h); break;
+	case FAULT_STAGE: stage_fail(h->stage, h->now_ns); break;
+	case FAULT_SLIP: stage_slip(h->stage, h->now_ns, fault->param); break;
+	default:
+		if (fault_is_of_camera(fault->kind))
+			camera_strike(h->camera, h->now_ns, fault);
+		else
+			lidar_strike(h->lidar, h->now_ns, fault);
+	}
+}
+
+static void strike_between(struct head *h, double from_rad, double to_rad, bool of_camera)
+{
+	const double columns_per_rad = FAULT_COLUMNS / (2 * M_PI);
+	const struct fault *fault;
+
+	if (!stage_is_homed(h->stage))
+		return;
+	while ((fault = fault_take(h->options->faults, from_rad * columns_per_rad,
+			to_rad * columns_per_rad, of_camera)))
+		strike(h, fault);
+}
+
+static void run_stage(struct head *h)
+{
+	GByteArray *batch = stage_run(h->stage, h->now_ns);
+
+	if (batch) {
+		uint64_t draw = chance_hash(h->options->seed, CHANCE_STAGE, 1, (uint64_t)h->now_ns);
+
+		outbox_push(h->out, h->now_ns + 30000 + (int64_t)(draw % 100000), LINK_STAGE_EVENTS,
+			batch);
+	}
+}
+
+static void run_lidar(struct head *h)
+{
+	double from_rad, to_rad;
+
+	if (lidar_passes(h->lidar, &from_rad, &to_rad))
+		strike_between(h, from_rad, to_rad, false);
+	lidar_run(h->lidar, h->now_ns);
+}
+
+static void run_camera(struct head *h)
+{
+	double from_rad, to_rad;
+
+	if (camera_passes(h->camera, &from_rad, &to_rad))
+		strike_between(h, from_rad, to_rad, true);
+	camera_run(h->camera, h->now_ns);
+}
+
+static void run_outbox(struct head *h)
+{
+	struct outbox_message message = outbox_pop(h->out);
+	const GByteArray *payload = message.payload;
+
+	send(h, message.kind, message.due_ns, payload ? payload->data : NULL,
+		payload ? payload->len : 0);
+	outbox_message_clear(&message);
+	h->sent = true;
+}
+
+static int64_t next_ns(const struct head *h)
+{
+	int64_t device_ns = MIN(stage_next_ns(h->stage), lidar_next_ns(h->lidar));
+
+	if (h->camera)
+		device_ns = MIN(device_ns, camera_next_ns(h->camera));
+	return MIN(device_ns, outbox_next_ns(h->out));
+}
+
+/* Lets the next thing happen if it is due by then. */
+static bool run_next(struct head *h, int64_t until_ns)
+{
+	int64_t due_ns = next_ns(h);
+
+	if (due_ns > until_ns || !h->powered)
+		return false;
+	h->now_ns = MAX(h->now_ns, due_ns);
+	if (stage_next_ns(h->stage) == due_ns)
+		run_stage(h);
+	else if (lidar_next_ns(h->lidar) == due_ns)
+		run_lidar(h);
+	else if (h->camera && camera_next_ns(h->camera) == due_ns)
+		run_camera(h);
+	else
+		run_outbox(h);
+	return true;
+}
+
+/* The host sleeps: everything happens up to the first thing that wakes it. */
+static void answer_wait(struct head *h, int64_t deadline_ns)
+{
+	int64_t until_ns = MIN(deadline_ns, h->now_ns + PATIENCE_NS);
+
+	h->sent = false;
+	while (!h->sent && run_next(h, until_ns))
+		;
+	if (!h->sent)
+		h->now_ns = MAX(h->now_ns, until_ns);
+	send(h, LINK_NOW, h->now_ns, NULL, 0);
+}
+
+static bool obey_device(struct head *h, const struct link_header *header, const guint8 *payload)
+{
+	switch (header->kind) {
+	case LINK_LIDAR_OPEN: lidar_open(h->lidar, h->now_ns); return header->length == 0;
+	case LINK_LIDAR_CLOSE: lidar_close(h->lidar); return header->length == 0;
+	case LINK_LIDAR_WRITE:
+		lidar_write(h->lidar, h->now_ns, payload, header->length);
+		return true;
+	case LINK_STAGE_STOP: stage_stop(h->stage, h->now_ns); return header->length == 0;
+	case LINK_CAMERA_QUEUE:
+		if (h->camera)
+			camera_queue(h->camera, h->now_ns);
+		else
+			outbox_push(h->out, h->now_ns, LINK_CAMERA_GONE, NULL);
+		return header->length == 0;
+	default: return false;
+	}
+}
+
+static bool obey(struct head *h, const struct link_header *header, const guint8 *payload)
+{
+	struct link_stage_move move;
+	struct link_camera_controls controls;
+
+	switch (header->kind) {
+	case LINK_WAIT:
+		if (h->options->speed > 0 || header->length != 0)
+			return false;
+		answer_wait(h, header->host_ns);
+		return true;
+	case LINK_STAGE_MOVE:
+		if (header->length != sizeof move)
+			return false;
+		memcpy(&move, payload, sizeof move);
+		return stage_move(h->stage, h->now_ns, &move);
+	case LINK_CAMERA_CONTROLS:
+		if (header->length != sizeof controls)
+			return false;
+		memcpy(&controls, payload, sizeof controls);
+		return !h->camera || camera_set_controls(h->camera, &controls);
+	default: return obey_device(h, header, payload);
+	}
+}
+
+static void obey_all(struct head *h)
+{
+	struct link_header header;
+	const guint8 *payload;
+
+	while (h->powered && !h->broken && host_next(h->host, &header, &payload, &h->broken))
+		if (!obey(h, &header, payload))
+			g_set_error(&h->broken, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
+				"the host sent a message that makes no sense: kind %u, %u bytes",
+				header.kind, header.length);
+}
+
+/* Uses a quiet moment to compute what will be due; false if there is nothing to do ahead. */
+static bool prepare(struct head *h)
+{
+	return lidar_prepare(h->lidar, h->now_ns, BEAMS_AT_ONCE) ||
+	       (h->camera && camera_prepare(h->camera, h->now_ns, ROWS_AT_ONCE));
+}
+
+static int64_t patience_ns(struct head *h)
+{
+	if (h->options->speed <= 0)
+		return -1;
+	while (run_next(h, real_time_ns(h)))
+		;
+	h->now_ns = MAX(h->now_ns, real_time_ns(h));
+	if (prepare(h))
+		return 0;
+	double until_ns = (double)(next_ns(h) - h->now_ns) / h->options->speed;
+
+	return (int64_t)CLAMP(until_ns, 0, 10e6); /* and look again, as there is work to do ahead */
+}
+
+static bool serve(struct head *h)
+{
+	enum host_state state = HOST_IDLE;
+
+	greet(h);
+	while (h->powered && !h->broken && state < HOST_GONE) {
+		state = host_listen(h->host, patience_ns(h), &h->broken);
+		if (h->options->speed > 0)
+			while (run_next(h, real_time_ns(h)))
+				;
+		obey_all(h);
+	}
+	return !h->broken;
+}
+
+bool sim_head_serve(int fd, const struct sim_head_options *options, GError **error)
+{
+	struct head h = { .wishes = options, .host = host_new(fd) };
+	bool good = head_begin(&h, error);
+
+	if (good && !serve(&h)) {
+		g_propagate_error(error, h.broken);
+		good = false;
+	}
+	head_end(&h);
+	return good;
+}

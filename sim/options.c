@@ -1,0 +1,262 @@
+#include "sim/options.h"
+#include "sim/fault.h"
+#include <gio/gio.h>
+#include <math.h>
+
+struct option_row;
+typedef bool (*option_parser)(const struct option_row *row, const char *text, void *ret_value);
+
+struct option_row {
+	const char *key;
+	option_parser parse;
+	gsize offset; /* into sim_options */
+	double min, max;
+	const char *wants; /* in place of "a number from MIN to MAX" */
+	const char *help;
+};
+
+static bool parse_number(const struct option_row *row, const char *text, void *ret_value)
+{
+	char *end;
+	double number = g_ascii_strtod(text, &end);
+
+	if (end == text || *end != '\0' || !(number >= row->min && number <= row->max))
+		return false;
+	*(double *)ret_value = number;
+	return true;
+}
+
+static bool parse_whole(const struct option_row *row, const char *text, void *ret_value)
+{
+	return g_ascii_string_to_unsigned(
+		text, 10, (guint64)row->min, (guint64)row->max, (guint64 *)ret_value, NULL);
+}
+
+static bool parse_flag(const struct option_row *row, const char *text, void *ret_value)
+{
+	(void)row;
+	*(bool *)ret_value = text[0] == '1';
+	return (text[0] == '0' || text[0] == '1') && text[1] == '\0';
+}
+
+static bool parse_text(const struct option_row *row, const char *text, void *ret_value)
+{
+	(void)row;
+	g_free(*(char **)ret_value);
+	*(char **)ret_value = g_uri_unescape_string(text, NULL);
+	return *(char **)ret_value && **(char **)ret_value;
+}
+
+static bool parse_speed(const struct option_row *row, const char *text, void *ret_value)
+{
+	if (strcmp(text, "max") != 0)
+		return parse_number(row, text, ret_value);
+	*(double *)ret_value = 0;
+	return true;
+}
+
+static bool parse_lidar(const struct option_row *row, const char *text, void *ret_value)
+{
+	static const char *const names[] = { "scip", "cola", "none" };
+
+	(void)row;
+	for (int i = 0; i < 3; i++)
+		if (strcmp(text, names[i]) == 0) {
+			*(enum sim_lidar *)ret_value = (enum sim_lidar)i;
+			return true;
+		}
+	return false;
+}
+
+static bool parse_ares(const struct option_row *row, const char *text, void *ret_value)
+{
+	return parse_whole(row, text, ret_value) && *(uint64_t *)ret_value % 8 == 0;
+}
+
+static bool parse_beams(const struct option_row *row, const char *text, void *ret_value)
+{
+	return parse_whole(row, text, ret_value) && *(uint64_t *)ret_value % 270 == 1;
+}
+
+static bool parse_size(const struct option_row *row, const char *text, void *ret_value)
+{
+	uint32_t *size = ret_value;
+	char *end;
+
+	size[0] = size[1] = 0;
+	if (strcmp(text, "none") == 0)
+		return true;
+	guint64 width = g_ascii_strtoull(text, &end, 10);
+
+	if (*end != 'x')
+		return false;
+	guint64 height = g_ascii_strtoull(end + 1, &end, 10);
+
+	size[0] = (uint32_t)width;
+	size[1] = (uint32_t)height;
+	return *end == '\0' && width % 2 == 0 && height % 2 == 0 &&
+	       MIN(width, height) >= row->min && MAX(width, height) <= row->max;
+}
+
+#define AT(field) G_STRUCT_OFFSET(sim_options, field)
+#define PPM       -1000, 1000, NULL
+#define TICKS     0, 0xffffffff, NULL
+static const struct option_row rows[] = {
+	{ "seed", parse_whole, AT(seed), 0, 1e15, NULL, "of the world and of all chance (1)" },
+	{ "station", parse_whole, AT(station), 1, 1000, NULL, "which tripod position (1)" },
+	{ "speed", parse_speed, AT(speed), 0.01, 1000, "max or a number from 0.01 to 1000",
+		"times real time, or as fast as possible (max)" },
+	{ "lidar", parse_lidar, AT(lidar), 0, 0, "scip, cola or none", "its protocol (scip)" },
+	{ "ares", parse_ares, AT(ares), 80, 13328, "a multiple of 8 from 80 to 13328",
+		"steps per turn of a SCIP lidar (3168)" },
+	{ "beams", parse_beams, AT(beams), 271, 811, "271, 541 or 811",
+		"beams over the 270 degrees of a CoLa lidar (811)" },
+	{ "rate_hz", parse_number, AT(rate_hz), 1, 200, NULL,
+		"turns of the mirror (scip 40, cola 15)" },
+	{ "limit_m", parse_number, AT(limit_m), 1, 200, NULL, "longest range (scip 200, cola 65)" },
+	{ "noise_mm", parse_number, AT(noise_mm), 0, 1000, NULL, "1 sigma of a range (12)" },
+	{ "divergence_mrad", parse_number, AT(divergence_mrad), 0, 20, NULL,
+		"full angle of the beam; 0 gives no mixed pixels (0.5)" },
+	{ "dropouts", parse_flag, AT(dropouts), 0, 0, "0 or 1",
+		"weak echoes are missed at times (1)" },
+	{ "drift_ppm", parse_number, AT(drift_ppm), PPM, "of the lidar's clock (from the seed)" },
+	{ "clock_start", parse_whole, AT(clock_start), TICKS,
+		"first reading of the lidar's clock, ms or us (from the seed)" },
+	{ "latency_ms", parse_number, AT(latency_ms), 0, 1000, NULL,
+		"least delay of the cable (1)" },
+	{ "jitter_ms", parse_number, AT(jitter_ms), 0, 1000, NULL,
+		"mean of the delay on top, with rare spikes of a hundred times that (0.3)" },
+	{ "packet", parse_whole, AT(packet), 0, 65536, NULL,
+		"bytes that come together; 0 for whole telegrams (0)" },
+	{ "steps_per_turn", parse_number, AT(steps_per_turn), 200, 1e6, NULL,
+		"of the stage (11886)" },
+	{ "home_deg", parse_number, AT(home_deg), 0, 360, NULL,
+		"where the head stands at power-on, clockwise of home (from the seed)" },
+	{ "backlash_steps", parse_number, AT(backlash_steps), 0, 1000, NULL, "of the gear (0)" },
+	{ "stage_ppm", parse_number, AT(stage_ppm), PPM, "drift of its clock (from the seed)" },
+	{ "stage_clock_start", parse_whole, AT(stage_clock_start), TICKS, "in us (from the seed)" },
+	{ "camera", parse_size, AT(camera_width), 16, 4096,
+		"WIDTHxHEIGHT, even, 16 to 4096, or none", "size of a frame (720x1280)" },
+	{ "fps", parse_number, AT(fps), 0.1, 120, NULL, "exposures a second (10)" },
+	{ "distortion", parse_flag, AT(distortion), 0, 0, "0 or 1", "a real lens (1)" },
+	{ "camera_ppm", parse_number, AT(camera_ppm), PPM, "drift of its clock (from the seed)" },
+	{ "camera_clock_start", parse_whole, AT(camera_clock_start), TICKS,
+		"in us (from the seed)" },
+	{ "truth", parse_text, AT(truth), 0, 0, "a file name", "log the truth of each revolution" },
+};
+
+static const struct option_row *find_row(const char *key)
+{
+	for (gsize i = 0; i < G_N_ELEMENTS(rows); i++)
+		if (strcmp(rows[i].key, key) == 0)
+			return &rows[i];
+	return NULL;
+}
+
+static bool refuse_value(
+	const sim_options *o, const struct option_row *row, const char *text, GError **error)
+{
+	g_autofree char *range = g_strdup_printf("a%s number from %.10g to %.10g",
+		row->parse == parse_whole ? " whole" : "", row->min, row->max);
+
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT, "sim:%s: %s=%s is not %s",
+		o->scene, row->key, text, row->wants ? row->wants : range);
+	return false;
+}
+
+static bool set_option(sim_options *o, const char *pair, GError **error)
+{
+	const char *equals = strchr(pair, '=');
+	g_autofree char *key = equals ? g_strndup(pair, (gsize)(equals - pair)) : g_strdup(pair);
+
+	if (equals && strcmp(key, "fault") == 0) {
+		if (fault_parse(equals + 1, o->faults, error))
+			return true;
+		g_prefix_error(error, "sim:%s: ", o->scene);
+		return false;
+	}
+	const struct option_row *row = find_row(key);
+
+	if (!row || !equals) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
+			row ? "sim:%s: %s needs a value" : "sim:%s: there is no option %s",
+			o->scene, key);
+		return false;
+	}
+	return row->parse(row, equals + 1, G_STRUCT_MEMBER_P(o, row->offset)) ||
+	       refuse_value(o, row, equals + 1, error);
+}
+
+static sim_options *options_new(const char *scene)
+{
+	sim_options *o = g_new0(sim_options, 1);
+
+	*o = (sim_options){ .scene = g_strdup(scene),
+		.seed = 1,
+		.station = 1,
+		.ares = 3168,
+		.beams = 811,
+		.rate_hz = NAN,
+		.limit_m = NAN,
+		.noise_mm = 12,
+		.divergence_mrad = 0.5,
+		.dropouts = true,
+		.drift_ppm = NAN,
+		.clock_start = UINT64_MAX,
+		.latency_ms = 1,
+		.jitter_ms = 0.3,
+		.steps_per_turn = 11886,
+		.home_deg = NAN,
+		.stage_ppm = NAN,
+		.stage_clock_start = UINT64_MAX,
+		.camera_width = 720,
+		.camera_height = 1280,
+		.fps = 10,
+		.distortion = true,
+		.camera_ppm = NAN,
+		.camera_clock_start = UINT64_MAX,
+		.faults = g_array_new(FALSE, FALSE, sizeof(struct fault)) };
+	return o;
+}
+
+static void fill_what_depends(sim_options *o)
+{
+	if (isnan(o->rate_hz))
+		o->rate_hz = o->lidar == SIM_LIDAR_COLA ? 15 : 40;
+	if (isnan(o->limit_m))
+		o->limit_m = o->lidar == SIM_LIDAR_COLA ? 65 : 200;
+}
+
+sim_options *options_parse(const char *description, GError **error)
+{
+	g_auto(GStrv) halves = g_strsplit(description, "?", 2);
+	g_autoptr(sim_options) o = options_new(halves[0] ? halves[0] : "");
+	g_auto(GStrv) pairs = g_strsplit(halves[0] && halves[1] ? halves[1] : "", "&", -1);
+
+	for (char **pair = pairs; *pair; pair++)
+		if (**pair && !set_option(o, *pair, error))
+			return NULL;
+	fill_what_depends(o);
+	return g_steal_pointer(&o);
+}
+
+void options_free(sim_options *o)
+{
+	if (!o)
+		return;
+	g_free(o->scene);
+	g_free(o->truth);
+	g_array_unref(o->faults);
+	g_free(o);
+}
+
+char *options_help(void)
+{
+	GString *text = g_string_new("Options of a description (defaults in brackets):\n");
+
+	for (gsize i = 0; i < G_N_ELEMENTS(rows); i++)
+		g_string_append_printf(text, "  %-20s %s\n", rows[i].key, rows[i].help);
+	g_string_append(text,
+		"  fault                what goes wrong where: KIND@COLUMN[xCOUNT][:PARAM],...\n");
+	return g_string_free(text, FALSE);
+}

@@ -1,0 +1,54 @@
+#ifndef SIM_OPTIONS_H
+#define SIM_OPTIONS_H
+/* What a device URI says about a simulated head after "sim:", as in court?seed=7&lidar=cola. Each
+ * key is a row of a table in options.c, which holds its range and its sentence in the manual;
+ * options_help() prints it. */
+#include <glib.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+enum sim_lidar { SIM_LIDAR_SCIP, SIM_LIDAR_COLA, SIM_LIDAR_NONE };
+
+/* Numbers that stay NAN, and clocks that stay UINT64_MAX, were not given and come from the seed. */
+typedef struct sim_options {
+	char *scene;
+	uint64_t seed;
+	uint64_t station; /* from 1 */
+	double speed;     /* 0: as fast as possible; else times real time */
+
+	enum sim_lidar lidar;
+	uint64_t ares;  /* steps per turn of a SCIP lidar, a multiple of 8 */
+	uint64_t beams; /* of a CoLa lidar: 271, 541 or 811 over 270 degrees */
+	double rate_hz;
+	double limit_m;
+	double noise_mm;
+	double divergence_mrad; /* full angle */
+	bool dropouts;          /* weak echoes are missed now and then */
+	double drift_ppm;
+	uint64_t clock_start; /* ticks of the lidar's clock at power-on: ms for SCIP, us for CoLa */
+	double latency_ms, jitter_ms;
+	uint64_t packet; /* bytes that come together; 0: a whole telegram */
+
+	double steps_per_turn;
+	double home_deg; /* how far the head stands clockwise of home at power-on */
+	double backlash_steps;
+	double stage_ppm;
+	uint64_t stage_clock_start;
+
+	uint32_t camera_width, camera_height; /* 0: no camera */
+	double fps;
+	bool distortion;
+	double camera_ppm;
+	uint64_t camera_clock_start;
+
+	GArray *faults; /* struct fault */
+	char *truth;    /* a file for the truth of each revolution, or NULL */
+} sim_options;
+
+sim_options *options_parse(const char *description, GError **error);
+void options_free(sim_options *options); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(sim_options, options_free)
+
+char *options_help(void); /* one line per key */
+
+#endif

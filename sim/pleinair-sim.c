@@ -1,0 +1,147 @@
+/* pleinair-sim: serves a simulated head to a host, or tells the truth about its world. */
+#include "sim/head.h"
+#include "sim/options.h"
+#include "sim/truth.h"
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+enum { DONE = 0, FAILED = 1, WRONG_USAGE = 2 };
+
+struct arguments {
+	int fd;
+	char *listen_path;
+	gboolean poses, truth;
+	int columns, rows;
+	char *output;
+	char **descriptions;
+};
+
+static int complain(const char *what, GError *error)
+{
+	fprintf(stderr, "pleinair-sim: %s%s\n", what, error ? error->message : "");
+	g_clear_error(&error);
+	return FAILED;
+}
+
+static int serve(int fd, const char *description)
+{
+	GError *error = NULL;
+
+	if (!sim_head_serve(fd, &(struct sim_head_options){ .description = description }, &error))
+		return complain("", error);
+	return DONE;
+}
+
+static int listen_on(const char *path, const char *description)
+{
+	struct sockaddr_un address = { .sun_family = AF_UNIX };
+	int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+
+	if (strlen(path) >= sizeof address.sun_path)
+		return complain("the path of the socket is too long", NULL);
+	g_strlcpy(address.sun_path, path, sizeof address.sun_path);
+	unlink(path);
+	if (fd < 0 || bind(fd, (struct sockaddr *)&address, sizeof address) < 0 ||
+		listen(fd, 1) < 0) {
+		fprintf(stderr, "pleinair-sim: %s: %s\n", path, g_strerror(errno));
+		return FAILED;
+	}
+	for (;;) {
+		int connection = accept4(fd, NULL, NULL, SOCK_CLOEXEC);
+
+		if (connection >= 0)
+			serve(connection, description); /* says on stderr what was wrong; the next
+							   may do better */
+		else if (errno != EINTR)
+			return complain("accepting a host failed", NULL);
+	}
+}
+
+static int tell_poses(const char *description)
+{
+	GError *error = NULL;
+	g_autofree char *json = truth_poses_json(description, &error);
+
+	if (!json)
+		return complain("", error);
+	fputs(json, stdout);
+	return fflush(stdout) == 0 ? DONE : FAILED;
+}
+
+static int tell_truth(const struct arguments *a, const char *description)
+{
+	GError *error = NULL;
+	g_autoptr(truth) t = truth_new(description, &error);
+	struct truth_panorama panorama = { (uint32_t)a->columns, (uint32_t)a->rows, 50 * M_PI / 180,
+		-40 * M_PI / 180 };
+
+	if (!t || !truth_write(t, &panorama, a->output, &error))
+		return complain("", error);
+	return DONE;
+}
+
+static bool parse(int *argc, char ***argv, struct arguments *a, GError **error)
+{
+	g_autofree char *help = options_help();
+	const GOptionEntry entries[] = { { "fd", 0, 0, G_OPTION_ARG_INT, &a->fd,
+						 "Serve one host on an inherited socket", "N" },
+		{ "listen", 0, 0, G_OPTION_ARG_FILENAME, &a->listen_path,
+			"Serve one host after another on a Unix socket", "PATH" },
+		{ "truth-poses", 0, 0, G_OPTION_ARG_NONE, &a->poses,
+			"Print where the scene's stations stand, as JSON", NULL },
+		{ "truth", 0, 0, G_OPTION_ARG_NONE, &a->truth,
+			"Write what the station sees, per cell of a panorama", NULL },
+		{ "columns", 0, 0, G_OPTION_ARG_INT, &a->columns, "... of so many columns (3000)",
+			"N" },
+		{ "rows", 0, 0, G_OPTION_ARG_INT, &a->rows, "... and rows (792)", "N" },
+		{ "output", 'o', 0, G_OPTION_ARG_FILENAME, &a->output, "... to this file", "FILE" },
+		{ G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_STRING_ARRAY, &a->descriptions, NULL,
+			"SCENE?key=value&..." },
+		G_OPTION_ENTRY_NULL };
+	g_autoptr(GOptionContext) context = g_option_context_new(NULL);
+
+	g_option_context_add_main_entries(context, entries, NULL);
+	g_option_context_set_summary(context, "A simulated scanner head: lidar, stage and camera.");
+	g_option_context_set_description(context, help);
+	return g_option_context_parse(context, argc, argv, error);
+}
+
+static bool makes_sense(const struct arguments *a)
+{
+	int ways = (a->fd >= 0) + (a->listen_path != NULL) + a->poses + a->truth;
+
+	return ways == 1 && a->descriptions && g_strv_length(a->descriptions) == 1 &&
+	       a->truth == (a->output != NULL) && a->columns >= 1 && a->columns <= 100000 &&
+	       a->rows >= 1 && a->rows <= 100000;
+}
+
+int main(int argc, char **argv)
+{
+	struct arguments a = { .fd = -1, .columns = 3000, .rows = 792 };
+	GError *error = NULL;
+
+	if (!parse(&argc, &argv, &a, &error)) {
+		complain("", error);
+		return WRONG_USAGE;
+	}
+	if (!makes_sense(&a)) {
+		complain("give one of --fd, --listen, --truth-poses, --truth (with -o) and one "
+			 "description; "
+			 "--help tells more",
+			NULL);
+		return WRONG_USAGE;
+	}
+	if (a.poses)
+		return tell_poses(a.descriptions[0]);
+	if (a.truth)
+		return tell_truth(&a, a.descriptions[0]);
+	if (a.listen_path)
+		return listen_on(a.listen_path, a.descriptions[0]);
+	return serve(a.fd, a.descriptions[0]);
+}
