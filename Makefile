@@ -27,7 +27,14 @@ link_libs := $(PKG_LIBS) -lembree3 -lm -pthread
 sources = $(sort $(wildcard $(1)/*.c))
 mains := $(foreach p,$(programs),$(p).c)
 objects = $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(mains),$(call sources,$(1))))
-libs := $(foreach m,$(modules),$(if $(call objects,$(m)),$(BUILD)/lib$(m).a))
+lib_of = $(if $(call objects,$(1)),$(BUILD)/lib$(1).a)
+libs := $(foreach m,$(modules),$(call lib_of,$(m)))
+# A program links its own folder and what stands left of it; the simulator stands alone.
+libs_of_sim := $(call lib_of,sim)
+libs_of_firmware-io := $(call lib_of,firmware-io)
+libs_of_acquire := $(call lib_of,acquire) $(libs_of_firmware-io)
+libs_of_process := $(call lib_of,process) $(libs_of_acquire)
+libs_of_render := $(call lib_of,render) $(libs_of_process)
 bins := $(foreach p,$(programs),$(BUILD)/bin/$(notdir $(p)))
 tests := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/test-*.c)))
 fuzzers := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/fuzz-*.c)))
@@ -45,17 +52,17 @@ endef
 $(foreach m,$(modules),$(eval $(call library,$(m))))
 
 define program
-$(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs)
+$(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs_of_$(firstword $(subst /, ,$(1))))
 	@mkdir -p $$(@D)
-	$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$< -Wl,--as-needed -Wl,--start-group $(libs) -Wl,--end-group $$(link_libs)
+	$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$^ -Wl,--as-needed $$(link_libs)
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
 
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(libs)
-	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--start-group $(libs) -Wl,--end-group $(link_libs)
+	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 # A fuzz target is plain C with LLVMFuzzerTestOneInput; here it is linked to a driver that replays its corpus.
 $(BUILD)/tests/fuzz-%: $(BUILD)/tests/fuzz-%.o $(BUILD)/tests/replay-corpus.o $(libs)
-	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--start-group $(libs) -Wl,--end-group $(link_libs)
+	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 .SECONDARY:
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 

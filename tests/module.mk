@@ -1,1 +1,2 @@
-packages += gcc make pkg-config perl clang clang-format libclang-rt-14-dev
+# Building and testing.
+packages += gcc make pkg-config libc6-dev git perl clang clang-format libclang-rt-14-dev

@@ -1,0 +1,75 @@
+# What people type: make demo, make check, and the rest that make help lists.
+
+sources_all = $(shell git ls-files '*.c' '*.h' '*.cpp' 2>/dev/null || find $(modules) tests -name '*.[ch]')
+demo_site ?= demo-site
+
+.PHONY: all help deps demo check check-house check-layers check-format check-tests check-sanitized check-asan check-ubsan \
+	check-tsan fuzz bench format install clean tests
+
+help:
+	@sed -n 's/^#: //p' tests/targets.mk
+
+#: make demo            set up, build, scan a simulated courtyard four times, show the panoramas
+demo: deps
+	$(MAKE) all
+	@sh tests/demo.sh $(BUILD)/bin $(demo_site)
+
+#: make check           set up, build, run every test (also under ASan and UBSan), check layers and format
+check: deps
+	$(MAKE) all tests
+	$(MAKE) check-house
+	$(MAKE) check-tests
+	$(MAKE) check-sanitized
+
+#: make deps            install the Debian packages that building, running and testing need
+deps:
+	@sh tests/deps.sh $(packages)
+
+check-house: check-layers check-format
+check-layers:
+	@sh tests/check-layers.sh
+check-format:
+	@clang-format --dry-run -Werror $(sources_all) && echo "format: as .clang-format says"
+
+tests: $(tests) $(fuzzers)
+
+# Each program prints TAP; prove runs them side by side, each with a time limit, and sums up.
+check-tests: all tests
+	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(tests) $(fuzzers)
+
+check-sanitized: check-asan
+#: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
+check-asan:
+	$(MAKE) BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O1 -g' check-tests
+#: make check-ubsan     all tests under UndefinedBehaviorSanitizer alone
+check-ubsan:
+	$(MAKE) BUILD=build-ubsan SANITIZE=undefined CFLAGS='-O1 -g' check-tests
+#: make check-tsan      the tests with threads under ThreadSanitizer (OpenMP off: its runtime is not instrumented)
+check-tsan:
+	$(MAKE) BUILD=build-tsan SANITIZE=thread CFLAGS='-O1 -g -fno-openmp -Wno-unknown-pragmas' CC=clang tests-tsan
+.PHONY: tests-tsan
+tests-tsan: $(BUILD)/tests/test-record
+	prove --timer --exec 'sh tests/tap.sh $(BUILD)' $^
+
+#: make fuzz            run every fuzz target for a minute (FUZZ_SECONDS=60)
+FUZZ_SECONDS ?= 60
+fuzz:
+	@sh tests/fuzz.sh $(FUZZ_SECONDS) '$(PKG_CFLAGS)' '$(link_libs)' $(sort $(wildcard tests/fuzz-*.c))
+
+#: make bench           measure speed and memory
+bench: all
+	$(BUILD)/bin/pleinair bench
+
+#: make format          lay out all sources as .clang-format says
+format:
+	clang-format -i $(sources_all)
+
+#: make install         PREFIX=/usr/local, DESTDIR=
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
+	install $(bins) $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(wildcard */*.1) $(DESTDIR)$(PREFIX)/share/man/man1
+
+#: make clean           remove what was built
+clean:
+	rm -rf build build-asan build-ubsan build-tsan build-fuzz

@@ -1,0 +1,125 @@
+#include "acquire/cli.h"
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#define BAR_AFTER_US     (1 * G_USEC_PER_SEC)
+#define BAR_EVERY_US     (G_USEC_PER_SEC / 10)
+#define BAR_CELLS        24
+#define LINE_COLUMNS_MIN 50
+
+int cli_fail(const char *command, const GError *error)
+{
+	g_printerr("pleinair %s: %s\n", command, error ? error->message : "failed");
+	return CLI_FAILED;
+}
+
+int cli_misuse(const char *command, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	g_autofree char *text = g_strdup_vprintf(format, arguments);
+	va_end(arguments);
+	g_printerr("pleinair %s: %s (see pleinair %s --help)\n", command, text, command);
+	return CLI_WRONG_USAGE;
+}
+
+bool cli_parse(const char *command, const char *parameters, const char *summary,
+	const char *description, const GOptionEntry *entries, int *argc, char ***argv,
+	int *ret_status)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(GOptionContext) context = g_option_context_new(parameters);
+	g_autofree char *name = g_strdup_printf("pleinair %s", command);
+	g_set_prgname(name);
+	g_option_context_add_main_entries(context, entries, NULL);
+	g_option_context_set_summary(context, summary);
+	g_option_context_set_description(context, description);
+	if (g_option_context_parse(context, argc, argv, &error))
+		return true;
+	*ret_status = cli_misuse(command, "%s", error->message);
+	return false;
+}
+
+void cli_print_json(JsonObject *object)
+{
+	g_autoptr(JsonNode) node = json_node_alloc();
+	json_node_init_object(node, object);
+	json_object_unref(object);
+	g_autofree char *text = json_to_string(node, TRUE);
+	printf("%s\n", text);
+}
+
+char *cli_duration(double seconds)
+{
+	long s = lround(fmax(seconds, 0));
+	if (s < 60)
+		return g_strdup_printf("%ld s", s);
+	if (s < 3600)
+		return g_strdup_printf("%ld min %02ld s", s / 60, s % 60);
+	return g_strdup_printf("%ld h %02ld min", s / 3600, s / 60 % 60);
+}
+
+struct cli_bar cli_bar_begin(const char *command)
+{
+	return (struct cli_bar){ .command = command,
+		.started_us = g_get_monotonic_time(),
+		.terminal = isatty(STDERR_FILENO) };
+}
+
+static int line_columns(void)
+{
+	struct winsize size = { 0 };
+	return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= LINE_COLUMNS_MIN
+		       ? size.ws_col
+		       : 80;
+}
+
+void cli_bar_update(struct cli_bar *bar, double fraction, const char *doing)
+{
+	int64_t now_us = g_get_monotonic_time(), spent_us = now_us - bar->started_us;
+	if (!bar->terminal || spent_us < BAR_AFTER_US || now_us - bar->shown_us < BAR_EVERY_US)
+		return;
+	fraction = CLAMP(fraction, 0.0, 1.0);
+	int full = (int)(fraction * BAR_CELLS);
+	g_autofree char *left =
+		cli_duration(fraction > 0.02 ? spent_us * 1e-6 * (1 - fraction) / fraction : 0);
+	g_autofree char *line = g_strdup_printf("[%.*s%.*s] %3.0f %%  %s%s  %s", full,
+		"========================", BAR_CELLS - full, "                        ",
+		fraction * 100, fraction > 0.02 ? left : "...", fraction > 0.02 ? " left" : "",
+		doing);
+	fprintf(stderr, "\r\033[K%.*s", line_columns() - 1, line);
+	fflush(stderr);
+	bar->shown_us = now_us;
+	bar->visible = true;
+}
+
+void cli_bar_end(struct cli_bar *bar)
+{
+	if (bar->visible)
+		fputs("\r\033[K", stderr);
+	bar->visible = false;
+}
+
+static volatile sig_atomic_t interrupted;
+
+static void interrupt(int number)
+{
+	interrupted = 1;
+	signal(number, SIG_DFL);
+}
+
+void cli_catch_interrupts(void)
+{
+	signal(SIGINT, interrupt);
+	signal(SIGTERM, interrupt);
+	signal(SIGPIPE, SIG_IGN);
+}
+
+bool cli_interrupted(void)
+{
+	return interrupted != 0;
+}

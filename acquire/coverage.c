@@ -1,0 +1,123 @@
+#include "acquire/coverage.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A column is whole with this share of what full columns have: a lost revolution takes far more
+ * than that. */
+#define WHOLE_SHARE 0.97
+
+struct coverage {
+	struct panorama_desc desc;
+	double column_rad, row_rad;
+	uint8_t *seen;   /* columns * rows, column by column */
+	uint32_t *count; /* of a column */
+};
+
+coverage *coverage_new(const struct panorama_desc *desc)
+{
+	coverage *c = g_new0(coverage, 1);
+	c->desc = *desc;
+	c->column_rad = 2 * G_PI / desc->columns;
+	c->row_rad = (desc->elevation_max_rad - desc->elevation_min_rad) / desc->rows;
+	c->seen = g_malloc0(((size_t)desc->columns * desc->rows + 7) / 8);
+	c->count = g_new0(uint32_t, desc->columns);
+	return c;
+}
+
+void coverage_free(coverage *c)
+{
+	if (!c)
+		return;
+	g_free(c->seen);
+	g_free(c->count);
+	g_free(c);
+}
+
+void coverage_add(coverage *c, const double *azimuth_rad, const float *elevation_rad, size_t beams)
+{
+	for (size_t i = 0; i < beams; i++) {
+		double row = floor((c->desc.elevation_max_rad - elevation_rad[i]) / c->row_rad);
+		uint32_t column = (uint32_t)(azimuth_rad[i] / c->column_rad) % c->desc.columns;
+		if (!(row >= 0 && row < c->desc.rows))
+			continue;
+		size_t cell = (size_t)column * c->desc.rows + (uint32_t)row;
+		uint8_t bit = 1u << (cell & 7);
+		c->count[column] += !(c->seen[cell / 8] & bit);
+		c->seen[cell / 8] |= bit;
+	}
+}
+
+static void clear_column(coverage *c, uint32_t column)
+{
+	for (uint32_t row = 0; row < c->desc.rows; row++) {
+		size_t cell = (size_t)column * c->desc.rows + row;
+		c->seen[cell / 8] &= ~(1u << (cell & 7));
+	}
+	c->count[column] = 0;
+}
+
+void coverage_clear(coverage *c, double from_rad, double to_rad)
+{
+	int64_t first = (int64_t)floor(from_rad / c->column_rad),
+		last = (int64_t)floor(to_rad / c->column_rad);
+	int64_t n = c->desc.columns;
+	for (int64_t i = first; i <= last && i < first + n; i++) {
+		clear_column(c, (uint32_t)(((i % n) + n) % n));
+		clear_column(c, (uint32_t)((((i + n / 2) % n) + n) % n));
+	}
+}
+
+static int by_count(const void *a, const void *b)
+{
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	return (x > y) - (x < y);
+}
+
+/* What a full column has: not all rows, where the lidar's beams are wider apart than they. Before
+ * anything was seen, all. */
+static uint32_t full_count(const coverage *c)
+{
+	g_autofree uint32_t *sorted = g_memdup2(c->count, c->desc.columns * sizeof *sorted);
+	qsort(sorted, c->desc.columns, sizeof *sorted, by_count);
+	uint32_t most = sorted[c->desc.columns - 1 - c->desc.columns / 50];
+	return most ? most : sorted[c->desc.columns - 1];
+}
+
+static bool is_whole(const coverage *c, uint32_t column, uint32_t full)
+{
+	return full > 0 && c->count[column] >= WHOLE_SHARE * full;
+}
+
+uint32_t coverage_missing_columns(const coverage *c)
+{
+	uint32_t full = full_count(c), missing = 0;
+	for (uint32_t i = 0; i < c->desc.columns; i++)
+		missing += !is_whole(c, i, full);
+	return missing;
+}
+
+double coverage_fraction(const coverage *c)
+{
+	return 1 - (double)coverage_missing_columns(c) / c->desc.columns;
+}
+
+GArray *coverage_missing(const coverage *c, double join_rad)
+{
+	GArray *list = g_array_new(FALSE, FALSE, sizeof(struct front_interval));
+	uint32_t half = (c->desc.columns + 1) / 2, full = full_count(c);
+	for (uint32_t i = 0; i < half; i++) {
+		if (is_whole(c, i, full) &&
+			is_whole(c, (i + c->desc.columns / 2) % c->desc.columns, full))
+			continue;
+		struct front_interval f = { (i - 0.5) * c->column_rad, (i + 1.5) * c->column_rad };
+		struct front_interval *last =
+			list->len ? &g_array_index(list, struct front_interval, list->len - 1)
+				  : NULL;
+		if (last && f.from_rad - last->to_rad <= join_rad)
+			last->to_rad = f.to_rad;
+		else
+			g_array_append_val(list, f);
+	}
+	return list;
+}

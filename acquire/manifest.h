@@ -1,0 +1,38 @@
+#ifndef ACQUIRE_MANIFEST_H
+#define ACQUIRE_MANIFEST_H
+/* A manifest is a small JSON file that says what stands beside it (site.json, scan.json). Loading keeps every key, also
+ * those of later versions; saving replaces the file as a whole: a reader sees the old or the new one, also after a power
+ * cut. Every getter fails with one sentence that names the file and the key ("sites/oak/site.json: 'created' is missing").
+ * Key paths are dotted: "panorama.columns". Not thread-safe. */
+#include <json-glib/json-glib.h>
+#include <stdbool.h>
+
+typedef struct manifest manifest;
+
+#define MANIFEST_BYTES_MAX (4 << 20)
+
+manifest *manifest_new(const char *path); /* empty, not yet on disk */
+/* Refuses a file that is missing, empty, larger than MANIFEST_BYTES_MAX, not UTF-8, not JSON (with line and column), not
+ * an object, or of a schema newer than schema_max. */
+manifest *manifest_load(const char *path, int schema_max, GError **error);
+/* Writes beside, syncs, renames, syncs the folder. */
+bool manifest_save(manifest *m, GError **error);
+const char *manifest_path(const manifest *m);
+void manifest_free(manifest *m); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(manifest, manifest_free)
+
+bool manifest_has(const manifest *m, const char *key);
+/* false with a sentence when missing, of another type, not a number, or outside min..max. */
+bool manifest_get_int(const manifest *m, const char *key, int64_t min, int64_t max, int64_t *ret, GError **error);
+bool manifest_get_number(const manifest *m, const char *key, double min, double max, double *ret, GError **error);
+const char *manifest_get_string(const manifest *m, const char *key, GError **error); /* owned by m */
+JsonNode *manifest_get_node(const manifest *m, const char *key); /* owned by m; NULL when missing */
+
+/* Setters make the objects on the way. */
+void manifest_set_int(manifest *m, const char *key, int64_t value);
+void manifest_set_number(manifest *m, const char *key, double value);
+void manifest_set_string(manifest *m, const char *key, const char *value);
+void manifest_set_node(manifest *m, const char *key, JsonNode *value); /* takes value */
+char *manifest_to_text(const manifest *m); /* indented, ends in a newline; caller frees */
+
+#endif

@@ -1,0 +1,191 @@
+/* pleinair scan SITE: records one scan. */
+#include "acquire/cli.h"
+#include "acquire/picture.h"
+#include "acquire/scan.h"
+#include <stdio.h>
+
+#define COMMAND          "scan"
+#define CONFIGURATION    "/etc/pleinair.conf"
+#define PREVIEW_EVERY_US G_USEC_PER_SEC
+
+static char *device, *preset_name, *preview;
+static gboolean resume, salvage, discard, json;
+
+static const GOptionEntry entries[] = {
+	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device, "The head: sim:SCENE or replay:FILE",
+		"URI" },
+	{ "preset", 'p', 0, G_OPTION_ARG_STRING, &preset_name,
+		"draft (750x198), standard (1500x396) or fine (3000x792)", "NAME" },
+	{ "preview", 0, 0, G_OPTION_ARG_FILENAME, &preview,
+		"Keep a picture of what has been seen so far in this PNG", "FILE" },
+	{ "resume", 0, 0, G_OPTION_ARG_NONE, &resume,
+		"Go on with the scan that was begun and not finished", NULL },
+	{ "salvage", 0, 0, G_OPTION_ARG_NONE, &salvage,
+		"With --resume: go on without what is damaged in the record", NULL },
+	{ "discard", 0, 0, G_OPTION_ARG_NONE, &discard,
+		"Remove the scan that was begun and not finished, and end", NULL },
+	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the result as JSON", NULL },
+	{ NULL },
+};
+
+struct watching {
+	struct cli_bar bar;
+	int64_t preview_us;
+};
+
+static void save_preview(struct watching *w, const panorama *p)
+{
+	int64_t now_us = g_get_monotonic_time();
+	g_autoptr(GError) error = NULL;
+	if (!preview || now_us - w->preview_us < PREVIEW_EVERY_US)
+		return;
+	w->preview_us = now_us;
+	if (picture_save(p, PICTURE_RANGE, preview, &error))
+		return;
+	/* A preview that cannot be written must not cost the scan. */
+	cli_bar_end(&w->bar);
+	g_printerr("pleinair scan: %s; the scan goes on without a preview\n", error->message);
+	g_clear_pointer(&preview, g_free);
+}
+
+static bool show_progress(const struct run_progress *p, gpointer user_data)
+{
+	struct watching *w = user_data;
+	cli_bar_update(&w->bar, p->fraction, p->doing);
+	save_preview(w, p->preview);
+	return cli_interrupted();
+}
+
+static void show_prediction(
+	const struct prediction *p, const struct lidar_identity *lidar, gpointer user_data)
+{
+	g_autofree char *bytes = g_format_size(p->bytes), *time = cli_duration(p->seconds);
+	(void)user_data;
+	if (!json)
+		g_printerr("%s: %u beams at %g Hz; this takes %s, %.2f million points and %s\n",
+			lidar->model, lidar->beams, lidar->scan_rate_hz, time,
+			(double)p->points * 1e-6, bytes);
+}
+
+/* The head that the appliance's own configuration names. */
+static char *configured_device(void)
+{
+	g_autoptr(GKeyFile) file = g_key_file_new();
+	return g_key_file_load_from_file(file, CONFIGURATION, G_KEY_FILE_NONE, NULL)
+		       ? g_key_file_get_string(file, "head", "device", NULL)
+		       : NULL;
+}
+
+static void print_result(const site *s, const struct scan_result *r)
+{
+	double cells = (double)r->columns * r->rows;
+	g_autofree char *folder = site_scan_path(s, r->number);
+	if (!json) {
+		printf("%s: %u x %u, %.1f %% measured, %.1f %% without return, %u photos\n", folder,
+			r->columns, r->rows, 100 * r->counts.measured / cells,
+			100 * r->counts.no_return / cells, r->photos);
+		if (r->report.lost_revolutions || r->missing_columns)
+			printf("%" G_GUINT64_FORMAT
+			       " revolutions were lost; %u columns are still missing\n",
+				r->report.lost_revolutions, r->missing_columns);
+		return;
+	}
+	JsonObject *o = json_object_new();
+	json_object_set_int_member(o, "scan", r->number);
+	json_object_set_string_member(o, "folder", folder);
+	json_object_set_int_member(o, "columns", r->columns);
+	json_object_set_int_member(o, "rows", r->rows);
+	json_object_set_int_member(o, "measured", (int64_t)r->counts.measured);
+	json_object_set_int_member(o, "filled", (int64_t)r->counts.filled);
+	json_object_set_int_member(o, "no_return", (int64_t)r->counts.no_return);
+	json_object_set_int_member(o, "empty", (int64_t)r->counts.empty);
+	json_object_set_int_member(o, "photos", r->photos);
+	json_object_set_int_member(o, "sessions", r->report.sessions);
+	json_object_set_int_member(o, "revolutions", (int64_t)r->report.revolutions);
+	json_object_set_int_member(o, "lost_revolutions", (int64_t)r->report.lost_revolutions);
+	json_object_set_int_member(o, "missing_columns", r->missing_columns);
+	json_object_set_double_member(o, "clock_drift_ppm", r->report.drift_ppm);
+	cli_print_json(o);
+}
+
+static int discard_partial(site *s)
+{
+	uint32_t number;
+	g_autoptr(GError) error = NULL;
+	if (!site_find_partial(s, &number, &error) ||
+		(number && !site_discard_partial(s, number, &error)))
+		return cli_fail(COMMAND, error);
+	if (number)
+		printf("scan %04u was discarded\n", number);
+	else
+		printf("there is no partial scan\n");
+	return CLI_DONE;
+}
+
+static int record(site *s, head *h, const struct preset *preset)
+{
+	g_autoptr(GError) error = NULL;
+	struct watching w = { .bar = cli_bar_begin(COMMAND) };
+	struct scan_result result;
+	uint32_t partial;
+	struct scan_options options = { .device = device,
+		.head = h,
+		.preset = preset,
+		.resume = resume,
+		.salvage = salvage,
+		.progress = show_progress,
+		.predicted = show_prediction,
+		.user_data = &w };
+	bool good = scan_record(s, &options, &result, &partial, &error);
+	cli_bar_end(&w.bar);
+	if (good) {
+		print_result(s, &result);
+		return CLI_DONE;
+	}
+	cli_fail(COMMAND, error);
+	if (partial)
+		g_printerr("pleinair scan: scan %04u is kept as far as it got: 'pleinair scan %s "
+			   "--resume' goes on with it, "
+			   "'--discard' removes it\n",
+			partial, site_path(s));
+	return CLI_FAILED;
+}
+
+int main(int argc, char **argv)
+{
+	int status;
+	g_autoptr(GError) error = NULL;
+	if (!cli_parse(COMMAND, "SITE",
+		    "Records one scan into a site, which is made when it is not there.",
+		    "Examples:\n"
+		    "  pleinair scan oak --device 'sim:court?seed=7&station=2' --preset draft\n"
+		    "  pleinair scan oak --resume\n",
+		    entries, &argc, &argv, &status))
+		return status;
+	if (argc != 2)
+		return cli_misuse(COMMAND, argc < 2 ? "which site?" : "one site at a time");
+	if (salvage && !resume)
+		return cli_misuse(COMMAND, "--salvage goes with --resume");
+	const struct preset *preset = preset_find(preset_name ? preset_name : "standard");
+	if (!preset)
+		return cli_misuse(
+			COMMAND, "there is no preset '%s': draft, standard or fine", preset_name);
+	if (!device)
+		device = configured_device();
+	if (!device && !resume && !discard)
+		return cli_misuse(
+			COMMAND, "which device? Without a scanner try --device sim:court");
+	/* A head that is not there must not leave a new, empty site behind. */
+	g_autoptr(head) h = resume || discard ? NULL : head_open(device, &error);
+	if (error)
+		return cli_fail(COMMAND, error);
+	g_autoptr(site) s = site_open_for_writing(argv[1], !resume && !discard, &error);
+	if (!s)
+		return cli_fail(COMMAND, error);
+	if (discard)
+		return discard_partial(s);
+	if (!device && !(device = scan_partial_device(s, &error)))
+		return cli_fail(COMMAND, error);
+	cli_catch_interrupts();
+	return record(s, g_steal_pointer(&h), preset);
+}

@@ -1,0 +1,74 @@
+/* pleinair COMMAND ...: runs pleinair-COMMAND, which stands beside this program, in its libexec
+ * folder or on the PATH. */
+#include "acquire/cli.h"
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#ifndef PLEINAIR_VERSION
+#define PLEINAIR_VERSION "0.1"
+#endif
+
+static const struct {
+	const char *name, *summary;
+} commands[] = {
+	{ "scan", "record one scan into a site" },
+	{ "panoramas", "write a site's panoramas as pictures and a page" },
+	{ "bench", "measure speed and memory" },
+};
+
+static char *find_program(const char *command)
+{
+	g_autofree char *name = g_strconcat("pleinair-", command, NULL);
+	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
+	g_autofree char *folder = g_path_get_dirname(self ? self : ".");
+	g_autofree char *beside = g_build_filename(folder, name, NULL);
+	g_autofree char *libexec =
+		g_build_filename(folder, "..", "libexec", "pleinair", name, NULL);
+	if (strchr(command, '/'))
+		return NULL;
+	if (g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE))
+		return g_steal_pointer(&beside);
+	if (g_file_test(libexec, G_FILE_TEST_IS_EXECUTABLE))
+		return g_steal_pointer(&libexec);
+	return g_find_program_in_path(name);
+}
+
+static void print_help(FILE *out)
+{
+	fputs("Usage: pleinair COMMAND ...\n\n"
+	      "Scans a place, registers the scans and draws it.\n\n"
+	      "Commands:\n",
+		out);
+	for (size_t i = 0; i < G_N_ELEMENTS(commands); i++)
+		fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].summary);
+	fputs("\n'pleinair COMMAND --help' tells the options of a command; 'man pleinair' tells "
+	      "more.\n",
+		out);
+}
+
+int main(int argc, char **argv)
+{
+	if (argc < 2) {
+		print_help(stderr);
+		return CLI_WRONG_USAGE;
+	}
+	if (g_str_equal(argv[1], "--help") || g_str_equal(argv[1], "-h") ||
+		g_str_equal(argv[1], "help")) {
+		print_help(stdout);
+		return CLI_DONE;
+	}
+	if (g_str_equal(argv[1], "--version")) {
+		puts("pleinair " PLEINAIR_VERSION);
+		return CLI_DONE;
+	}
+	g_autofree char *program = find_program(argv[1]);
+	if (program) {
+		execv(program, argv + 1);
+		g_printerr("pleinair: %s: %s\n", program, g_strerror(errno));
+		return CLI_FAILED;
+	}
+	g_printerr("pleinair: there is no command '%s'; pleinair --help lists them\n", argv[1]);
+	return CLI_WRONG_USAGE;
+}

@@ -1,0 +1,66 @@
+#ifndef ACQUIRE_PUMP_H
+#define ACQUIRE_PUMP_H
+/* The pump moves what a head's devices say into the stream, and sleeps in between. Dialogue with
+ * the lidar runs on it: a command is sent, the pump turns until the answer has come; stage and
+ * camera are served meanwhile. One owner, one thread. */
+#include "acquire/stream.h"
+#include "firmware-io/head.h"
+
+#define PUMP_ERROR (pump_error_quark())
+GQuark pump_error_quark(void);
+enum pump_error {
+	PUMP_ERROR_LIDAR_GONE, /* unplugged: pump_open_lidar may succeed later */
+	PUMP_ERROR_NO_ANSWER,
+	PUMP_ERROR_REFUSED, /* the device answered that it will not */
+	PUMP_ERROR_STAGE,   /* the stage's drive stopped by itself */
+	PUMP_ERROR_STOPPED, /* somebody asked the scan to stop */
+};
+
+struct pump {
+	head *head;
+	stream *stream;
+	const struct driver *driver;
+	/* Called once each turn, when all that came has been taken; false with an error ends the
+	 * pumping. May be NULL. It may use the head, but not pump. */
+	bool (*each_turn)(gpointer user_data, GError **error);
+	gpointer user_data;
+
+	/* The pump's own. */
+	bool lidar_open, camera_gone, stage_stopped, stage_fault;
+	int64_t last_bytes_ns; /* when the lidar last said something */
+	GQueue replies;        /* of struct pump_reply, oldest first; bounded */
+};
+
+typedef struct pump_reply pump_reply;
+struct pump_reply {
+	int64_t arrival_ns;
+	char *command, *status, *text;
+};
+void pump_reply_free(pump_reply *r);
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(pump_reply, pump_reply_free)
+
+void pump_clear(struct pump *p);
+/* For the stream's sink. */
+void pump_take_reply(struct pump *p, const struct lidar_reply *reply);
+
+/* Writes a RECORD_MARK. */
+bool pump_mark(struct pump *p, const char *text, GError **error);
+
+bool pump_open_lidar(struct pump *p, GError **error);
+
+/* One turn: sleeps until something comes or the deadline, then takes all there is. */
+bool pump_turn(struct pump *p, int64_t deadline_ns, GError **error);
+/* Turns for so long. */
+bool pump_for(struct pump *p, int64_t duration_ns, GError **error);
+
+/* Sends; the answer is taken with pump_answer. */
+bool pump_send(struct pump *p, const void *bytes, size_t length, GError **error);
+/* Turns until an answer to the command has come (prefix of lidar_reply.command); caller frees.
+ * PUMP_ERROR_NO_ANSWER after timeout_ns. Other answers are dropped. */
+struct pump_reply *pump_answer(
+	struct pump *p, const char *command, int64_t timeout_ns, GError **error);
+
+/* Moves the stage and turns until it has stopped. Errors of the stage are PUMP_ERROR_STAGE. */
+bool pump_move(struct pump *p, const struct stage_move *move, GError **error);
+
+#endif

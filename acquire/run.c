@@ -1,0 +1,416 @@
+#include "acquire/run.h"
+#include "acquire/driver.h"
+#include <math.h>
+#include <string.h>
+
+#define SECOND_NS INT64_C(1000000000)
+#define DEGREE    (G_PI / 180)
+/* Gaps nearer than this are passed over in one go: stopping and running up again takes longer. */
+#define JOIN_RAD (4 * DEGREE)
+/* Times that the lidar may fail in one scan before it is given up. */
+#define RECOVERIES_MAX 25
+/* Revolutions with the device's own error mark before it is restarted. */
+#define DEVICE_ERRORS_MAX 3
+
+struct run {
+	struct pump pump;
+	struct run_options options;
+	struct stage_pace pace;
+	coverage *coverage;
+	panorama *preview;
+	photos *photos;
+	bool streaming, metering, recalling, controls_known;
+	uint64_t device_errors; /* up to the last start */
+	uint32_t suspects, recoveries;
+	char *doing;
+	double seen_fraction; /* never falls, whatever is cleared */
+};
+
+static void take_line(
+	const struct scanline *line, const struct placed_line *placed, gpointer user_data)
+{
+	run *r = user_data;
+	(void)line;
+	coverage_add(r->coverage, placed->azimuth_rad, placed->elevation_rad, placed->beams);
+	panorama_add(r->preview, placed->azimuth_rad, placed->elevation_rad, placed->range_m,
+		placed->intensity, placed->beams);
+}
+
+static void take_frame(const struct camera_frame_info *info, const uint8_t *pixels,
+	double front_rad, bool locked, gpointer user_data)
+{
+	run *r = user_data;
+	photos_take(r->photos, info, pixels, front_rad, locked);
+	/* Photos of a scan that is resumed tell the exposure that it was made with. */
+	if (r->recalling && locked)
+		r->controls_known = photos_use_controls(r->photos, &info->controls, NULL);
+}
+
+static void take_reply(const struct lidar_reply *reply, gpointer user_data)
+{
+	run *r = user_data;
+	if (!r->recalling)
+		pump_take_reply(&r->pump, reply);
+}
+
+static void doing(run *r, const char *what)
+{
+	g_free(r->doing);
+	r->doing = g_strdup(what);
+}
+
+/* Homing, the pass and the photos take about these shares of the time. */
+static double fraction_done(run *r)
+{
+	double columns = coverage_fraction(r->coverage);
+	uint32_t wanted = photos_wanted(r->photos);
+	double photos_done = wanted ? (double)photos_taken(r->photos) / wanted : columns;
+	double f = 0.05 * (columns > 0 || r->streaming) + 0.70 * columns + 0.25 * photos_done;
+	return r->seen_fraction = fmax(r->seen_fraction, fmin(f, 1));
+}
+
+static bool report_progress(run *r, GError **error)
+{
+	if (!r->options.progress)
+		return true;
+	struct run_progress p = { .fraction = fraction_done(r),
+		.column_fraction = coverage_fraction(r->coverage),
+		.photos_taken = photos_taken(r->photos),
+		.photos_wanted = photos_wanted(r->photos),
+		.doing = r->doing,
+		.preview = r->preview };
+	if (!r->options.progress(&p, r->options.user_data))
+		return true;
+	g_set_error(error, PUMP_ERROR, PUMP_ERROR_STOPPED, "the scan was stopped");
+	return false;
+}
+
+/* A lidar that streams says something each turn; sixteen turns of silence, and at least a second,
+ * are a stall. */
+static bool check_lidar(run *r, GError **error)
+{
+	if (!r->streaming)
+		return true;
+	double rate = stream_lidar(r->pump.stream)->scan_rate_hz;
+	int64_t patience_ns = (int64_t)(fmax(1.0, 16 / fmax(rate, 1)) * SECOND_NS);
+	if (head_now_ns(r->pump.head) - r->pump.last_bytes_ns > patience_ns) {
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "the lidar has fallen silent");
+		return false;
+	}
+	if (stream_get_report(r->pump.stream).device_errors >
+		r->device_errors + DEVICE_ERRORS_MAX) {
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
+			"the lidar reports an error of its own");
+		return false;
+	}
+	return true;
+}
+
+static bool serve_camera(run *r, GError **error)
+{
+	if (r->pump.camera_gone)
+		return true;
+	int64_t now_ns = head_now_ns(r->pump.head);
+	if (r->metering)
+		return r->controls_known || photos_meter(r->photos, now_ns, error);
+	stage_track *track = stream_stage(r->pump.stream);
+	return !stage_track_is_homed(track) || !stage_track_is_moving(track) ||
+	       photos_watch(r->photos, stage_track_angle_rad(track, now_ns), now_ns, error);
+}
+
+static bool each_turn(gpointer user_data, GError **error)
+{
+	run *r = user_data;
+	return check_lidar(r, error) && (!stream_stage(r->pump.stream) || serve_camera(r, error)) &&
+	       report_progress(r, error);
+}
+
+run *run_new(head *h, const struct run_options *options)
+{
+	run *r = g_new0(run, 1);
+	const struct preset *preset = options->preset;
+	struct panorama_desc fine = panorama_desc_for(preset->columns, preset->rows);
+	struct panorama_desc coarse =
+		panorama_desc_for(MIN(preset->columns, 1000), MIN(preset->rows, 264));
+	struct stream_sink sink = {
+		.line = take_line, .frame = take_frame, .reply = take_reply, .user_data = r
+	};
+	r->options = *options;
+	r->coverage = coverage_new(&fine);
+	r->preview = panorama_new(&coarse, NULL);
+	r->photos = photos_new(h->camera, preset->photos);
+	r->pump = (struct pump){ .head = h,
+		.stream = stream_new(STREAM_LIVE, &sink),
+		.driver = driver_find(h->lidar_protocol),
+		.each_turn = each_turn,
+		.user_data = r };
+	doing(r, "starting");
+	return r;
+}
+
+void run_free(run *r)
+{
+	if (!r)
+		return;
+	pump_clear(&r->pump);
+	stream_free(r->pump.stream);
+	coverage_free(r->coverage);
+	panorama_free(r->preview);
+	photos_free(r->photos);
+	g_free(r->doing);
+	g_free(r);
+}
+
+bool run_recall(run *r, const struct record_entry *entry, GError **error)
+{
+	r->recalling = true;
+	bool good = stream_feed(r->pump.stream, entry, error);
+	r->recalling = false;
+	return good;
+}
+
+bool run_begin(run *r, const struct record_entry *session, GError **error)
+{
+	if (r->pump.driver)
+		return stream_feed(r->pump.stream, session, error);
+	g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
+		"there is no driver for lidars that speak '%s'", r->pump.head->lidar_protocol);
+	return false;
+}
+
+bool run_prepare(run *r, GError **error)
+{
+	if (!pump_open_lidar(&r->pump, error) || !r->pump.driver->prepare(&r->pump, error))
+		return false;
+	r->pace = preset_pace(r->options.preset, run_lidar(r)->scan_rate_hz);
+	return true;
+}
+
+struct prediction run_predict(const run *r)
+{
+	return preset_predict(r->options.preset, run_lidar(r), stream_calibration(r->pump.stream));
+}
+
+const struct lidar_identity *run_lidar(const run *r)
+{
+	return stream_lidar(r->pump.stream);
+}
+
+/* ---- the stage ---- */
+
+static double steps_per_rad(const run *r)
+{
+	return stream_calibration(r->pump.stream)->stage.steps_per_turn / (2 * G_PI);
+}
+
+static struct stage_move move_to(const run *r, double angle_rad, double rate_rad_s)
+{
+	return (struct stage_move){ .target_steps = llround(stage_track_steps_at(
+					    stream_stage(r->pump.stream), angle_rad)),
+		.rate_steps_s = rate_rad_s * steps_per_rad(r),
+		.acceleration_steps_s2 = r->pace.acceleration_rad_s2 * steps_per_rad(r) };
+}
+
+static bool go(run *r, double angle_rad, double rate_rad_s, GError **error)
+{
+	struct stage_move move = move_to(r, angle_rad, rate_rad_s);
+	return pump_move(&r->pump, &move, error);
+}
+
+static bool lock_exposure(run *r, GError **error)
+{
+	r->metering = false;
+	struct camera_controls controls = photos_controls(r->photos);
+	if (!(r->controls_known ? photos_use_controls(r->photos, &controls, error)
+				: photos_settle_exposure(r->photos, error)))
+		return false;
+	controls = photos_controls(r->photos);
+	g_autofree char *text = stream_lock_text(&controls);
+	return pump_mark(&r->pump, text, error);
+}
+
+/* Always clockwise, so that slack in the gear lies on the same side each time. The camera meters on
+ * the way. */
+static bool home(run *r, GError **error)
+{
+	struct stage_move move = move_to(r, 2.2 * G_PI, r->pace.home_rad_s);
+	stage_track *track = stream_stage(r->pump.stream);
+	doing(r, "finding the home position");
+	r->metering = true;
+	r->pump.stage_stopped = false;
+	if (!stage_start_move(r->pump.head->stage, &move, error))
+		return false;
+	while (!stage_track_is_homed(track) && !r->pump.stage_stopped)
+		if (!pump_turn(&r->pump, head_now_ns(r->pump.head) + SECOND_NS / 4, error))
+			return false;
+	if (!stage_track_is_homed(track)) {
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE,
+			"the pan stage turned once round and did not find its home position");
+		return false;
+	}
+	if (!r->pump.stage_stopped && !stage_stop(r->pump.head->stage, error))
+		return false;
+	while (!r->pump.stage_stopped)
+		if (!pump_turn(&r->pump, head_now_ns(r->pump.head) + SECOND_NS / 4, error))
+			return false;
+	return lock_exposure(r, error);
+}
+
+/* ---- passes ---- */
+
+static bool start_lidar(run *r, GError **error)
+{
+	if (!r->pump.driver->start(&r->pump, error))
+		return false;
+	r->pump.last_bytes_ns = head_now_ns(r->pump.head);
+	r->device_errors = stream_get_report(r->pump.stream).device_errors;
+	r->streaming = true;
+	return true;
+}
+
+static bool pass(run *r, const struct front_interval *f, GError **error)
+{
+	double ahead = f->from_rad - r->pace.run_up_rad, beyond = f->to_rad + r->pace.run_up_rad;
+	/* From behind, so that the gear's slack is taken up before the first column. */
+	return go(r, ahead, r->pace.travel_rad_s, error) &&
+	       go(r, beyond, r->pace.scan_rad_s, error);
+}
+
+/* The beams of an interval in which the stage slipped lie in wrong places: they do not count. */
+static void forget_suspects(run *r)
+{
+	stage_track *track = stream_stage(r->pump.stream);
+	g_autoptr(GArray) suspects = stage_track_suspects(track);
+	for (; r->suspects < suspects->len; r->suspects++) {
+		const struct stage_suspect *s =
+			&g_array_index(suspects, struct stage_suspect, r->suspects);
+		double a = stage_track_angle_rad(track, s->from_ns),
+		       b = stage_track_angle_rad(track, s->to_ns);
+		double slack = fabs(s->error_rad);
+		coverage_clear(r->coverage, fmin(a, b) - slack, fmax(a, b) + slack);
+	}
+}
+
+static bool pass_over_missing(run *r, GError **error)
+{
+	g_autoptr(GArray) missing = coverage_missing(r->coverage, JOIN_RAD);
+	for (guint i = 0; i < missing->len; i++)
+		if (!pass(r, &g_array_index(missing, struct front_interval, i), error))
+			return false;
+	return true;
+}
+
+/* What a lidar may come back from; all else ends the run. */
+static bool can_recover(const GError *e)
+{
+	return g_error_matches(e, PUMP_ERROR, PUMP_ERROR_LIDAR_GONE) ||
+	       g_error_matches(e, PUMP_ERROR, PUMP_ERROR_NO_ANSWER) ||
+	       g_error_matches(e, PUMP_ERROR, PUMP_ERROR_REFUSED);
+}
+
+static bool revive(run *r, GError **error)
+{
+	return (r->pump.lidar_open || pump_open_lidar(&r->pump, error)) &&
+	       r->pump.driver->prepare(&r->pump, error) && start_lidar(r, error);
+}
+
+/* Stops the stage and tries to get the lidar back: by talking to it, then by plugging anew, until
+ * patience ends. */
+static bool recover(run *r, const GError *cause, GError **error)
+{
+	double patience_s = r->options.wait_for_lidar_s > 0 ? r->options.wait_for_lidar_s : 60;
+	int64_t deadline_ns = head_now_ns(r->pump.head) + (int64_t)(patience_s * SECOND_NS);
+	g_autofree char *words = g_strdup_printf("waiting: %s", cause->message);
+	doing(r, words);
+	r->streaming = false;
+	if (++r->recoveries > RECOVERIES_MAX) {
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "%s, time and again",
+			cause->message);
+		return false;
+	}
+	if (!stage_stop(r->pump.head->stage, error))
+		return false;
+	for (;;) {
+		g_autoptr(GError) failed = NULL;
+		if (revive(r, &failed))
+			return true;
+		if (!can_recover(failed) || head_now_ns(r->pump.head) >= deadline_ns) {
+			g_propagate_error(error, g_steal_pointer(&failed));
+			return false;
+		}
+		if (r->pump.lidar_open)
+			wire_close(r->pump.head->lidar);
+		r->pump.lidar_open = false;
+		if (!pump_for(&r->pump, SECOND_NS, error))
+			return false;
+	}
+}
+
+static void say_pass(run *r, uint32_t turn)
+{
+	g_autofree char *words =
+		g_strdup_printf("going back for %u columns", coverage_missing_columns(r->coverage));
+	doing(r, turn ? words : "scanning");
+}
+
+static bool scan_columns(run *r, GError **error)
+{
+	if (coverage_missing_columns(r->coverage) == 0)
+		return true;
+	if (!start_lidar(r, error))
+		return false;
+	for (uint32_t turn = 0; turn <= r->options.preset->rescans_max &&
+				coverage_missing_columns(r->coverage) > 0;) {
+		g_autoptr(GError) failed = NULL;
+		say_pass(r, turn);
+		bool passed = pass_over_missing(r, &failed);
+		forget_suspects(r);
+		turn += passed;
+		if (passed)
+			continue;
+		if (can_recover(failed) && recover(r, failed, error))
+			continue;
+		if (error && !*error)
+			g_propagate_error(error, g_steal_pointer(&failed));
+		return false;
+	}
+	r->streaming = false;
+	return r->pump.driver->stop(&r->pump, error);
+}
+
+/* Those that the pass did not bring: first on from where the stage stands, then from the start. */
+static bool take_photos(run *r, GError **error)
+{
+	doing(r, "taking photos");
+	for (int tries = 0; tries < 3 && !r->pump.camera_gone; tries++) {
+		stage_track *track = stream_stage(r->pump.stream);
+		double now = stage_track_angle_rad(track, head_now_ns(r->pump.head)), first, next,
+		       reach = 6 * DEGREE;
+		if (!photos_next(r->photos, 0, &first))
+			return true;
+		if (tries == 0 && photos_next(r->photos, now + reach, &next))
+			first = next;
+		if (!go(r, first - reach, r->pace.travel_rad_s, error) ||
+			!go(r, 2 * G_PI, r->pace.photo_rad_s, error))
+			return false;
+	}
+	return true;
+}
+
+bool run_scan(run *r, GError **error)
+{
+	if (!home(r, error) || !scan_columns(r, error) || !take_photos(r, error))
+		return false;
+	doing(r, "going home");
+	return go(r, 0, r->pace.travel_rad_s, error);
+}
+
+uint32_t run_missing_columns(const run *r)
+{
+	return coverage_missing_columns(r->coverage);
+}
+
+struct camera_controls run_camera_controls(const run *r)
+{
+	return photos_controls(r->photos);
+}

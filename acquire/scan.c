@@ -1,0 +1,273 @@
+#include "acquire/scan.h"
+#include "acquire/planes.h"
+#include "acquire/scan-manifest.h"
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/statvfs.h>
+
+/* Kept free beyond what a scan is predicted to take, for the rest of the machine. */
+#define SPARE_BYTES (UINT64_C(32) << 20)
+
+struct recording {
+	site *site;
+	const struct scan_options *options;
+	const struct preset *preset;
+	head *head;
+	run *run;
+	record_writer *record;
+	manifest *scan;
+	uint32_t number;
+	char *folder, *raw;
+};
+
+bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error)
+{
+	struct statvfs v;
+	if (statvfs(folder, &v) < 0) {
+		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", folder,
+			g_strerror(errno));
+		return false;
+	}
+	uint64_t free_bytes = (uint64_t)v.f_bavail * v.f_frsize;
+	if (free_bytes >= need_bytes && free_bytes - need_bytes >= SPARE_BYTES)
+		return true;
+	g_autofree char *need = g_format_size(need_bytes), *have = g_format_size(free_bytes);
+	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOSPC,
+		"%s: there is not enough space: the scan needs %s, %s are free", folder, need,
+		have);
+	return false;
+}
+
+static void recording_clear(struct recording *r)
+{
+	run_free(r->run);
+	if (r->head)
+		head_attach_record(r->head, NULL);
+	record_writer_free(r->record);
+	head_close(r->head);
+	manifest_free(r->scan);
+	g_free(r->folder);
+	g_free(r->raw);
+}
+
+/* ---- a new scan, or the one to go on with ---- */
+
+static bool name_paths(struct recording *r)
+{
+	r->folder = site_partial_path(r->site, r->number);
+	r->raw = g_build_filename(r->folder, "raw.rec", NULL);
+	return true;
+}
+
+static bool begin_new(struct recording *r, GError **error)
+{
+	uint32_t partial;
+	if (!site_find_partial(r->site, &partial, error))
+		return false;
+	if (partial) {
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_EXIST,
+			"%s: scan %04u was begun and not finished: resume or discard it first",
+			site_path(r->site), partial);
+		return false;
+	}
+	r->preset = r->options->preset;
+	r->scan = scan_manifest_begin(r->preset, r->options->device);
+	return site_begin_scan(r->site, r->scan, &r->number, error) && name_paths(r);
+}
+
+static bool begin_resumed(struct recording *r, GError **error)
+{
+	if (!site_find_partial(r->site, &r->number, error))
+		return false;
+	if (r->number == 0) {
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOENT,
+			"%s: there is no partial scan to resume", site_path(r->site));
+		return false;
+	}
+	name_paths(r);
+	g_autofree char *path = g_build_filename(r->folder, "scan.json", NULL);
+	r->scan = manifest_load(path, SCAN_SCHEMA, error);
+	r->preset = r->scan ? scan_manifest_preset(r->scan, error) : NULL;
+	return r->preset != NULL;
+}
+
+char *scan_partial_device(const site *s, GError **error)
+{
+	struct recording r = { .site = (site *)s };
+	const char *device =
+		begin_resumed(&r, error) ? manifest_get_string(r.scan, "device", error) : NULL;
+	char *copy = g_strdup(device);
+	recording_clear(&r);
+	return copy;
+}
+
+/* Gives the run all that was recorded before. */
+static bool recall(struct recording *r, GError **error)
+{
+	g_autoptr(record_reader) reader = record_open(r->raw, error);
+	struct record_entry e;
+	while (reader) {
+		g_autoptr(GError) damage = NULL;
+		enum record_result got = record_next(reader, &e, &damage);
+		if (got == RECORD_BAD && r->options->salvage && record_skip_damage(reader))
+			continue;
+		if (got == RECORD_BAD)
+			return g_propagate_error(error, g_steal_pointer(&damage)), false;
+		if (got != RECORD_ENTRY)
+			return true;
+		if (!run_recall(r->run, &e, error))
+			return g_prefix_error(error, "%s: ", r->raw), false;
+	}
+	return false;
+}
+
+static bool open_record(struct recording *r, GError **error)
+{
+	bool exists = g_file_test(r->raw, G_FILE_TEST_EXISTS);
+	if (exists && !recall(r, error))
+		return false;
+	r->record = !exists               ? record_create(r->raw, error)
+		    : r->options->salvage ? record_append_past_damage(r->raw, error)
+					  : record_append_to(r->raw, NULL, error);
+	return r->record != NULL;
+}
+
+static bool open_head(struct recording *r, GError **error)
+{
+	if (!r->head)
+		r->head = head_open(r->options->device, error);
+	if (!r->head)
+		return false;
+	struct calibration c;
+	if (!calibration_parse(r->head->calibration, "the head's calibration", &c, error))
+		return false;
+	if (!c.has_camera)
+		r->head->camera = NULL;
+	return true;
+}
+
+/* The session's header goes first into the record, then into the run. */
+static bool begin_session(struct recording *r, GError **error)
+{
+	g_autofree char *text = scan_session_text(r->options->device, r->head);
+	struct record_entry e = { .kind = RECORD_SESSION,
+		.length = strlen(text),
+		.time_ns = head_now_ns(r->head),
+		.payload = text };
+	head_attach_record(r->head, r->record);
+	return record_write(r->record, e.kind, e.time_ns, e.payload, e.length, NULL, 0, error) &&
+	       run_begin(r->run, &e, error);
+}
+
+/* ---- the end ---- */
+
+static bool finish_record(struct recording *r, GError **error)
+{
+	int64_t now_ns = head_now_ns(r->head);
+	head_attach_record(r->head, NULL);
+	if (!record_write(r->record, RECORD_END, now_ns, NULL, 0, NULL, 0, error))
+		return false;
+	return record_close(g_steal_pointer(&r->record), error);
+}
+
+/* Panorama, planes and manifest of what stands in folder. */
+static bool develop_into(const char *folder, manifest *scan, bool skip_damage,
+	struct scan_result *result, GError **error)
+{
+	struct develop_options o = { .skip_damage = skip_damage };
+	struct develop_result d = { 0 };
+	g_autofree char *raw = g_build_filename(folder, "raw.rec", NULL);
+	if (!scan_manifest_grid(scan, &o.desc, error))
+		return false;
+	g_autoptr(panorama) p = develop_record(raw, &o, &d, error);
+	bool good = p && planes_save(p, folder, error) &&
+		    scan_manifest_finish(scan, folder, p, &d, error);
+	if (good)
+		*result = (struct scan_result){ .columns = p->desc.columns,
+			.rows = p->desc.rows,
+			.counts = panorama_count(p),
+			.report = d.report,
+			.photos = d.photos };
+	develop_result_clear(&d);
+	return good && manifest_save(scan, error);
+}
+
+static bool run_it(struct recording *r, GError **error)
+{
+	struct prediction predicted;
+	if (!begin_session(r, error) || !run_prepare(r->run, error))
+		return false;
+	predicted = run_predict(r->run);
+	if (r->options->predicted)
+		r->options->predicted(&predicted, run_lidar(r->run), r->options->user_data);
+	return scan_check_space(r->folder, predicted.bytes, error) && run_scan(r->run, error) &&
+	       finish_record(r, error);
+}
+
+/* A scan that never got as far as its first turn is no scan: nothing is kept of it. */
+static bool is_worth_keeping(struct recording *r)
+{
+	return r->options->resume || (r->run && run_missing_columns(r->run) < r->preset->columns);
+}
+
+static bool record_into(struct recording *r, struct scan_result *result, GError **error)
+{
+	struct run_options o = { .preset = r->preset,
+		.wait_for_lidar_s = r->options->wait_for_lidar_s,
+		.progress = r->options->progress,
+		.user_data = r->options->user_data };
+	r->run = run_new(r->head, &o);
+	if (!open_record(r, error) || !run_it(r, error))
+		return false;
+	uint32_t missing = run_missing_columns(r->run);
+	if (!develop_into(r->folder, r->scan, r->options->salvage, result, error) ||
+		!site_finish_scan(r->site, r->number, error))
+		return false;
+	result->number = r->number;
+	result->missing_columns = missing;
+	return true;
+}
+
+bool scan_record(site *s, const struct scan_options *options, struct scan_result *ret_result,
+	uint32_t *ret_partial, GError **error)
+{
+	struct recording r = { .site = s, .options = options, .head = options->head };
+	struct scan_result result = { 0 };
+	*ret_partial = 0;
+	/* A device that is not there must leave the site as it was. */
+	bool begun = open_head(&r, error) &&
+		     (options->resume ? begin_resumed(&r, error) : begin_new(&r, error));
+	bool good = begun && record_into(&r, &result, error);
+	if (begun && !good) {
+		if (is_worth_keeping(&r))
+			*ret_partial = r.number;
+		else
+			site_discard_partial(s, r.number, NULL);
+	}
+	recording_clear(&r);
+	if (good)
+		*ret_result = result;
+	return good;
+}
+
+panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error)
+{
+	g_autofree char *folder = site_scan_path(s, number),
+			*path = g_build_filename(folder, "scan.json", NULL);
+	struct panorama_desc desc;
+	g_autoptr(manifest) scan = manifest_load(path, SCAN_SCHEMA, error);
+	if (!scan || !scan_manifest_grid(scan, &desc, error) ||
+		(verify && !scan_manifest_verify(scan, folder, error)))
+		return NULL;
+	return planes_load(folder, &desc, error);
+}
+
+bool scan_develop_again(site *s, uint32_t number, GError **error)
+{
+	g_autofree char *folder = site_scan_path(s, number),
+			*path = g_build_filename(folder, "scan.json", NULL);
+	struct scan_result result;
+	g_autoptr(manifest) scan = manifest_load(path, SCAN_SCHEMA, error);
+	return scan && develop_into(folder, scan, false, &result, error);
+}

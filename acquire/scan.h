@@ -1,0 +1,56 @@
+#ifndef ACQUIRE_SCAN_H
+#define ACQUIRE_SCAN_H
+/* A scan from the press of the button to the finished folder: record, panorama, manifest. What
+ * stops on the way stays as a partial scan and can be resumed or discarded. */
+#include "acquire/develop.h"
+#include "acquire/preset.h"
+#include "acquire/run.h"
+#include "acquire/site.h"
+
+#define SCAN_SCHEMA 1
+
+struct scan_options {
+	const char *device; /* URI */
+	head *head; /* instead of opening device: taken over; device is then only its name */
+	const struct preset *preset; /* of a resumed scan: NULL, it keeps its own */
+	bool resume;                 /* go on with the partial scan */
+	bool salvage; /* resume although entries in the middle of the record are damaged: without
+			 them */
+	double wait_for_lidar_s; /* 0: 60 */
+	/* As run_options has it. predicted: called once, before the stage moves, with what the
+	 * lidar that is connected will take. */
+	bool (*progress)(const struct run_progress *progress, gpointer user_data);
+	void (*predicted)(const struct prediction *prediction, const struct lidar_identity *lidar,
+		gpointer user_data);
+	gpointer user_data;
+};
+
+struct scan_result {
+	uint32_t number;
+	uint32_t columns, rows;
+	struct panorama_counts counts;
+	struct stream_report report;
+	uint32_t missing_columns, photos;
+	uint64_t record_bytes;
+	double seconds; /* of the head's time, over all sessions */
+};
+
+/* Records one scan into the site and develops it. false: nothing was begun, or a partial scan was
+ * kept (*ret_partial, its number, else 0). */
+bool scan_record(site *s, const struct scan_options *options, struct scan_result *ret_result,
+	uint32_t *ret_partial, GError **error);
+
+/* The device that the partial scan was begun with; caller frees. */
+char *scan_partial_device(const site *s, GError **error);
+
+/* Fails with a sentence when the file system of the folder has less than need_bytes free. */
+bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error);
+
+/* Reads a finished scan: its manifest, then its planes. With verify, sizes and SHA-256 of all files
+ * first. */
+panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error);
+/* Develops the panorama of a finished scan again from its record and replaces planes and manifest.
+ */
+bool scan_develop_again(site *s, uint32_t number, GError **error);
+
+#endif

@@ -1,0 +1,440 @@
+#include "acquire/stream.h"
+#include "acquire/clock.h"
+#include "acquire/driver.h"
+#include "acquire/manifest.h"
+#include <math.h>
+#include <string.h>
+
+/* Live, lines wait for the stage's pulses no longer than this many revolutions. */
+#define PENDING_MAX 64
+
+struct timed_event {
+	struct stage_event event;
+	int64_t ticks; /* unwrapped */
+};
+
+/* One power-on of the head, from its RECORD_SESSION to the next. */
+struct session {
+	struct calibration calibration;
+	const struct driver *driver;
+	device_clock *stage_clock, *camera_clock;
+	GPtrArray *lidar_clocks; /* one each time the lidar was plugged in: its clock starts anew */
+	GArray *stage_events;    /* of struct timed_event, in the first pass */
+	stage_track *track;
+	placement *place;
+	struct camera_controls locked; /* of the photos; zeros until settled */
+};
+
+struct pending {
+	struct scanline line;
+	int64_t ticks; /* unwrapped */
+	uint32_t range_and_intensity[];
+};
+
+struct stream {
+	enum stream_mode mode;
+	bool learning;
+	struct stream_sink sink;
+	GPtrArray *sessions;
+	struct session *session;
+	guint session_at, plug_at; /* which comes next in the second pass */
+	device_clock *lidar_clock;
+	decoder *decode;
+	GQueue pending;
+	int64_t asked_clock_ns; /* 0: not asked */
+	/* Of the last whole revolution. */
+	bool follows;
+	uint32_t last_counter;
+	int64_t last_ticks;
+	double last_front_rad;
+	uint32_t lost_before; /* revolutions lost since, waiting for an angle */
+	GArray *losses;
+	struct stream_report report;
+};
+
+static void session_free(gpointer data)
+{
+	struct session *s = data;
+	device_clock_free(s->stage_clock);
+	device_clock_free(s->camera_clock);
+	g_ptr_array_unref(s->lidar_clocks);
+	g_array_unref(s->stage_events);
+	stage_track_free(s->track);
+	placement_free(s->place);
+	g_free(s);
+}
+
+stream *stream_new(enum stream_mode mode, const struct stream_sink *sink)
+{
+	stream *s = g_new0(stream, 1);
+	s->mode = mode;
+	s->learning = mode == STREAM_LEARN_FIRST;
+	s->sink = *sink;
+	s->sessions = g_ptr_array_new_with_free_func(session_free);
+	s->losses = g_array_new(FALSE, FALSE, sizeof(struct stream_loss));
+	return s;
+}
+
+static void drop_pending(stream *s)
+{
+	for (struct pending *p; (p = g_queue_pop_head(&s->pending));)
+		g_free(p);
+}
+
+void stream_free(stream *s)
+{
+	if (!s)
+		return;
+	drop_pending(s);
+	decoder_free(s->decode);
+	g_ptr_array_unref(s->sessions);
+	g_array_unref(s->losses);
+	g_free(s);
+}
+
+/* ---- scanlines ---- */
+
+static void note_losses(stream *s, double front_rad)
+{
+	if (s->lost_before) {
+		struct stream_loss loss = { s->last_front_rad, front_rad, s->lost_before };
+		g_array_append_val(s->losses, loss);
+		s->lost_before = 0;
+	}
+	s->last_front_rad = front_rad;
+}
+
+static bool place(stream *s, const struct scanline *line, int64_t ticks, bool force)
+{
+	int64_t first_ns, last_ns;
+	int64_t stamp_ns = device_clock_host_ns(s->lidar_clock, (double)ticks);
+	placement_sweep(line, s->session->driver->stamp, stamp_ns, &first_ns, &last_ns);
+	stage_track *track = s->session->track;
+	if (!force && stage_track_is_moving(track) && stage_track_known_until_ns(track) < last_ns)
+		return false;
+	if (!stage_track_is_homed(track)) {
+		s->report.unplaced++;
+		return true;
+	}
+	struct placed_line placed;
+	placement_place(s->session->place, line, track, first_ns, last_ns, &placed);
+	note_losses(s, placed.front_first_rad);
+	if (line->device_error)
+		s->report.device_errors++;
+	else if (s->sink.line)
+		s->sink.line(line, &placed, s->sink.user_data);
+	return true;
+}
+
+static void place_pending(stream *s)
+{
+	for (struct pending *p; (p = g_queue_peek_head(&s->pending));) {
+		if (!place(s, &p->line, p->ticks, g_queue_get_length(&s->pending) > PENDING_MAX))
+			return;
+		g_free(g_queue_pop_head(&s->pending));
+	}
+}
+
+static void keep_pending(stream *s, const struct scanline *line, int64_t ticks)
+{
+	size_t n = line->beams;
+	struct pending *p = g_malloc(sizeof *p + n * (sizeof(uint32_t) + sizeof(uint16_t)));
+	p->line = *line;
+	p->ticks = ticks;
+	memcpy(p->range_and_intensity, line->range_mm, n * sizeof(uint32_t));
+	p->line.range_mm = p->range_and_intensity;
+	if (line->intensity) {
+		memcpy(p->range_and_intensity + n, line->intensity, n * sizeof(uint16_t));
+		p->line.intensity = (const uint16_t *)(p->range_and_intensity + n);
+	}
+	g_queue_push_tail(&s->pending, p);
+}
+
+/* Time decides how many turns are missing; the counter tells a jump from a loss. */
+static void count_losses(stream *s, const struct scanline *line, int64_t ticks)
+{
+	if (s->follows) {
+		double period = s->session->driver->clock.ticks_hz / line->scan_rate_hz;
+		int64_t turns = llround((double)(ticks - s->last_ticks) / period);
+		uint16_t counted = (uint16_t)(line->counter - s->last_counter);
+		bool jumped = line->counter != s->last_counter && counted != turns;
+		s->report.counter_jumps += jumped;
+		if (turns > 1) {
+			s->lost_before += (uint32_t)MIN(turns - 1, 1000000);
+			s->report.lost_revolutions += turns - 1;
+		}
+	}
+	s->follows = true;
+	s->last_counter = line->counter;
+	s->last_ticks = ticks;
+}
+
+static void take_line(const struct scanline *line, gpointer user_data)
+{
+	stream *s = user_data;
+	if (line->beams == 0 || line->scan_rate_hz <= 0 || !s->lidar_clock) {
+		s->report.unplaced++;
+		return;
+	}
+	int64_t sent = device_clock_unwrap(s->lidar_clock, line->sent_ticks, line->arrival_ns);
+	int64_t ticks = sent - (int64_t)((line->sent_ticks - line->ticks) & 0xffffffff);
+	if (s->learning || s->mode == STREAM_LIVE)
+		device_clock_add_arrival(s->lidar_clock, sent, line->arrival_ns);
+	if (s->learning)
+		return;
+	s->report.revolutions++;
+	count_losses(s, line, ticks);
+	if (s->mode == STREAM_LIVE)
+		keep_pending(s, line, ticks);
+	else
+		place(s, line, ticks, true);
+}
+
+static void take_reply(const struct lidar_reply *reply, gpointer user_data)
+{
+	stream *s = user_data;
+	uint64_t ticks;
+	if (s->asked_clock_ns && s->session->driver->clock_reply &&
+		s->session->driver->clock_reply(reply, &ticks)) {
+		int64_t unwrapped = device_clock_unwrap(s->lidar_clock, ticks, reply->arrival_ns);
+		if (s->learning || s->mode == STREAM_LIVE)
+			device_clock_add_exchange(
+				s->lidar_clock, s->asked_clock_ns, unwrapped, reply->arrival_ns);
+		s->asked_clock_ns = 0;
+	}
+	if (!s->learning && s->sink.reply)
+		s->sink.reply(reply, s->sink.user_data);
+}
+
+/* ---- sessions ---- */
+
+static void reset_decoder(stream *s)
+{
+	struct decoder_sink sink = { .scanline = take_line, .reply = take_reply, .user_data = s };
+	if (s->decode) {
+		const struct decoder_counts *counts = decoder_get_counts(s->decode);
+		s->report.bad_telegrams += s->learning ? 0 : counts->bad_sums + counts->malformed;
+	}
+	decoder_free(s->decode);
+	s->decode = decoder_new(s->session->driver->protocol, &sink);
+	s->follows = false;
+	s->asked_clock_ns = 0;
+}
+
+static struct session *session_new(const struct record_entry *e, GError **error)
+{
+	g_autofree char *name = g_strdup_printf("entry %u (session)", e->sequence);
+	g_autoptr(manifest) m = manifest_parse(e->payload, e->length, name, 0, error);
+	const char *protocol = m ? manifest_get_string(m, "protocol", error) : NULL;
+	JsonNode *node = m ? manifest_get_node(m, "calibration") : NULL;
+	g_autofree char *text = node ? json_to_string(node, FALSE) : g_strdup("{}");
+	struct session s = { 0 };
+	if (!protocol || !calibration_parse(text, name, &s.calibration, error))
+		return NULL;
+	s.driver = driver_find(protocol);
+	if (!s.driver) {
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: there is no lidar protocol '%s'", name, protocol);
+		return NULL;
+	}
+	const struct stage_calibration *st = &s.calibration.stage;
+	const struct camera_calibration *ca = &s.calibration.camera;
+	s.stage_clock = device_clock_new(&(struct device_clock_desc){
+		.ticks_hz = st->clock_hz, .wrap_bits = st->clock_bits });
+	if (s.calibration.has_camera)
+		s.camera_clock = device_clock_new(&(struct device_clock_desc){
+			.ticks_hz = ca->clock_hz, .wrap_bits = ca->clock_bits });
+	s.lidar_clocks = g_ptr_array_new_with_free_func((GDestroyNotify)device_clock_free);
+	s.stage_events = g_array_new(FALSE, FALSE, sizeof(struct timed_event));
+	s.track = stage_track_new(st->steps_per_turn, st->index_slots);
+	s.place = placement_new(&s.calibration);
+	return g_memdup2(&s, sizeof s);
+}
+
+static bool begin_session(stream *s, const struct record_entry *e, GError **error)
+{
+	place_pending(s);
+	drop_pending(s);
+	if (s->learning || s->mode == STREAM_LIVE) {
+		struct session *fresh = session_new(e, error);
+		if (!fresh)
+			return false;
+		g_ptr_array_add(s->sessions, fresh);
+	}
+	if (s->session_at >= s->sessions->len)
+		return true;
+	s->session = s->sessions->pdata[s->session_at++];
+	s->plug_at = 0;
+	s->lidar_clock = NULL;
+	s->report.sessions++;
+	reset_decoder(s);
+	return true;
+}
+
+static void plug_lidar(stream *s)
+{
+	place_pending(s);
+	drop_pending(s);
+	if (s->learning || s->mode == STREAM_LIVE)
+		g_ptr_array_add(
+			s->session->lidar_clocks, device_clock_new(&s->session->driver->clock));
+	if (s->plug_at < s->session->lidar_clocks->len)
+		s->lidar_clock = s->session->lidar_clocks->pdata[s->plug_at++];
+	reset_decoder(s);
+}
+
+/* ---- the other devices ---- */
+
+static void take_stage(stream *s, const struct record_entry *e)
+{
+	const struct stage_event *events = e->payload;
+	size_t n = e->length / sizeof *events;
+	if (s->mode == STREAM_LEARN_FIRST && !s->learning)
+		return; /* the track is whole already */
+	for (size_t i = 0; i < n; i++) {
+		struct timed_event t = { events[i],
+			device_clock_unwrap(s->session->stage_clock, events[i].ticks, e->time_ns) };
+		/* The last of a batch waited least: only it says something of the delay. */
+		if (i + 1 == n)
+			device_clock_add_arrival(s->session->stage_clock, t.ticks, e->time_ns);
+		if (s->learning)
+			g_array_append_val(s->session->stage_events, t);
+		else
+			stage_track_feed(s->session->track, &t.event,
+				device_clock_host_ns(s->session->stage_clock, (double)t.ticks));
+	}
+	place_pending(s);
+}
+
+static void take_frame(stream *s, const struct record_entry *e)
+{
+	struct camera_frame_info info;
+	if (!s->session->camera_clock || e->length < sizeof info)
+		return;
+	memcpy(&info, e->payload, sizeof info);
+	int64_t ticks = device_clock_unwrap(s->session->camera_clock, info.ticks, e->time_ns);
+	if (s->learning || s->mode == STREAM_LIVE)
+		device_clock_add_arrival(s->session->camera_clock, ticks, e->time_ns);
+	if (s->learning)
+		return;
+	const struct camera_calibration *c = &s->session->calibration.camera;
+	if (info.flags & CAMERA_FRAME_ERROR || info.fourcc != CAMERA_FOURCC_NV12 ||
+		info.width != c->width || info.height != c->height ||
+		e->length - sizeof info != camera_frame_bytes(&info)) {
+		s->report.bad_frames++;
+		return;
+	}
+	int64_t middle_ns = device_clock_host_ns(s->session->camera_clock, (double)ticks) +
+			    info.controls.exposure_100us * INT64_C(50000);
+	double front = stage_track_angle_rad(s->session->track, middle_ns);
+	bool locked = memcmp(&info.controls, &s->session->locked, sizeof info.controls) == 0;
+	if (s->sink.frame)
+		s->sink.frame(&info, (const uint8_t *)e->payload + sizeof info, front, locked,
+			s->sink.user_data);
+}
+
+char *stream_lock_text(const struct camera_controls *c)
+{
+	return g_strdup_printf("{\"camera\": {\"exposure_100us\": %u, \"gain_percent\": %u, "
+			       "\"white_balance_k\": %u}}",
+		c->exposure_100us, c->gain_percent, c->white_balance_k);
+}
+
+/* Marks are for people; only the one that locks the exposure is for us. */
+static void take_mark(stream *s, const struct record_entry *e)
+{
+	int64_t exposure, gain, balance;
+	g_autoptr(manifest) m = manifest_parse(e->payload, e->length, "mark", 0, NULL);
+	if (m && manifest_get_int(m, "camera.exposure_100us", 0, UINT32_MAX, &exposure, NULL) &&
+		manifest_get_int(m, "camera.gain_percent", 0, UINT32_MAX, &gain, NULL) &&
+		manifest_get_int(m, "camera.white_balance_k", 0, UINT32_MAX, &balance, NULL))
+		s->session->locked = (struct camera_controls){ exposure, gain, balance };
+}
+
+static void take_output(stream *s, const struct record_entry *e)
+{
+	if (s->session->driver->asks_clock && s->session->driver->asks_clock(e->payload, e->length))
+		s->asked_clock_ns = e->time_ns;
+}
+
+bool stream_feed(stream *s, const struct record_entry *e, GError **error)
+{
+	if (e->kind == RECORD_SESSION)
+		return begin_session(s, e, error);
+	if (!s->session)
+		return true;
+	switch (e->kind) {
+	case RECORD_LIDAR_OPENED: plug_lidar(s); break;
+	case RECORD_LIDAR_IN:
+		decoder_feed(s->decode, e->payload, e->length, e->time_ns);
+		place_pending(s);
+		break;
+	case RECORD_LIDAR_OUT: take_output(s, e); break;
+	case RECORD_STAGE: take_stage(s, e); break;
+	case RECORD_FRAME: take_frame(s, e); break;
+	case RECORD_MARK: take_mark(s, e); break;
+	case RECORD_END: s->report.ended = true; break;
+	default: break;
+	}
+	return true;
+}
+
+void stream_rewind(stream *s)
+{
+	for (guint i = 0; i < s->sessions->len; i++) {
+		struct session *session = s->sessions->pdata[i];
+		for (guint k = 0; k < session->stage_events->len; k++) {
+			const struct timed_event *t =
+				&g_array_index(session->stage_events, struct timed_event, k);
+			stage_track_feed(session->track, &t->event,
+				device_clock_host_ns(session->stage_clock, (double)t->ticks));
+		}
+		g_array_set_size(session->stage_events, 0);
+	}
+	s->learning = false;
+	s->session = NULL;
+	s->session_at = 0;
+	s->report = (struct stream_report){ 0 };
+}
+
+struct stream_report stream_get_report(const stream *s)
+{
+	struct stream_report r = s->report;
+	if (s->decode) {
+		const struct decoder_counts *counts = decoder_get_counts(s->decode);
+		r.bad_telegrams += counts->bad_sums + counts->malformed;
+	}
+	if (s->lidar_clock)
+		r.drift_ppm = device_clock_drift_ppm(s->lidar_clock);
+	for (guint i = 0; i < s->sessions->len; i++) {
+		g_autoptr(GArray) suspects =
+			stage_track_suspects(((struct session *)s->sessions->pdata[i])->track);
+		r.suspect_intervals += suspects->len;
+	}
+	return r;
+}
+
+GArray *stream_losses(const stream *s)
+{
+	return g_array_copy(s->losses);
+}
+
+const struct calibration *stream_calibration(const stream *s)
+{
+	return s->session ? &s->session->calibration : NULL;
+}
+
+const char *stream_protocol(const stream *s)
+{
+	return s->session ? s->session->driver->protocol : "";
+}
+
+const struct lidar_identity *stream_lidar(const stream *s)
+{
+	return s->decode ? decoder_identity(s->decode) : NULL;
+}
+
+stage_track *stream_stage(const stream *s)
+{
+	return s->session ? s->session->track : NULL;
+}

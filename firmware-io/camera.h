@@ -1,0 +1,61 @@
+#ifndef FIRMWARE_IO_CAMERA_H
+#define FIRMWARE_IO_CAMERA_H
+/* The camera exposes all the time; a buffer that was lent to it (camera_queue) is filled by the
+ * next exposure that begins, exposures without a buffer are dropped and only counted in the
+ * sequence: V4L2's streaming model. One owner, one thread. Reading never blocks. */
+#include <glib.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct head;
+typedef struct camera camera;
+
+/* Exposure and white balance are always locked: a panorama must not change its mind half-way. */
+struct camera_controls {
+	uint32_t exposure_100us; /* V4L2_CID_EXPOSURE_ABSOLUTE */
+	uint32_t gain_percent;   /* 100 = base sensitivity */
+	uint32_t white_balance_k;
+};
+
+#define CAMERA_FOURCC_NV12 0x3231564eu
+#define CAMERA_FRAME_ERROR 0x40u /* V4L2_BUF_FLAG_ERROR: the pixels may be damaged */
+#define CAMERA_SIDE_MAX    16384u
+
+/* As it stands in a record, before the pixels. */
+struct camera_frame_info {
+	uint32_t ticks; /* of the camera's clock at the start of exposure: it wraps */
+	uint32_t sequence;
+	uint32_t flags;
+	uint32_t fourcc; /* CAMERA_FOURCC_NV12: BT.601, limited range */
+	uint32_t width, height;
+	struct camera_controls controls; /* in force for this frame */
+	uint32_t reserved;
+};
+
+struct camera_ops {
+	bool (*set_controls)(camera *c, const struct camera_controls *controls, GError **error);
+	bool (*queue)(camera *c, GError **error);
+	/* 1 with a frame (its pixels are the camera's own until the next call), 0 for none, -1 with
+	 * an error (WIRE_ERROR). */
+	int (*read)(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
+		size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error);
+};
+
+struct camera {
+	const struct camera_ops *ops;
+	struct head *head;
+};
+
+/* Bytes of an NV12 frame. */
+static inline size_t camera_frame_bytes(const struct camera_frame_info *info)
+{
+	return (size_t)info->width * info->height * 3 / 2;
+}
+
+bool camera_set_controls(camera *c, const struct camera_controls *controls, GError **error);
+bool camera_queue(camera *c, GError **error);
+int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
+	size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error);
+
+#endif

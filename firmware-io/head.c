@@ -1,0 +1,150 @@
+#include "firmware-io/head.h"
+#include <string.h>
+
+G_DEFINE_QUARK(wire - error - quark, wire_error)
+
+/* The drivers of real lidars are found by the port's name; what they need beside it (the stage's
+ * pins, the camera's node) stands in /etc/pleinair.conf. They are opened here once their backends
+ * are in. */
+static head *head_open_device(const char *rest, GError **error)
+{
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+		"device '%s': this build has no USB, serial, camera and stage backends; use "
+		"sim:SCENE or replay:FILE",
+		rest);
+	return NULL;
+}
+
+static const struct {
+	const char *scheme;
+	head *(*open)(const char *rest, GError **error);
+} schemes[] = {
+	{ "sim", head_open_sim },
+	{ "replay", head_open_replay },
+	{ "tim", head_open_device },
+	{ "scip", head_open_device },
+	{ "ld", head_open_device },
+	{ "rplidar", head_open_device },
+};
+
+head *head_open(const char *uri, GError **error)
+{
+	const char *colon = strchr(uri, ':');
+	for (size_t i = 0; colon && i < G_N_ELEMENTS(schemes); i++)
+		if (strlen(schemes[i].scheme) == (size_t)(colon - uri) &&
+			strncmp(uri, schemes[i].scheme, colon - uri) == 0)
+			return schemes[i].open(colon + 1, error);
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+		"device '%s': is none of sim:SCENE, replay:FILE, tim:, scip:PORT, ld:PORT, "
+		"rplidar:PORT",
+		uri);
+	return NULL;
+}
+
+int64_t head_now_ns(head *h)
+{
+	return h->ops->now_ns(h);
+}
+
+bool head_wait(head *h, int64_t deadline_ns, GError **error)
+{
+	if (h->record_error) {
+		g_propagate_error(error, g_steal_pointer(&h->record_error));
+		return false;
+	}
+	return h->ops->wait(h, deadline_ns, error);
+}
+
+void head_attach_record(head *h, record_writer *record)
+{
+	h->record = record;
+}
+
+void head_close(head *h)
+{
+	if (!h)
+		return;
+	g_clear_error(&h->record_error);
+	g_clear_pointer(&h->lidar_protocol, g_free);
+	g_clear_pointer(&h->calibration, g_free);
+	h->ops->close(h);
+}
+
+void head_tap(head *h, enum record_kind kind, int64_t time_ns, const void *part1, size_t length1,
+	const void *part2, size_t length2)
+{
+	if (h->record && !h->record_error)
+		record_write(
+			h->record, kind, time_ns, part1, length1, part2, length2, &h->record_error);
+}
+
+bool wire_open(wire *w, GError **error)
+{
+	if (!w->ops->open(w, error))
+		return false;
+	head_tap(w->head, RECORD_LIDAR_OPENED, head_now_ns(w->head), NULL, 0, NULL, 0);
+	return true;
+}
+
+gssize wire_read(wire *w, void *bytes, size_t size, int64_t *ret_arrival_ns, GError **error)
+{
+	gssize n = w->ops->read(w, bytes, size, ret_arrival_ns, error);
+	if (n > 0)
+		head_tap(w->head, RECORD_LIDAR_IN, *ret_arrival_ns, bytes, n, NULL, 0);
+	else if (n < 0)
+		head_tap(w->head, RECORD_LIDAR_GONE, head_now_ns(w->head), NULL, 0, NULL, 0);
+	return n;
+}
+
+bool wire_write(wire *w, const void *bytes, size_t length, GError **error)
+{
+	head_tap(w->head, RECORD_LIDAR_OUT, head_now_ns(w->head), bytes, length, NULL, 0);
+	return w->ops->write(w, bytes, length, error);
+}
+
+void wire_close(wire *w)
+{
+	w->ops->close(w);
+}
+
+bool stage_start_move(stage *s, const struct stage_move *move, GError **error)
+{
+	return s->ops->move(s, move, error);
+}
+
+bool stage_stop(stage *s, GError **error)
+{
+	return s->ops->stop(s, error);
+}
+
+gssize stage_read(
+	stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
+{
+	gssize n = s->ops->read(s, ret_events, ret_arrival_ns, error);
+	if (n > 0)
+		head_tap(s->head, RECORD_STAGE, *ret_arrival_ns, *ret_events,
+			n * sizeof **ret_events, NULL, 0);
+	return n;
+}
+
+bool camera_set_controls(camera *c, const struct camera_controls *controls, GError **error)
+{
+	return c->ops->set_controls(c, controls, error);
+}
+
+bool camera_queue(camera *c, GError **error)
+{
+	return c->ops->queue(c, error);
+}
+
+int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
+	size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error)
+{
+	int n = c->ops->read(c, ret_info, ret_pixels, ret_bytes, ret_arrival_ns, error);
+	if (n > 0)
+		head_tap(c->head, RECORD_FRAME, *ret_arrival_ns, ret_info, sizeof *ret_info,
+			*ret_pixels, *ret_bytes);
+	else if (n < 0)
+		head_tap(c->head, RECORD_CAMERA_GONE, head_now_ns(c->head), NULL, 0, NULL, 0);
+	return n;
+}

@@ -1,0 +1,58 @@
+#ifndef FIRMWARE_IO_STAGE_H
+#define FIRMWARE_IO_STAGE_H
+/* The pan stage turns the head about the vertical. It is moved by steps, counted from where it
+ * stood at power-on, and tells of every step pulse and of every index and home slot that passed its
+ * sensors, each by the stage's own clock. Positive is clockwise seen from above. Reading never
+ * blocks. One owner, one thread. */
+#include <glib.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct head;
+typedef struct stage stage;
+
+enum stage_event_kind {
+	STAGE_STEP, /* at this instant the rotor is a whole number of steps from where it began */
+	STAGE_INDEX,
+	STAGE_HOME,
+	STAGE_STOPPED, /* the move is over */
+	STAGE_FAULT,   /* the drive stopped by itself */
+};
+
+/* As it stands in a record. */
+struct stage_event {
+	uint32_t ticks;    /* of the stage's clock: it wraps */
+	int8_t direction;  /* +1, -1 */
+	uint8_t kind;      /* enum stage_event_kind */
+	uint16_t reserved; /* 0 */
+};
+
+struct stage_move {
+	int64_t target_steps;
+	double rate_steps_s, acceleration_steps_s2; /* both > 0 */
+};
+
+struct stage_ops {
+	/* Starts a move, or replaces the one under way. Returns at once; STAGE_STOPPED says when it
+	 * is over. */
+	bool (*move)(stage *s, const struct stage_move *move, GError **error);
+	/* Ramps down; STAGE_STOPPED follows. */
+	bool (*stop)(stage *s, GError **error);
+	/* Events since the last call, in order, with the time of their arrival: count > 0, 0 for
+	 * none, -1 with an error. The array is the stage's own, until the next call. */
+	gssize (*read)(stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns,
+		GError **error);
+};
+
+struct stage {
+	const struct stage_ops *ops;
+	struct head *head;
+};
+
+bool stage_start_move(stage *s, const struct stage_move *move, GError **error);
+bool stage_stop(stage *s, GError **error);
+gssize stage_read(
+	stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error);
+
+#endif

@@ -1,0 +1,13 @@
+#!/bin/sh
+# Runs one test program so that prove can read it: tap.sh BUILD PROGRAM. Half-open settings of the desk must not leak in.
+build=$1
+program=$2
+name=$(basename "$program")
+export PLEINAIR_BIN="$PWD/$build/bin" PLEINAIR_SOURCE="$PWD"
+export G_DEBUG=fatal-warnings GSETTINGS_BACKEND=memory LC_ALL=C.UTF-8 MALLOC_PERTURB_=165
+export ASAN_OPTIONS=detect_leaks=1:abort_on_error=1:malloc_context_size=20 UBSAN_OPTIONS=print_stacktrace=1
+export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
+case $name in
+fuzz-*) exec timeout --kill-after=5 240 "$program" ;;
+*) exec timeout --kill-after=5 400 "$program" --tap ;;
+esac
