@@ -23,7 +23,8 @@
 struct head {
 	sim_options *options;
 	const struct sim_head_options *wishes;
-	world *world;
+	const world *world;
+	world *own_world; /* NULL when it was lent */
 	stage *stage;
 	lidar *lidar;
 	camera *camera; /* NULL: none */
@@ -118,7 +119,10 @@ static bool head_begin(struct head *h, GError **error)
 	h->options = options_parse(h->wishes->description, error);
 	if (!h->options)
 		return false;
-	if (!truth_open_world(h->options, &h->world, &station, error))
+	h->world = h->wishes->world;
+	if (!h->world)
+		h->world = h->own_world = world_new(h->options->scene, h->options->seed, error);
+	if (!h->world || !truth_station_of(h->options, h->world, &station, error))
 		return false;
 	if (h->options->truth && !(h->log = truth_log_new(h->options->truth, error)))
 		return false;
@@ -134,7 +138,7 @@ static void head_end(struct head *h)
 	camera_free(h->camera);
 	stage_free(h->stage);
 	outbox_free(h->out);
-	world_free(h->world);
+	world_free(h->own_world);
 	truth_log_free(h->log);
 	options_free(h->options);
 	host_free(h->host);

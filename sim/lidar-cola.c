@@ -1,5 +1,6 @@
 #include "sim/lidar-cola.h"
 #include "sim/chance.h"
+#include "sim/cola-telegram.h"
 #include "sim/cola-text.h"
 #include <math.h>
 #include <string.h>
@@ -9,16 +10,7 @@
 #define COMMAND_MAX 512
 #define WORDS_MAX   32
 #define REBOOT_S    8
-#define START_ANGLE (-450000) /* 1/10000 degree */
-#define STOP_ANGLE  2250000
 
-/* LMDscandatacfg, in the order of its words. */
-struct output {
-	int64_t low_channels, high_channels;
-	int64_t remission, wide, unit;
-	int64_t low_encoders, high_encoders;
-	int64_t position, name, comment, time, every;
-};
 #define OUTPUT_WORDS 12
 
 struct cola {
@@ -28,7 +20,7 @@ struct cola {
 	int64_t busy_until_ns;
 	unsigned access; /* user level */
 	bool streaming, polled, stopped, broken;
-	struct output output;
+	struct cola_output output;
 	int64_t range_start, range_stop;
 	uint16_t telegrams, jumped;
 };
@@ -37,16 +29,6 @@ struct words {
 	char *at[WORDS_MAX];
 	int count;
 };
-
-static int step_angle(const struct cola *c)
-{
-	return 2700000 / (int)(c->body->options->beams - 1);
-}
-
-static float scale(const struct cola *c)
-{
-	return c->body->options->limit_m > 131 ? 4 : c->body->options->limit_m > 65.5 ? 2 : 1;
-}
 
 static void finish(struct cola *c, int64_t now_ns)
 {
@@ -116,7 +98,7 @@ static void read_range(struct cola *c, int64_t now_ns)
 {
 	(void)now_ns;
 	cola_append_number(c->out, 1);
-	cola_append_number(c->out, (uint32_t)step_angle(c));
+	cola_append_number(c->out, (uint32_t)cola_step_angle(c->body));
 	cola_append_number(c->out, (uint32_t)c->range_start);
 	cola_append_number(c->out, (uint32_t)c->range_stop);
 }
@@ -126,9 +108,9 @@ static void read_scan_config(struct cola *c, int64_t now_ns)
 	(void)now_ns;
 	cola_append_number(c->out, (uint32_t)lround(c->body->options->rate_hz * 100));
 	cola_append_number(c->out, 1);
-	cola_append_number(c->out, (uint32_t)step_angle(c));
-	cola_append_number(c->out, (uint32_t)START_ANGLE);
-	cola_append_number(c->out, STOP_ANGLE);
+	cola_append_number(c->out, (uint32_t)cola_step_angle(c->body));
+	cola_append_number(c->out, (uint32_t)COLA_START);
+	cola_append_number(c->out, COLA_STOP);
 }
 
 static void read_output(struct cola *c, int64_t now_ns)
@@ -143,7 +125,7 @@ static void read_output(struct cola *c, int64_t now_ns)
 /* Writing: the words behind the name. */
 static enum cola_error write_output(struct cola *c, const int64_t *values)
 {
-	struct output output;
+	struct cola_output output;
 
 	memcpy(&output, values, sizeof output);
 	if ((output.remission | output.wide | output.name | output.comment | output.time) & ~1 ||
@@ -159,8 +141,8 @@ static enum cola_error write_range(struct cola *c, const int64_t *values)
 	/* Negative angles come as two's complement of 32 bits or with a sign. */
 	int64_t start = (int32_t)values[2], stop = (int32_t)values[3];
 
-	if (values[0] != 1 || values[1] != step_angle(c) || start < START_ANGLE ||
-		stop > STOP_ANGLE || start > stop)
+	if (values[0] != 1 || values[1] != cola_step_angle(c->body) || start < COLA_START ||
+		stop > COLA_STOP || start > stop)
 		return COLA_OUT_OF_RANGE;
 	c->range_start = start;
 	c->range_stop = stop;
@@ -422,96 +404,21 @@ static void receive(gpointer self, int64_t now_ns, const guint8 *bytes, gsize le
 	}
 }
 
-static uint32_t distance(const struct cola *c, const struct echo *echo)
-{
-	uint32_t units = (uint32_t)lrint(echo->range_m * 1000 / (double)scale(c));
-
-	switch (echo->outcome) {
-	case ECHO_NONE: return 0;
-	case ECHO_WEAK: return 1;
-	case ECHO_MIRRORED: return 2;
-	default: return units < 16 ? 0 : MIN(units, 65535u);
-	}
-}
-
-static uint32_t remission(const struct cola *c, const struct echo *echo)
-{
-	double tens = echo->range_m / 10, received = (double)echo->strength / (1 + tens * tens);
-
-	if (echo->outcome != ECHO_GOOD)
-		return 0;
-	if (c->output.wide)
-		return (uint32_t)CLAMP(lrint(65535 * received), 1, 65535);
-	return (uint32_t)CLAMP(lrint(255 * sqrt(fmax(received, 0))), 1, 255);
-}
-
-static void append_channel(struct cola *c, const char *name, float factor,
-	const struct beam_fan *fan,
-	uint32_t (*value)(const struct cola *c, const struct echo *echo))
-{
-	int step = step_angle(c);
-	double exact_step = 2700000.0 / (fan->beams - 1);
-	uint32_t first = (uint32_t)ceil((double)(c->range_start - START_ANGLE) / exact_step - 0.01);
-	uint32_t last = (uint32_t)floor((double)(c->range_stop - START_ANGLE) / exact_step + 0.01);
-
-	last = MIN(last, fan->beams - 1);
-	cola_append_word(c->out, name);
-	cola_append_real(c->out, factor);
-	cola_append_real(c->out, 0);
-	cola_append_number(c->out, (uint32_t)(START_ANGLE + (int)lround(first * exact_step)));
-	cola_append_number(c->out, (uint32_t)step);
-	cola_append_number(c->out, last - first + 1);
-	for (uint32_t i = first; i <= last; i++)
-		cola_append_number(c->out, value(c, &fan->echoes[i]));
-}
-
-static void append_header(struct cola *c, uint32_t revolution, int64_t end_ns, int64_t leaves_ns)
-{
-	const struct device_clock *clock = &c->body->clock;
-	double measurements_hz = c->body->options->rate_hz * c->body->mirror.beams_per_turn;
-	uint16_t scan = (uint16_t)(revolution - c->body->revolution_at_power_on + c->jumped);
-
-	g_string_append(c->out, " 1 1");
-	cola_append_number(c->out, (uint32_t)(c->body->options->seed % 100000000));
-	g_string_append(c->out, c->broken ? " 0 1" : " 0 0");
-	cola_append_number(c->out, ++c->telegrams);
-	cola_append_number(c->out, scan);
-	cola_append_number(c->out, device_clock_ticks(clock, end_ns));
-	cola_append_number(c->out, device_clock_ticks(clock, leaves_ns));
-	g_string_append(c->out, " 0 0 1 0 0");
-	cola_append_number(c->out, (uint32_t)lround(c->body->options->rate_hz * 100));
-	cola_append_number(c->out, (uint32_t)lround(measurements_hz / 100));
-	g_string_append(c->out, " 0");
-}
-
-/* Position, name, comment, time and event. The clock of the calendar was never set. */
-static void append_tail(struct cola *c)
-{
-	g_string_append(c->out, " 0");
-	g_string_append(c->out, c->output.name ? " 1" : " 0");
-	if (c->output.name)
-		cola_append_string(c->out, "not defined");
-	g_string_append(c->out, c->output.comment ? " 1" : " 0");
-	if (c->output.comment)
-		cola_append_string(c->out, "no comment");
-	g_string_append(c->out, c->output.time ? " 1 7B2 1 1 0 0 0 0 0" : " 0 0");
-}
-
 static void send_telegram(
 	struct cola *c, const char *word, const struct beam_fan *fan, int64_t leaves_ns)
 {
-	g_string_printf(c->out, "%c%s LMDscandata", 2, word);
-	append_header(
-		c, fan->revolution, mirror_last_ns(&c->body->mirror, fan->revolution), leaves_ns);
-	cola_append_number(c->out, c->output.remission && c->output.wide ? 2 : 1);
-	append_channel(c, "DIST1", scale(c), fan, distance);
-	if (c->output.remission && !c->output.wide)
-		cola_append_number(c->out, 1);
-	if (c->output.remission)
-		append_channel(c, "RSSI1", 1, fan, remission);
-	if (!c->output.remission || c->output.wide)
-		cola_append_number(c->out, 0);
-	append_tail(c);
+	uint32_t turns = fan->revolution - c->body->revolution_at_power_on;
+	struct cola_telegram telegram = { .body = c->body,
+		.output = &c->output,
+		.range_start = c->range_start,
+		.range_stop = c->range_stop,
+		.broken = c->broken,
+		.telegram_counter = ++c->telegrams,
+		.scan_counter = (uint16_t)(turns + c->jumped),
+		.leaves_ns = leaves_ns };
+
+	g_string_assign(c->out, "\2");
+	cola_append_telegram(c->out, word, &telegram, fan);
 	g_string_append_c(c->out, 3);
 	cable_telegram(c->body->cable, leaves_ns, c->out->str, c->out->len);
 }
@@ -586,9 +493,9 @@ static void power_on(gpointer self)
 	c->access = 0;
 	c->in_frame = c->streaming = c->polled = c->stopped = c->broken = false;
 	c->busy_until_ns = INT64_MIN;
-	c->output = (struct output){ .low_channels = 1, .every = 1 };
-	c->range_start = START_ANGLE;
-	c->range_stop = STOP_ANGLE;
+	c->output = (struct cola_output){ .low_channels = 1, .every = 1 };
+	c->range_start = COLA_START;
+	c->range_stop = COLA_STOP;
 	c->telegrams = c->jumped = 0;
 }
 

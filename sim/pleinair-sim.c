@@ -29,11 +29,12 @@ static int complain(const char *what, GError *error)
 	return FAILED;
 }
 
-static int serve(int fd, const char *description)
+static int serve(int fd, const char *description, const world *w)
 {
+	const struct sim_head_options options = { .description = description, .world = w };
 	GError *error = NULL;
 
-	if (!sim_head_serve(fd, &(struct sim_head_options){ .description = description }, &error))
+	if (!sim_head_serve(fd, &options, &error))
 		return complain("", error);
 	return DONE;
 }
@@ -41,8 +42,13 @@ static int serve(int fd, const char *description)
 static int listen_on(const char *path, const char *description)
 {
 	struct sockaddr_un address = { .sun_family = AF_UNIX };
+	GError *error = NULL;
+	g_autoptr(truth) t =
+		truth_new(description, &error); /* builds the world once for all hosts */
 	int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
 
+	if (!t)
+		return complain("", error);
 	if (strlen(path) >= sizeof address.sun_path)
 		return complain("the path of the socket is too long", NULL);
 	g_strlcpy(address.sun_path, path, sizeof address.sun_path);
@@ -56,8 +62,8 @@ static int listen_on(const char *path, const char *description)
 		int connection = accept4(fd, NULL, NULL, SOCK_CLOEXEC);
 
 		if (connection >= 0)
-			serve(connection, description); /* says on stderr what was wrong; the next
-							   may do better */
+			serve(connection, description, truth_world(t)); /* says on stderr what was
+							   wrong; the next may do better */
 		else if (errno != EINTR)
 			return complain("accepting a host failed", NULL);
 	}
@@ -143,5 +149,5 @@ int main(int argc, char **argv)
 		return tell_truth(&a, a.descriptions[0]);
 	if (a.listen_path)
 		return listen_on(a.listen_path, a.descriptions[0]);
-	return serve(a.fd, a.descriptions[0]);
+	return serve(a.fd, a.descriptions[0], NULL);
 }

@@ -26,19 +26,20 @@ struct rig {
 	GArray *frame_ns;  /* int64_t, their arrival */
 };
 
-struct rig *rig_start(const char *description, sim_truth_func truth, gpointer truth_data);
-void rig_stop(struct rig *rig); /* hangs up and waits for the head */
-void rig_free(struct rig *rig); /* stops it if need be */
+struct rig *rig_start(
+	const struct sim_head_options *options); /* what it points to must outlive the rig */
+void rig_stop(struct rig *rig);                  /* hangs up and waits for the head */
+void rig_free(struct rig *rig);                  /* stops it if need be */
 
 void rig_send(struct rig *rig, enum link_kind kind, const void *payload, gsize length);
-/* One LINK_WAIT; false when the head hung up. */
+/* One LINK_WAIT, or in real time one message; false when the head hung up. */
 bool rig_wait(struct rig *rig, int64_t deadline_ns);
 void rig_run(struct rig *rig, double seconds); /* waits until so much time has passed */
 
 void rig_say(struct rig *rig, const char *text); /* to the lidar */
 /* Opens the lidar's port; true if it is there. */
 bool rig_open(struct rig *rig);
-/* Says a command and gives all that comes within 20 ms. */
+/* Says a command and gives all that comes within 20 ms (rig->lidar keeps it as well). */
 char *rig_ask(struct rig *rig, const char *text);
 void rig_move(struct rig *rig, int64_t target, double rate, double acceleration);
 /* Turns clockwise to the home slot and stops a little after it; returns the step count at home. */

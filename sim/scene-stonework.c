@@ -87,8 +87,8 @@ static void draw_rooms(const struct pen *p, const struct facade *f, float z, flo
 		(vec){ 0, y1, z + height });
 	pen_quad(&wall, (vec){ 0, y0, z + height - 0.02f }, (vec){ x1, y0, z + height - 0.02f },
 		(vec){ x1, y1, z + height - 0.02f }, (vec){ 0, y1, z + height - 0.02f });
-	for (unsigned i = 0; i <= f->bays; i += 2) {
-		float x = CLAMP(f->length * i / f->bays, 0.02f, x1 - 0.02f);
+	for (unsigned i = 2; i < f->bays; i += 2) {
+		float x = x1 * i / f->bays;
 		pen_quad(&wall, (vec){ x, y0, z }, (vec){ x, y1, z }, (vec){ x, y1, z + height },
 			(vec){ x, y0, z + height });
 	}

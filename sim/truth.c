@@ -16,13 +16,9 @@ struct truth_log {
 	FILE *file;
 };
 
-bool truth_open_world(
-	const sim_options *o, world **ret_world, struct world_station *ret_station, GError **error)
+bool truth_station_of(
+	const sim_options *o, const world *w, struct world_station *ret_station, GError **error)
 {
-	g_autoptr(world) w = world_new(o->scene, o->seed, error);
-
-	if (!w)
-		return false;
 	if (o->station > world_station_count(w)) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
 			"sim:%s: station=%" G_GUINT64_FORMAT " is not one of its %u stations",
@@ -30,7 +26,6 @@ bool truth_open_world(
 		return false;
 	}
 	world_get_station(w, (uint32_t)o->station, ret_station);
-	*ret_world = g_steal_pointer(&w);
 	return true;
 }
 
@@ -39,7 +34,8 @@ truth *truth_new(const char *description, GError **error)
 	g_autoptr(sim_options) o = options_parse(description, error);
 	g_autoptr(truth) t = g_new0(truth, 1);
 
-	if (!o || !truth_open_world(o, &t->world, &t->station, error))
+	if (!o || !(t->world = world_new(o->scene, o->seed, error)) ||
+		!truth_station_of(o, t->world, &t->station, error))
 		return NULL;
 	t->limit_m = o->limit_m;
 	return g_steal_pointer(&t);
@@ -51,6 +47,11 @@ void truth_free(truth *t)
 		return;
 	world_free(t->world);
 	g_free(t);
+}
+
+const world *truth_world(const truth *t)
+{
+	return t->world;
 }
 
 const struct world_station *truth_station(const truth *t)

@@ -34,6 +34,7 @@ truth *truth_new(const char *description, GError **error);
 void truth_free(truth *t); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(truth, truth_free)
 
+const world *truth_world(const truth *t);
 const struct world_station *truth_station(const truth *t);
 struct truth_cell truth_look(const truth *t, double azimuth_rad, double elevation_rad);
 /* Fills columns * rows cells, on all threads. */
@@ -44,9 +45,9 @@ bool truth_write(
 /* [{"station":1,"position_m":[x,y,z],"rotation":[[..],[..],[..]]}, ...] */
 char *truth_poses_json(const char *description, GError **error);
 
-/* The world and the station that options name. */
-bool truth_open_world(const sim_options *options, world **ret_world,
-	struct world_station *ret_station, GError **error);
+/* The station that options name, which the scene may not have. */
+bool truth_station_of(const sim_options *options, const world *w, struct world_station *ret_station,
+	GError **error);
 
 typedef struct truth_log truth_log;
 truth_log *truth_log_new(const char *path, GError **error);
