@@ -28,7 +28,7 @@ manifest *manifest_new(const char *path); /* empty, not yet on disk */
  * site.json: line 3, column 14: a colon is expected here"), not an object, without a 'schema', or of a schema newer than
  * schema_max. */
 manifest *manifest_load(const char *path, int schema_max, GError **error);
-/* The same for text at hand; path is what messages and manifest_save use. */
+/* The same for text at hand; path is what messages and manifest_save use. schema_max 0: the text has no schema number. */
 manifest *manifest_parse(const char *text, size_t length, const char *path, int schema_max, GError **error);
 /* Writes .NAME.new beside, syncs, renames, syncs the folder. One at a time may save a file. */
 bool manifest_save(const manifest *m, GError **error);
