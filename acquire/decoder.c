@@ -1,6 +1,6 @@
 #include "acquire/decoder.h"
 
-static const struct decoder_ops *const protocols[] = { &decoder_scip };
+static const struct decoder_ops *const protocols[] = { &decoder_scip, &decoder_cola };
 
 decoder *decoder_new(const char *protocol, const struct decoder_sink *sink)
 {
