@@ -228,6 +228,7 @@ void wing_arcade(struct site *s, const struct pen *p, const struct palette *m, f
 	draw_wall(&wall, 0, length, spring, height, o, bays);
 	draw_wall(&back, 0, length, spring, height, o, bays);
 	draw_piers(p, m, length, bays, spring);
+	floor.object = site_object(s, WORLD_TERRAIN);
 	pen_box(&floor, (vec){ 0, -0.35f, -1 }, (vec){ length, depth + 0.2f, 0 });
 	pen_box(&floor, (vec){ 0, -0.7f, -1 }, (vec){ length, 0, -0.14f });
 	struct facade inner = f;
