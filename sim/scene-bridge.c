@@ -353,7 +353,7 @@ void scene_bridge(struct site *s)
 		{ 14, 19.5f }, { 1, 21.5f }, { -9, 15.6f }, { -19, 15.7f }, { -27.5f, 15.8f } };
 	struct scenery b = { .s = s };
 	palette_choose(s, &b.m);
-	s->bounds = (struct bounds){ { -55, -42, -4 }, { 55, 42, 14 }, 2.4f };
+	s->bounds = (struct bounds){ { -55, -42, -4 }, { 55, 42, 14 }, 2.8f };
 	s->light.haze_m = 600;
 	lay_banks(&b);
 	for (unsigned i = 0; i < G_N_ELEMENTS(walk); i++)

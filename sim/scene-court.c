@@ -25,8 +25,9 @@ static float court_relief(const struct site *s, float x, float y)
 static uint16_t court_paving(float x, float y, const void *data)
 {
 	const struct court *c = data;
-	float edge = MIN(c->half_x - fabsf(x), c->half_y - fabsf(y)), middle = hypotf(x, y);
-	if (edge < 1.8f || (middle > 3.2f && middle < 4.2f))
+	float edge = MIN(c->half_x - fabsf(x), c->half_y - fabsf(y)),
+	      middle = MAX(fabsf(x), fabsf(y));
+	if (edge < 1.8f || (middle > 3.2f && middle < 4.4f))
 		return c->m.flags;
 	if (fabsf(x) < 0.5f || fabsf(y) < 0.5f)
 		return c->m.flags;
