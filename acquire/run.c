@@ -410,6 +410,11 @@ uint32_t run_missing_columns(const run *r)
 	return coverage_missing_columns(r->coverage);
 }
 
+struct stream_report run_report(const run *r)
+{
+	return stream_get_report(r->pump.stream);
+}
+
 struct camera_controls run_camera_controls(const run *r)
 {
 	return photos_controls(r->photos);

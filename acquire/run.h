@@ -46,6 +46,7 @@ const struct lidar_identity *run_lidar(const run *r);
 bool run_scan(run *r, GError **error);
 
 uint32_t run_missing_columns(const run *r);
+struct stream_report run_report(const run *r);
 struct camera_controls run_camera_controls(const run *r);
 
 #endif

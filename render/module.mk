@@ -1,1 +1,2 @@
-# Styles, passes, pictures, kiosk: nothing yet.
+# Styles, passes, pictures, kiosk; and the commands that need every folder.
+programs += render/pleinair-bench

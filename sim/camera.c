@@ -114,7 +114,7 @@ const struct lens *camera_lens(const camera *c)
 	return &c->lens;
 }
 
-bool camera_set_controls(camera *c, const struct link_camera_controls *controls)
+bool camera_control(camera *c, const struct link_camera_controls *controls)
 {
 	if (controls->exposure_100us < 1 || controls->exposure_100us > 10000 ||
 		controls->gain_percent < 1 || controls->gain_percent > 6400 ||
@@ -138,7 +138,7 @@ static void catch_up(camera *c, int64_t now_ns)
 		c->next = (uint32_t)ceil(late);
 }
 
-void camera_queue(camera *c, int64_t now_ns)
+void camera_lend(camera *c, int64_t now_ns)
 {
 	if (c->gone) {
 		outbox_push(c->setup.out, now_ns, LINK_CAMERA_GONE, NULL);

@@ -288,10 +288,10 @@ static bool obey_device(struct head *h, const struct link_header *header, const 
 	case LINK_LIDAR_WRITE:
 		lidar_write(h->lidar, h->now_ns, payload, header->length);
 		return true;
-	case LINK_STAGE_STOP: stage_stop(h->stage, h->now_ns); return header->length == 0;
+	case LINK_STAGE_STOP: stage_halt(h->stage, h->now_ns); return header->length == 0;
 	case LINK_CAMERA_QUEUE:
 		if (h->camera)
-			camera_queue(h->camera, h->now_ns);
+			camera_lend(h->camera, h->now_ns);
 		else
 			outbox_push(h->out, h->now_ns, LINK_CAMERA_GONE, NULL);
 		return header->length == 0;
@@ -319,7 +319,7 @@ static bool obey(struct head *h, const struct link_header *header, const guint8 
 		if (header->length != sizeof controls)
 			return false;
 		memcpy(&controls, payload, sizeof controls);
-		return !h->camera || camera_set_controls(h->camera, &controls);
+		return !h->camera || camera_control(h->camera, &controls);
 	default: return obey_device(h, header, payload);
 	}
 }

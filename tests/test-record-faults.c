@@ -154,10 +154,26 @@ static void test_full(struct folder *f, gconstpointer data)
 	go_on(f, written);
 }
 
+static void map_to_root(const char *path, unsigned id)
+{
+	int fd = open(path, O_WRONLY);
+	dprintf(fd, "0 %u 1", id);
+	close(fd);
+}
+
+/* Who is not root may mount as the root of a name space of its own. */
 static bool mount_small_disk(const char *path)
 {
-	if (unshare(CLONE_NEWNS | (geteuid() ? CLONE_NEWUSER : 0)))
+	unsigned uid = geteuid(), gid = getegid();
+	if (unshare(CLONE_NEWNS | (uid ? CLONE_NEWUSER : 0)))
 		return false;
+	if (uid) {
+		map_to_root("/proc/self/uid_map", uid);
+		int fd = open("/proc/self/setgroups", O_WRONLY);
+		dprintf(fd, "deny");
+		close(fd);
+		map_to_root("/proc/self/gid_map", gid);
+	}
 	mount(NULL, "/", NULL, MS_REC | MS_PRIVATE, NULL);
 	return mount("tmpfs", path, "tmpfs", 0, "size=1m") == 0;
 }

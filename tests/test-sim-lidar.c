@@ -73,7 +73,7 @@ static bool next_scan(const char **text, const char *status, struct scan *scan)
 			return false;
 		if (length == 0)
 			break;
-		g_assert_cmpint(line[length - 1], ==, scip_sum(line, length - 1));
+		g_assert_cmpint(line[length - 1], ==, scip_line_sum(line, length - 1));
 		if (number == 1)
 			g_assert_true(strncmp(line, status, 2) == 0);
 		else if (number == 2)
@@ -145,7 +145,7 @@ static void test_scip_time(void)
 	uint32_t a = decode(first + 8, 4), b = decode(second + 8, 4);
 
 	g_assert_true(g_str_has_prefix(first, "TM1\n00P\n"));
-	g_assert_cmpint(first[12], ==, scip_sum(first + 8, 4));
+	g_assert_cmpint(first[12], ==, scip_line_sum(first + 8, 4));
 	g_assert_cmpuint(b, <, 1000); /* it wrapped at 2^24 */
 	g_assert_cmpuint((b - a) & 0xffffff, ==, 1000);
 	assert_answer(rig, "TM2\n", "TM2\n00P\n\n");
@@ -171,7 +171,7 @@ static void test_scip_refusals(void)
 		g_autofree char *got = rig_ask(rig, rows[i][0]);
 		g_autofree char *echo = g_strndup(rows[i][0], strlen(rows[i][0]) - 1);
 		g_autofree char *wanted =
-			g_strdup_printf("%s\n%s%c\n\n", echo, rows[i][1], scip_sum(rows[i][1], 2));
+			g_strdup_printf("%s\n%s%c\n\n", echo, rows[i][1], scip_line_sum(rows[i][1], 2));
 
 		g_assert_cmpstr(got, ==, wanted);
 	}
