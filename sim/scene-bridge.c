@@ -249,11 +249,15 @@ static void plant_banks(struct scenery *b)
 		      y = roll_in(&s->dice, -1, 1) * (near ? 24 : 80);
 		float d = from_river(s, x, y) / s->relief[0];
 		bool path = fabsf(fabsf(y) - HALF_M - 1.8f) < 2.2f && fabsf(x) < 48;
-		if (d < 1.05f || path || fabsf(x) < 5.5f || (near && hypotf(x, y) < 13) ||
-			!site_claim(s, x, y, near ? 2.6f : 2))
-			continue;
 		unsigned kind =
 			d < 1.25f && roll(&s->dice) < 0.6f ? 2 : (unsigned)roll_int(&s->dice, 0, 5);
+		/* willows and conifers hang low */
+		float wide = kinds[kind] == TREE_WILLOW    ? 7
+			     : kinds[kind] == TREE_CONIFER ? 5.2f
+							   : 3;
+		if (d < 1.05f || path || fabsf(x) < 5.5f || (near && hypotf(x, y) < 13) ||
+			site_from_walk(s, x, y) < wide || !site_claim(s, x, y, near ? 2.6f : 2))
+			continue;
 		plant(s, models[kind], x, y, roll_in(&s->dice, 0.85f, 1.25f));
 		i++;
 	}
@@ -346,10 +350,10 @@ void scene_bridge(struct site *s)
 {
 	static const float walk[][2] = { { -11, -13.6f }, { -2.6f, -17.5f }, { 0.1f, -6.5f },
 		{ 0.1f, 3.5f }, { 0, 16 }, { 9, 15.6f }, { 18.5f, 15.8f }, { 27, 15.6f },
-		{ 15, 18.9f }, { -9, 15.6f }, { -19, 15.7f }, { -27.5f, 15.8f } };
+		{ 14, 19.5f }, { 1, 21.5f }, { -9, 15.6f }, { -19, 15.7f }, { -27.5f, 15.8f } };
 	struct scenery b = { .s = s };
 	palette_choose(s, &b.m);
-	s->bounds = (struct bounds){ { -55, -42, -4 }, { 55, 42, 14 }, 2.4f };
+	s->bounds = (struct bounds){ { -55, -42, -4 }, { 55, 42, 14 }, 2.8f };
 	s->light.haze_m = 600;
 	lay_banks(&b);
 	for (unsigned i = 0; i < G_N_ELEMENTS(walk); i++)

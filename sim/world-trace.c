@@ -20,8 +20,7 @@ static RTCScene mesh_scene(RTCDevice device, const struct mesh *m, bool model)
 {
 	RTCScene scene = rtcNewScene(device);
 	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_NONE);
-	/* splitting long triangles pays for walls, not for leaves */
-	rtcSetSceneBuildQuality(scene, model ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH);
+	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
 	RTCGeometry g = mesh_geometry(device, m);
 	rtcAttachGeometryByID(scene, g, 0);
 	rtcReleaseGeometry(g);
