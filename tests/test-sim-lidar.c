@@ -136,7 +136,8 @@ static void test_scip_dialogue(void)
 static void test_scip_time(void)
 {
 	struct rig *rig = start_open("hall?clock_start=16777000&drift_ppm=0&jitter_ms=0");
-	g_autofree char *off = rig_ask(rig, "TM0\n");
+
+	assert_answer(rig, "TM0\n", "TM0\n00P\n\n");
 	g_autofree char *first = rig_ask(rig, "TM1\n");
 
 	rig_run(rig, 0.98);
@@ -553,7 +554,9 @@ static void test_fault_error(void)
 	struct rig *rig = scan_past(SCIP_COARSE "error@200", SCIP_START, 200);
 
 	g_assert_true(g_str_has_suffix(rig->lidar->str, "\n\nMD0000027001000\n50U\n\n"));
-	g_assert_nonnull(strstr(rig_ask(rig, "II\n"), "STAT:Error"));
+	g_autofree char *state = rig_ask(rig, "II\n");
+
+	g_assert_nonnull(strstr(state, "STAT:Error"));
 	assert_answer(rig, "BM\n", "BM\n01Q\n\n");
 	assert_answer(rig, "RS\n", "RS\n00P\n\n");
 	assert_answer(rig, "BM\n", "BM\n00P\n\n");
