@@ -376,6 +376,58 @@ static void test_lens(void)
 		}
 }
 
+static double srgb(double linear)
+{
+	double x = CLAMP(linear, 0, 1);
+
+	return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
+
+/* The luma that a pixel should have, from where the camera sits and looks: 45 mm before and 70 mm
+ * above the centre, 5 degrees up. */
+static double expected_luma(double azimuth, double u, double v)
+{
+	const struct world_station *station = truth_station(hall);
+	const struct lens lens = lens_for_size(64, 96, 0);
+	double pitch = 5 * M_PI / 180, x = (u - lens.cx) / lens.focal_px,
+	       y = (lens.cy - v) / lens.focal_px;
+	double front = cos(pitch) - y * sin(pitch), up = sin(pitch) + y * cos(pitch);
+	double norm = sqrt(1 + x * x + y * y), origin[3], direction[3];
+	double looks[3] = { x * cos(azimuth) + front * sin(azimuth),
+		-x * sin(azimuth) + front * cos(azimuth), up };
+	double sits[3] = { 0.045 * sin(azimuth), 0.045 * cos(azimuth), 0.07 };
+	float rgb[3];
+
+	for (int i = 0; i < 3; i++) {
+		origin[i] = station->position_m[i];
+		direction[i] = 0;
+		for (int k = 0; k < 3; k++) {
+			origin[i] += station->rotation[i][k] * sits[k];
+			direction[i] += station->rotation[i][k] * looks[k] / norm;
+		}
+	}
+	world_radiance(truth_world(hall), origin, direction, rgb);
+	return 16 + 65.481 * srgb(rgb[0]) + 128.553 * srgb(rgb[1]) + 24.966 * srgb(rgb[2]);
+}
+
+static void test_camera_looks(void)
+{
+	struct rig *rig = start("hall?home_deg=77&camera=64x96&distortion=0");
+	guint right = 0, pixels = 0;
+
+	queue(rig, 1, 0.3);
+	g_assert_cmpuint(rig->frames->len, ==, 1);
+	const guint8 *luma =
+		((GByteArray *)g_ptr_array_index(rig->frames, 0))->data + sizeof(struct link_frame);
+
+	for (int v = 0; v < 96; v += 5)
+		for (int u = 0; u < 64; u += 5, pixels++)
+			right += fabs(luma[64 * v + u] - expected_luma(77 * M_PI / 180, u, v)) < 8;
+	g_assert_cmpuint(
+		right, >=, pixels * 95 / 100); /* at an edge, rounding decides what is seen */
+	rig_free(rig);
+}
+
 /* Collects what the lidar should have read, next to what it said. */
 struct survey {
 	struct rig *rig;
@@ -429,8 +481,9 @@ static void decode_ranges(const struct survey *s, GArray *ranges)
 	}
 }
 
-static void compare(
-	const struct survey *s, double *ret_mean_mm, double *ret_sigma_mm, guint *ret_count)
+/* Beams that are five sigma off have met an edge, and are counted. */
+static void compare(const struct survey *s, double *ret_mean_mm, double *ret_sigma_mm,
+	guint *ret_count, guint *ret_edges)
 {
 	g_autoptr(GArray) said = g_array_new(FALSE, FALSE, sizeof(double));
 	double sum = 0, squares = 0;
@@ -443,6 +496,10 @@ static void compare(
 
 		if (at(said, i) < 23 || !is_flat(s, i, 2 * M_PI / 1440))
 			continue;
+		if (fabs(error) > 60) {
+			++*ret_edges;
+			continue;
+		}
 		count++;
 		sum += error;
 		squares += error * error;
@@ -457,7 +514,7 @@ static void test_ranges(void)
 	struct survey s = { .azimuth = g_array_new(FALSE, FALSE, sizeof(double)),
 		.range = g_array_new(FALSE, FALSE, sizeof(double)) };
 	double mean_mm, sigma_mm;
-	guint count, compared = 0;
+	guint count, edges = 0, compared = 0;
 
 	s.rig = rig_start(&(struct sim_head_options){
 		.description = "hall?home_deg=350&ares=1440&jitter_ms=0&noise_mm=12&camera=none",
@@ -471,7 +528,7 @@ static void test_ranges(void)
 	rig_say(s.rig, "QT\n");
 	rig_run(s.rig, 0.1);
 	rig_stop(s.rig);
-	compare(&s, &mean_mm, &sigma_mm, &count);
+	compare(&s, &mean_mm, &sigma_mm, &count, &edges);
 	g_test_message(
 		"%u flat beams: mean error %.3f mm, sigma %.3f mm", count, mean_mm, sigma_mm);
 	g_assert_cmpuint(count, >, 50000);
@@ -526,7 +583,8 @@ int main(int argc, char **argv)
 	g_test_add_func("/sim/stage/ramp", test_stage_ramp);
 	g_test_add_func("/sim/stage/turns", test_stage_turns);
 	g_test_add_func("/sim/stage/slots", test_stage_slots);
-	g_test_add_func("/sim/camera", test_camera);
+	g_test_add_func("/sim/camera/frames", test_camera);
+	g_test_add_func("/sim/camera/looks", test_camera_looks);
 	g_test_add_func("/sim/camera/faults", test_camera_faults);
 	g_test_add_func("/sim/lens", test_lens);
 	g_test_add_func("/sim/ranges", test_ranges);
