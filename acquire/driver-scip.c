@@ -56,19 +56,36 @@ static bool wake(struct pump *p, GError **error)
 	return false;
 }
 
-static bool check_health(struct pump *p, GError **error)
+/* The state in the device's own words, NULL when it is well. */
+static bool ask_state(struct pump *p, char **ret_complaint, GError **error)
 {
 	static const char *const healthy[] = { "no error", "works well", "working normally" };
 	g_autoptr(pump_reply) r = ask(p, "II", error);
 	if (!r)
 		return false;
 	const char *state = strstr(r->text, "STAT:");
+	*ret_complaint = g_strdup(state ? state + strlen("STAT:") : "no state");
 	for (size_t i = 0; state && i < G_N_ELEMENTS(healthy); i++)
 		if (strstr(state, healthy[i]))
-			return true;
-	g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "the lidar says that it is not well: %s",
-		state ? state : "no state");
-	return false;
+			g_clear_pointer(ret_complaint, g_free);
+	return true;
+}
+
+/* A device that is not well may be so again after a reset. */
+static bool check_health(struct pump *p, GError **error)
+{
+	g_autofree char *complaint = NULL, *still = NULL;
+	if (!ask_state(p, &complaint, error))
+		return false;
+	if (!complaint)
+		return true;
+	/* RS sets the device's timer back as well: opening anew tells the clock model so. */
+	if (!order(p, "RS", "", error) || !pump_open_lidar(p, error) ||
+		!pump_for(p, 1000 * MILLISECOND_NS, error) || !ask_state(p, &still, error))
+		return false;
+	if (still)
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "the lidar says that it is not well: %s", still);
+	return !still;
 }
 
 /* Questions at uneven distances, so that they meet the millisecond ticks in all phases. */

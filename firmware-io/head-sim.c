@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -439,9 +440,27 @@ static void add_complaint(GSubprocess *process, GError **error)
 	g_set_error_literal(error, WIRE_ERROR, WIRE_ERROR_BROKEN, text);
 }
 
+/* A simulator that listens already (pleinair-sim --listen). */
+static head *head_open_socket(const char *path, GError **error)
+{
+	struct sockaddr_un address = { .sun_family = AF_UNIX };
+	int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+	g_strlcpy(address.sun_path, path, sizeof address.sun_path);
+	if (fd >= 0 && strlen(path) < sizeof address.sun_path &&
+		connect(fd, (struct sockaddr *)&address, sizeof address) == 0)
+		return head_open_link(fd, error);
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "device 'sim:%s': no simulator listens there: %s", path,
+		g_strerror(errno));
+	if (fd >= 0)
+		close(fd);
+	return NULL;
+}
+
 head *head_open_sim(const char *description, GError **error)
 {
 	int ends[2];
+	if (description[0] == '/')
+		return head_open_socket(description, error);
 	g_autofree char *program = find_simulator();
 	if (!program) {
 		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,

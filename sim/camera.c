@@ -166,15 +166,6 @@ int64_t camera_next_ns(const camera *c)
 	return c->buffers > 0 && !c->gone ? start_ns(c, c->next) : INT64_MAX;
 }
 
-bool camera_passes(const camera *c, double *ret_from_rad, double *ret_to_rad)
-{
-	if (c->current)
-		return false;
-	*ret_from_rad = stage_azimuth_rad(c->setup.stage, start_ns(c, c->next), -c->period_ns);
-	*ret_to_rad = stage_azimuth_rad(c->setup.stage, start_ns(c, c->next), 0);
-	return true;
-}
-
 void camera_strike(camera *c, int64_t now_ns, const struct fault *fault)
 {
 	switch (fault->kind) {

@@ -49,9 +49,6 @@ void camera_lend(camera *c, int64_t now_ns);
  * a frame is due when it is drawn, which camera_prepare() must do; else camera_run() draws it at
  * the due time. */
 int64_t camera_next_ns(const camera *c);
-/* True when an exposure starts then; the front went from one azimuth to another since the one
- * before. */
-bool camera_passes(const camera *c, double *ret_from_rad, double *ret_to_rad);
 void camera_strike(
 	camera *c, int64_t now_ns, const struct fault *fault); /* one of the camera's faults */
 void camera_run(camera *c, int64_t now_ns);

@@ -33,6 +33,7 @@ struct head {
 	outbox *out;
 	host *host;
 	truth_log *log; /* NULL: none */
+	double camera_rad; /* where the front was when faults of the camera were last looked for */
 	int64_t now_ns;
 	int64_t origin_ns; /* real time: CLOCK_MONOTONIC when the head began, which its time agrees
 			      with */
@@ -198,9 +199,21 @@ static void strike_between(struct head *h, double from_rad, double to_rad, bool 
 		strike(h, fault);
 }
 
+/* Faults of the camera strike as the head turns by, whether it exposes there or not. */
+static void pass_camera(struct head *h)
+{
+	double now_rad = stage_azimuth_rad(h->stage, h->now_ns, 0);
+
+	if (h->camera)
+		strike_between(h, h->camera_rad, now_rad, true);
+	h->camera_rad = now_rad;
+}
+
 static void run_stage(struct head *h)
 {
 	GByteArray *batch = stage_run(h->stage, h->now_ns);
+
+	pass_camera(h);
 
 	if (batch) {
 		uint64_t draw = chance_hash(h->options->seed, CHANCE_STAGE, 1, (uint64_t)h->now_ns);
@@ -217,15 +230,6 @@ static void run_lidar(struct head *h)
 	if (lidar_passes(h->lidar, &from_rad, &to_rad))
 		strike_between(h, from_rad, to_rad, false);
 	lidar_run(h->lidar, h->now_ns);
-}
-
-static void run_camera(struct head *h)
-{
-	double from_rad, to_rad;
-
-	if (camera_passes(h->camera, &from_rad, &to_rad))
-		strike_between(h, from_rad, to_rad, true);
-	camera_run(h->camera, h->now_ns);
 }
 
 static void run_outbox(struct head *h)
@@ -261,7 +265,7 @@ static bool run_next(struct head *h, int64_t until_ns)
 	else if (lidar_next_ns(h->lidar) == due_ns)
 		run_lidar(h);
 	else if (h->camera && camera_next_ns(h->camera) == due_ns)
-		run_camera(h);
+		camera_run(h->camera, h->now_ns);
 	else
 		run_outbox(h);
 	return true;

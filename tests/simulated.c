@@ -20,7 +20,8 @@ static const world *shared_world(const char *description)
 	if (!o)
 		return NULL;
 	if (!worlds)
-		worlds = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, (GDestroyNotify)world_free);
+		worlds = g_hash_table_new_full(
+			g_str_hash, g_str_equal, g_free, (GDestroyNotify)world_free);
 	g_autofree char *key = g_strdup_printf("%s %" G_GUINT64_FORMAT, o->scene, (guint64)o->seed);
 	world *w = g_hash_table_lookup(worlds, key);
 	if (!w && (w = world_new(o->scene, o->seed, NULL)))
@@ -73,7 +74,8 @@ static GPtrArray *folders;
 static void remove_folders(void)
 {
 	for (guint i = 0; i < folders->len; i++) {
-		g_autofree char *command = g_strdup_printf("rm -rf '%s'", (char *)folders->pdata[i]);
+		g_autofree char *command =
+			g_strdup_printf("rm -rf '%s'", (char *)folders->pdata[i]);
 		if (system(command))
 			g_printerr("could not remove %s\n", (char *)folders->pdata[i]);
 	}
@@ -93,9 +95,9 @@ char *simulated_folder(void)
 	return path;
 }
 
-bool simulated_scan(const char *site_path, const char *description, const struct scan_options *options,
-	sim_truth_func truth, gpointer truth_data, struct scan_result *ret_result, uint32_t *ret_partial,
-	GError **ret_error)
+bool simulated_scan(const char *site_path, const char *description,
+	const struct scan_options *options, sim_truth_func truth, gpointer truth_data,
+	struct scan_result *ret_result, uint32_t *ret_partial, GError **ret_error)
 {
 	g_autofree char *uri = g_strconcat("sim:", description, NULL);
 	struct scan_options o = *options;

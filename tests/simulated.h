@@ -6,8 +6,8 @@
 
 typedef struct simulated simulated;
 
-/* Starts the simulator on one end of a socket pair and opens a head on the other. The world is built once per scene
- * and seed and shared. truth may be NULL. */
+/* Starts the simulator on one end of a socket pair and opens a head on the other. The world is
+ * built once per scene and seed and shared. truth may be NULL. */
 simulated *simulated_start(const char *description, sim_truth_func truth, gpointer truth_data);
 /* Of simulated_start; goes to whoever runs the scan. */
 head *simulated_take_head(simulated *s);
@@ -17,9 +17,10 @@ void simulated_stop(simulated *s);
 /* A folder that is removed with all in it when the test program ends; caller frees the path. */
 char *simulated_folder(void);
 
-/* Scans into the site (made when missing). Asserts nothing: *ret_error is set as scan_record sets it. */
-bool simulated_scan(const char *site_path, const char *description, const struct scan_options *options,
-	sim_truth_func truth, gpointer truth_data, struct scan_result *ret_result, uint32_t *ret_partial,
-	GError **ret_error);
+/* Scans into the site (made when missing). Asserts nothing: *ret_error is set as scan_record sets
+ * it. */
+bool simulated_scan(const char *site_path, const char *description,
+	const struct scan_options *options, sim_truth_func truth, gpointer truth_data,
+	struct scan_result *ret_result, uint32_t *ret_partial, GError **ret_error);
 
 #endif

@@ -21,7 +21,8 @@ static uint64_t ticks_at(const struct device *d, int64_t host_ns)
 /* Delay of a telegram: a floor, an exponential tail, now and then a spike of 30 ms. */
 static int64_t delay_ns(GRand *r, double floor_ms)
 {
-	double ms = floor_ms - log(1 - g_rand_double(r)) * 1.0 + (g_rand_int_range(r, 0, 100) == 0 ? 30 : 0);
+	double ms = floor_ms - log(1 - g_rand_double(r)) * 1.0 +
+		    (g_rand_int_range(r, 0, 100) == 0 ? 30 : 0);
 	return (int64_t)(ms * 1e6);
 }
 
@@ -31,8 +32,8 @@ struct outcome {
 };
 
 /* Streams for duration_s at rate_hz, then asks for the host time of every stamp. */
-static struct outcome stream(const struct device *d, const struct device_clock_desc *desc, double rate_hz,
-	double duration_s, double floor_ms, bool exchanges, uint32_t seed)
+static struct outcome stream(const struct device *d, const struct device_clock_desc *desc,
+	double rate_hz, double duration_s, double floor_ms, bool exchanges, uint32_t seed)
 {
 	g_autoptr(device_clock) c = device_clock_new(desc);
 	g_autoptr(GRand) r = g_rand_new_with_seed(seed);
@@ -72,26 +73,31 @@ static const struct scene {
 	bool exchanges;
 	double mean_max_ms, worst_max_ms, drift_max_ppm;
 } scenes[] = {
-	{ "/clock/scip-200ppm", { 1000, 200, 4000, 1 << 24, true }, { .ticks_hz = 1000, .wrap_bits = 24, .truncates = true },
-		40, 60, 21, true, 0.25, 0.9, 12 },
-	{ "/clock/scip-wraps", { 1000, -50, 16770, 1 << 24, true }, { .ticks_hz = 1000, .wrap_bits = 24, .truncates = true },
-		40, 60, 21, true, 0.25, 0.9, 12 },
+	{ "/clock/scip-200ppm", { 1000, 200, 4000, 1 << 24, true },
+		{ .ticks_hz = 1000, .wrap_bits = 24, .truncates = true }, 40, 60, 21, true, 0.25,
+		0.9, 12 },
+	{ "/clock/scip-wraps", { 1000, -50, 16770, 1 << 24, true },
+		{ .ticks_hz = 1000, .wrap_bits = 24, .truncates = true }, 40, 60, 21, true, 0.25,
+		0.9, 12 },
 	{ "/clock/tim-200ppm", { 1e6, -200, 10, UINT64_C(1) << 32, false },
-		{ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 }, 15, 120, 1.0, false, 0.1, 0.3, 6 },
+		{ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 }, 15, 120, 1.0, false, 0.1,
+		0.3, 6 },
 	{ "/clock/tim-wraps", { 1e6, 120, 4290, UINT64_C(1) << 32, false },
-		{ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 }, 15, 120, 1.0, false, 0.1, 0.3, 6 },
+		{ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 }, 15, 120, 1.0, false, 0.1,
+		0.3, 6 },
 	{ "/clock/ten-minutes", { 1e6, 80, 10, UINT64_C(1) << 32, false },
-		{ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 }, 15, 600, 1.0, false, 0.1, 0.3, 2 },
+		{ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 }, 15, 600, 1.0, false, 0.1,
+		0.3, 2 },
 };
 
 static void test_scene(gconstpointer data)
 {
 	const struct scene *s = data;
 	for (uint32_t seed = 1; seed <= 5; seed++) {
-		struct outcome o =
-			stream(&s->device, &s->desc, s->rate_hz, s->duration_s, s->floor_ms, s->exchanges, seed);
-		g_test_message("mean %+.3f ms, worst %.3f ms, drift %+.2f ppm (true %+.2f)", o.mean_ms, o.worst_ms, o.drift_ppm,
-			s->device.drift_ppm);
+		struct outcome o = stream(&s->device, &s->desc, s->rate_hz, s->duration_s,
+			s->floor_ms, s->exchanges, seed);
+		g_test_message("mean %+.3f ms, worst %.3f ms, drift %+.2f ppm (true %+.2f)",
+			o.mean_ms, o.worst_ms, o.drift_ppm, s->device.drift_ppm);
 		g_assert_cmpfloat(fabs(o.mean_ms), <, s->mean_max_ms);
 		g_assert_cmpfloat(o.worst_ms, <, s->worst_max_ms);
 		g_assert_cmpfloat(fabs(o.drift_ppm - s->device.drift_ppm), <, s->drift_max_ppm);
@@ -103,8 +109,8 @@ static void test_scene(gconstpointer data)
 static void test_silence(void)
 {
 	struct device d = { 1e6, 30, 0, UINT64_C(1) << 32, false };
-	g_autoptr(device_clock) c =
-		device_clock_new(&(struct device_clock_desc){ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 0 });
+	g_autoptr(device_clock) c = device_clock_new(
+		&(struct device_clock_desc){ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 0 });
 	int64_t first = device_clock_unwrap(c, ticks_at(&d, 0), 0);
 	int64_t later_ns = 10 * 3600 * SECOND_NS;
 	int64_t second = device_clock_unwrap(c, ticks_at(&d, later_ns), later_ns);
@@ -112,15 +118,17 @@ static void test_silence(void)
 	g_assert_cmpfloat(fabs(elapsed - 36000 * (1 + 30e-6)), <, 0.001);
 }
 
-/* Live, the estimate must not jump while pairs come in: between two refits it moves by far less than a column. */
+/* Live, the estimate must not jump while pairs come in: between two refits it moves by far less
+ * than a column. */
 static void test_live(void)
 {
 	struct device d = { 1e6, 150, 100, UINT64_C(1) << 32, false };
-	g_autoptr(device_clock) c =
-		device_clock_new(&(struct device_clock_desc){ .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 });
+	g_autoptr(device_clock) c = device_clock_new(&(struct device_clock_desc){
+		.ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = 1000000 });
 	g_autoptr(GRand) r = g_rand_new_with_seed(3);
 	for (int i = 0; i < 15 * 60; i++) {
-		int64_t truth = SECOND_NS + (int64_t)(i / 15.0 * 1e9), arrival = truth + delay_ns(r, 1.0);
+		int64_t truth = SECOND_NS + (int64_t)(i / 15.0 * 1e9),
+			arrival = truth + delay_ns(r, 1.0);
 		int64_t ticks = device_clock_unwrap(c, ticks_at(&d, truth), arrival);
 		device_clock_add_arrival(c, ticks, arrival);
 		double error_ms = (double)(device_clock_host_ns(c, (double)ticks) - truth) * 1e-6;

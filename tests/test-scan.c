@@ -1,4 +1,5 @@
-/* Whole scans against the simulator's truth: where the beams went, what they measured, what is called measured. */
+/* Whole scans against the simulator's truth: where the beams went, what they measured, what is
+ * called measured. */
 #include "sim/truth.h"
 #include "tests/simulated.h"
 #include <math.h>
@@ -39,14 +40,16 @@ static void beams_clear(struct beams *b)
 	g_array_unref(b->rows);
 }
 
-/* The simulated sweep is 270 degrees, the first beam 45 degrees below the horizon in front, the last behind. */
+/* The simulated sweep is 270 degrees, the first beam 45 degrees below the horizon in front, the
+ * last behind. */
 static void keep_truth(const struct sim_truth_revolution *r, gpointer user_data)
 {
 	struct beams *b = user_data;
 	for (uint32_t i = 0; i < r->beams; i++) {
 		double theta = (-45 + 270.0 * i / (r->beams - 1)) * DEGREE;
 		bool front = theta <= 90 * DEGREE;
-		struct beam beam = { .azimuth_rad = fmod(r->azimuth_rad[i] + (front ? 0 : G_PI), 2 * G_PI),
+		struct beam beam = { .azimuth_rad =
+					     fmod(r->azimuth_rad[i] + (front ? 0 : G_PI), 2 * G_PI),
 			.elevation_rad = (float)(front ? theta : G_PI - theta),
 			.range_m = (float)r->range_m[i] };
 		double row = floor((b->desc.elevation_max_rad - beam.elevation_rad) / b->row_rad);
@@ -70,15 +73,18 @@ static int by_value(const void *a, const void *b)
 /* ---- the comparison ---- */
 
 struct comparison {
-	size_t measured, unmatched; /* cells called measured; of them without a beam within a tenth of a column */
+	size_t measured, unmatched; /* cells called measured; of them without a beam within a tenth
+				       of a column */
 	double azimuth_worst_columns;
 	double azimuth_bias_columns;
 	size_t smooth;
 	double bias_mm, sigma_mm;
 };
 
-/* The beam of the row that is nearest in azimuth, and whether its neighbours see the same surface. */
-static const struct beam *nearest_beam(const GArray *row, double azimuth_rad, double elevation_rad, double row_rad)
+/* The beam of the row that is nearest in azimuth, and whether its neighbours see the same surface.
+ */
+static const struct beam *nearest_beam(
+	const GArray *row, double azimuth_rad, double elevation_rad, double row_rad)
 {
 	const struct beam *beams = (const struct beam *)(const void *)row->data, *best = NULL;
 	size_t low = 0, high = row->len;
@@ -110,7 +116,8 @@ static bool is_smooth(const panorama *p, uint32_t row, uint32_t column)
 		for (int dc = -2; dc <= 2; dc++) {
 			uint32_t c = (column + p->desc.columns + dc) % p->desc.columns;
 			size_t i = panorama_index(p, row + dr, c);
-			if (p->cell[i] == CELL_NO_RETURN || fabs(p->range_m[i] - here) > 0.15 + 0.02 * here)
+			if (p->cell[i] == CELL_NO_RETURN ||
+				fabs(p->range_m[i] - here) > 0.15 + 0.02 * here)
 				return false;
 		}
 	return true;
@@ -131,14 +138,18 @@ static struct comparison compare(const panorama *p, const struct beams *b)
 			if (p->cell[i] != CELL_MEASURED)
 				continue;
 			double azimuth = panorama_azimuth_rad(p, row, column);
-			const struct beam *beam = nearest_beam(g_array_index(b->rows, GArray *, row), azimuth,
-				panorama_elevation_rad(p, row, column), p->row_rad);
-			double away = beam ? remainder(azimuth - beam->azimuth_rad, 2 * G_PI) / p->column_rad : 1;
+			const struct beam *beam =
+				nearest_beam(g_array_index(b->rows, GArray *, row), azimuth,
+					panorama_elevation_rad(p, row, column), p->row_rad);
+			double away = beam ? remainder(azimuth - beam->azimuth_rad, 2 * G_PI) /
+						      p->column_rad
+					   : 1;
 			c.measured++;
 			c.unmatched += fabs(away) > 0.1;
 			c.azimuth_worst_columns = fmax(c.azimuth_worst_columns, fabs(away));
 			c.azimuth_bias_columns += away;
-			double error_mm = beam ? 1000.0 * ((double)p->range_m[i] - beam->range_m) : 0;
+			double error_mm =
+				beam ? 1000.0 * ((double)p->range_m[i] - beam->range_m) : 0;
 			if (!beam || beam->range_m == 0 || !is_smooth(p, row, column))
 				continue;
 			sum += error_mm;
@@ -151,7 +162,7 @@ static struct comparison compare(const panorama *p, const struct beams *b)
 	qsort(off->data, off->len, sizeof(double), by_value);
 	c.sigma_mm = (g_array_index(off, double, (guint)(0.8413 * off->len)) -
 			     g_array_index(off, double, (guint)(0.1587 * off->len))) /
-		2;
+		     2;
 	return c;
 }
 
@@ -159,13 +170,21 @@ static const struct round_trip {
 	const char *path, *description, *preset;
 	double noise_mm;
 } round_trips[] = {
-	{ "/scan/round-trip/court-fast-clock", "court?seed=11&station=2&camera=none&drift_ppm=200&ares=1584", "standard", 12 },
-	{ "/scan/round-trip/hall-slow-clock", "hall?seed=4&station=1&camera=none&drift_ppm=-200&ares=1584", "standard", 12 },
-	{ "/scan/round-trip/street-noise-3", "street?seed=5&station=3&camera=none&drift_ppm=90&noise_mm=3&ares=792", "draft", 3 },
-	{ "/scan/round-trip/bridge-cola", "bridge?seed=2&station=2&camera=none&drift_ppm=200&lidar=cola", "standard", 12 },
-	{ "/scan/round-trip/court-wraps", "court?seed=11&camera=none&clock_start=16776000&stage_clock_start=4294000000&ares=792",
+	{ "/scan/round-trip/court-fast-clock",
+		"court?seed=11&station=2&camera=none&drift_ppm=200&ares=1584", "standard", 12 },
+	{ "/scan/round-trip/hall-slow-clock",
+		"hall?seed=4&station=1&camera=none&drift_ppm=-200&ares=1584", "standard", 12 },
+	{ "/scan/round-trip/street-noise-3",
+		"street?seed=5&station=3&camera=none&drift_ppm=90&noise_mm=3&ares=792", "draft",
+		3 },
+	{ "/scan/round-trip/bridge-cola",
+		"bridge?seed=2&station=2&camera=none&drift_ppm=200&lidar=cola", "standard", 12 },
+	{ "/scan/round-trip/court-wraps",
+		"court?seed=11&camera=none&clock_start=16776000&stage_clock_start=4294000000&ares="
+		"792",
 		"draft", 12 },
-	{ "/scan/round-trip/jitter", "hall?seed=4&camera=none&jitter_ms=3&drift_ppm=150&ares=792", "draft", 12 },
+	{ "/scan/round-trip/jitter", "hall?seed=4&camera=none&jitter_ms=3&drift_ppm=150&ares=792",
+		"draft", 12 },
 };
 
 static void test_round_trip(gconstpointer data)
@@ -175,19 +194,22 @@ static void test_round_trip(gconstpointer data)
 	struct scan_result result;
 	uint32_t partial;
 	g_autoptr(GError) error = NULL;
-	g_autofree char *folder = simulated_folder(), *path = g_build_filename(folder, "site", NULL);
+	g_autofree char *folder = simulated_folder(),
+			*path = g_build_filename(folder, "site", NULL);
 	struct scan_options options = { .preset = preset_find(t->preset) };
 	beams_init(&beams, options.preset);
-	bool good = simulated_scan(path, t->description, &options, keep_truth, &beams, &result, &partial, &error);
+	bool good = simulated_scan(
+		path, t->description, &options, keep_truth, &beams, &result, &partial, &error);
 	g_assert_no_error(error);
 	g_assert_true(good);
 	g_autoptr(site) s = site_open(path, &error);
 	g_autoptr(panorama) p = scan_load(s, result.number, true, &error);
 	g_assert_no_error(error);
 	struct comparison c = compare(p, &beams);
-	g_test_message("%zu measured, %zu unmatched, azimuth worst %.3f bias %+.4f columns; %zu smooth: bias %+.3f mm, sigma %.3f mm, drift %.1f ppm",
-		c.measured, c.unmatched, c.azimuth_worst_columns, c.azimuth_bias_columns, c.smooth, c.bias_mm, c.sigma_mm,
-		result.report.drift_ppm);
+	g_test_message("%zu measured, %zu unmatched, azimuth worst %.3f bias %+.4f columns; %zu "
+		       "smooth: bias %+.3f mm, sigma %.3f mm, drift %.1f ppm",
+		c.measured, c.unmatched, c.azimuth_worst_columns, c.azimuth_bias_columns, c.smooth,
+		c.bias_mm, c.sigma_mm, result.report.drift_ppm);
 	g_assert_cmpuint(result.missing_columns, ==, 0);
 	g_assert_cmpuint(result.report.lost_revolutions, ==, 0);
 	g_assert_cmpuint(c.measured, >, 1000);
