@@ -20,7 +20,7 @@ static void take_line(
 {
 	struct developing *d = user_data;
 	(void)line;
-	if (!placed->suspect)
+	if (placement_is_usable(placed, d->panorama->desc.columns))
 		panorama_add(d->panorama, placed->azimuth_rad, placed->elevation_rad,
 			placed->range_m, placed->intensity, placed->beams);
 }
