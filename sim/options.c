@@ -1,5 +1,6 @@
 #include "sim/options.h"
 #include "sim/fault.h"
+#include "sim/world.h"
 #include <gio/gio.h>
 #include <math.h>
 
@@ -227,12 +228,25 @@ static void fill_what_depends(sim_options *o)
 		o->limit_m = o->lidar == SIM_LIDAR_COLA ? 65 : 200;
 }
 
+static bool check_scene(const char *scene, GError **error)
+{
+	if (g_strv_contains(world_scene_names, scene))
+		return true;
+	g_autofree char *names = g_strjoinv(", ", (char **)world_scene_names);
+
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
+		"sim:%s: there is no such scene; there are %s", scene, names);
+	return false;
+}
+
 sim_options *options_parse(const char *description, GError **error)
 {
 	g_auto(GStrv) halves = g_strsplit(description, "?", 2);
 	g_autoptr(sim_options) o = options_new(halves[0] ? halves[0] : "");
 	g_auto(GStrv) pairs = g_strsplit(halves[0] && halves[1] ? halves[1] : "", "&", -1);
 
+	if (!check_scene(o->scene, error))
+		return NULL;
 	for (char **pair = pairs; *pair; pair++)
 		if (**pair && !set_option(o, *pair, error))
 			return NULL;

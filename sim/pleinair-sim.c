@@ -14,14 +14,22 @@
 
 enum { DONE = 0, FAILED = 1, WRONG_USAGE = 2 };
 
-struct arguments {
+typedef struct arguments {
 	int fd;
 	char *listen_path;
 	gboolean poses, truth;
 	int columns, rows;
 	char *output;
 	char **descriptions;
-};
+} arguments;
+
+static void arguments_clear(arguments *a)
+{
+	g_free(a->listen_path);
+	g_free(a->output);
+	g_strfreev(a->descriptions);
+}
+G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(arguments, arguments_clear)
 
 static int complain(const char *what, GError *error)
 {
@@ -83,7 +91,7 @@ static int tell_poses(const char *description)
 	return fflush(stdout) == 0 ? DONE : FAILED;
 }
 
-static int tell_truth(const struct arguments *a, const char *description)
+static int tell_truth(const arguments *a, const char *description)
 {
 	GError *error = NULL;
 	g_autoptr(truth) t = truth_new(description, &error);
@@ -95,7 +103,7 @@ static int tell_truth(const struct arguments *a, const char *description)
 	return DONE;
 }
 
-static bool parse(int *argc, char ***argv, struct arguments *a, GError **error)
+static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 {
 	g_autofree char *help = options_help();
 	const GOptionEntry entries[] = { { "fd", 0, 0, G_OPTION_ARG_INT, &a->fd,
@@ -121,7 +129,7 @@ static bool parse(int *argc, char ***argv, struct arguments *a, GError **error)
 	return g_option_context_parse(context, argc, argv, error);
 }
 
-static bool makes_sense(const struct arguments *a)
+static bool makes_sense(const arguments *a)
 {
 	int ways = (a->fd >= 0) + (a->listen_path != NULL) + a->poses + a->truth;
 
@@ -130,9 +138,20 @@ static bool makes_sense(const struct arguments *a)
 	       a->rows >= 1 && a->rows <= 100000;
 }
 
+static int run(const arguments *a, const char *description)
+{
+	if (a->poses)
+		return tell_poses(description);
+	if (a->truth)
+		return tell_truth(a, description);
+	if (a->listen_path)
+		return listen_on(a->listen_path, description);
+	return serve(a->fd, description, NULL);
+}
+
 int main(int argc, char **argv)
 {
-	struct arguments a = { .fd = -1, .columns = 3000, .rows = 792 };
+	g_auto(arguments) a = { .fd = -1, .columns = 3000, .rows = 792 };
 	GError *error = NULL;
 
 	if (!parse(&argc, &argv, &a, &error)) {
@@ -140,17 +159,10 @@ int main(int argc, char **argv)
 		return WRONG_USAGE;
 	}
 	if (!makes_sense(&a)) {
-		complain("give one of --fd, --listen, --truth-poses, --truth (with -o) and one "
-			 "description; "
-			 "--help tells more",
+		complain("give one of --fd, --listen, --truth-poses, --truth (with -o) "
+			 "and one description; --help tells more",
 			NULL);
 		return WRONG_USAGE;
 	}
-	if (a.poses)
-		return tell_poses(a.descriptions[0]);
-	if (a.truth)
-		return tell_truth(&a, a.descriptions[0]);
-	if (a.listen_path)
-		return listen_on(a.listen_path, a.descriptions[0]);
-	return serve(a.fd, a.descriptions[0], NULL);
+	return run(&a, a.descriptions[0]);
 }

@@ -24,6 +24,8 @@ static struct rig *start(const char *description)
 static void test_options(void)
 {
 	static const char *const rows[][2] = {
+		{ "palace?seed=1", "sim:palace: there is no such scene; there are court, street, "
+				   "bridge, hall" },
 		{ "court?noise_mm=abc", "sim:court: noise_mm=abc is not a number from 0 to 1000" },
 		{ "court?noise_mm=-1", "sim:court: noise_mm=-1 is not a number from 0 to 1000" },
 		{ "court?seed=1.5", "sim:court: seed=1.5 is not a whole number from 0 to 1e+15" },
