@@ -305,6 +305,7 @@ static void test_too_large(struct folder *f, gconstpointer data)
  * between them. */
 static void save_until_killed(const char *path, int64_t number)
 {
+	alarm(60); /* should the parent end first */
 	g_autoptr(manifest) m = manifest_new(path);
 	manifest_set_int(m, "schema", 1);
 	for (;; number++) {

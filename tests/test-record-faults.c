@@ -277,6 +277,7 @@ static void test_each_is_synced(struct folder *f, gconstpointer data)
 /* A child goes on with the record until it is killed. */
 static void write_until_killed(const char *path, uint32_t number)
 {
+	alarm(60); /* should the parent end first */
 	record_writer *w = record_append_to(path, NULL, NULL);
 	for (int i = 0; w && i < 300; i++)
 		if (!known_write(w, number++, LONGEST, NULL))

@@ -306,6 +306,7 @@ static void test_lock(struct folder *f, gconstpointer data)
 	g_assert_cmpint(pipe(ready), ==, 0);
 	pid_t child = fork();
 	if (child == 0) {
+		alarm(60); /* should the parent end first */
 		site *s = site_open_for_writing(f->oak, NULL);
 		g_assert_cmpint(write(ready[1], s ? "y" : "n", 1), ==, 1);
 		pause();
@@ -344,6 +345,7 @@ static void test_read_only(struct folder *f, gconstpointer data)
 /* Begins, finishes and discards scans in turn. */
 static void scan_until_killed(const char *path)
 {
+	alarm(60); /* should the parent end first */
 	site *s = site_open_for_writing(path, NULL);
 	g_autoptr(manifest) scan = manifest_new("scan.json");
 	manifest_set_int(scan, "schema", 1);
