@@ -7,6 +7,9 @@ BUILD ?= build
 PREFIX ?= /usr/local
 CFLAGS ?= -O3 -g
 SANITIZE ?=
+# V=1 shows the commands.
+q := $(if $(V),,@)
+say = $(if $(V),,@echo '  $(1)  $@')
 modules := sim firmware-io acquire process render
 
 # Packages are needed before pkg-config can say anything, so `make deps` must work without them.
@@ -28,13 +31,13 @@ sources = $(sort $(wildcard $(1)/*.c))
 mains := $(foreach p,$(programs),$(p).c)
 objects = $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(mains),$(call sources,$(1))))
 lib_of = $(if $(call objects,$(1)),$(BUILD)/lib$(1).a)
-libs := $(foreach m,$(modules),$(call lib_of,$(m)))
 # A program links its own folder and what stands left of it; the simulator stands alone.
 libs_of_sim := $(call lib_of,sim)
 libs_of_firmware-io := $(call lib_of,firmware-io)
 libs_of_acquire := $(call lib_of,acquire) $(libs_of_firmware-io)
 libs_of_process := $(call lib_of,process) $(libs_of_acquire)
 libs_of_render := $(call lib_of,render) $(libs_of_process)
+libs := $(libs_of_render) $(libs_of_sim)
 bins := $(foreach p,$(programs),$(BUILD)/bin/$(notdir $(p)))
 tests := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/test-*.c)))
 fuzzers := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/fuzz-*.c)))
@@ -43,7 +46,8 @@ all: $(bins)
 
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(house_cflags) $(CFLAGS) $(sanitize_flags) -c -o $@ $<
+	$(call say,CC)
+	$(q)$(CC) $(house_cflags) $(CFLAGS) $(sanitize_flags) -c -o $@ $<
 
 define library
 $(BUILD)/lib$(1).a: $(call objects,$(1))
@@ -54,15 +58,18 @@ $(foreach m,$(modules),$(eval $(call library,$(m))))
 define program
 $(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs_of_$(firstword $(subst /, ,$(1))))
 	@mkdir -p $$(@D)
-	$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$^ -Wl,--as-needed $$(link_libs)
+	$$(call say,LD)
+	$$(q)$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$^ -Wl,--as-needed $$(link_libs)
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
 
-$(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(libs)
-	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
+$(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs)
+	$(call say,LD)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 # A fuzz target is plain C with LLVMFuzzerTestOneInput; here it is linked to a driver that replays its corpus.
 $(BUILD)/tests/fuzz-%: $(BUILD)/tests/fuzz-%.o $(BUILD)/tests/replay-corpus.o $(libs)
-	$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
+	$(call say,LD)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 .SECONDARY:
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
 

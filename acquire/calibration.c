@@ -120,7 +120,8 @@ bool calibration_parse(const char *text, const char *name, struct calibration *r
 	const char *serial = m ? manifest_get_string(m, "serial", error) : NULL;
 	if (!serial || !parse_lidar(m, &c.lidar, error) || !parse_stage(m, &c.stage, error))
 		return false;
-	c.has_camera = manifest_has(m, "camera");
+	JsonNode *camera = manifest_get_node(m, "camera");
+	c.has_camera = camera && JSON_NODE_HOLDS_OBJECT(camera);
 	if (c.has_camera && !parse_camera(m, &c.camera, error))
 		return false;
 	g_strlcpy(c.serial, serial, sizeof c.serial);

@@ -1,4 +1,5 @@
 #include "acquire/cli.h"
+#include <locale.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -35,6 +36,8 @@ bool cli_parse(const char *command, const char *parameters, const char *summary,
 	g_autoptr(GOptionContext) context = g_option_context_new(parameters);
 	g_autofree char *name = g_strdup_printf("pleinair %s", command);
 	g_set_prgname(name);
+	setlocale(LC_ALL, "");
+	setlocale(LC_NUMERIC, "C"); /* in URIs and JSON a point is a point */
 	g_option_context_add_main_entries(context, entries, NULL);
 	g_option_context_set_summary(context, summary);
 	g_option_context_set_description(context, description);

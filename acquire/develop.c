@@ -20,7 +20,7 @@ static void take_line(
 {
 	struct developing *d = user_data;
 	(void)line;
-	if (!placed->suspect)
+	if (placement_is_usable(placed, d->panorama->desc.columns))
 		panorama_add(d->panorama, placed->azimuth_rad, placed->elevation_rad,
 			placed->range_m, placed->intensity, placed->beams);
 }
@@ -55,16 +55,9 @@ static bool feed_all(stream *s, const char *path, const struct develop_options *
 		return false;
 	double size = (double)record_reader_size(reader);
 	for (uint32_t n = 0;; n++) {
-		g_autoptr(GError) damage = NULL;
-		enum record_result got = record_next(reader, &e, &damage);
-		if (got == RECORD_BAD && o->skip_damage && record_skip_damage(reader)) {
-			result->damaged_entries++;
-			continue;
-		}
-		if (got == RECORD_BAD) {
-			g_propagate_error(error, g_steal_pointer(&damage));
+		enum record_result got = record_next(reader, &e, error);
+		if (got == RECORD_BAD)
 			return false;
-		}
 		result->cut = got == RECORD_CUT;
 		if (got != RECORD_ENTRY)
 			break;
@@ -105,7 +98,6 @@ panorama *develop_record(const char *path, const struct develop_options *o,
 	if (!feed_all(s, path, o, 0, FRACTION_LEARN, &result, &first, error))
 		return NULL;
 	stream_rewind(s);
-	result.damaged_entries = 0;
 	if (!feed_all(s, path, o, FRACTION_LEARN, FRACTION_PLACE, &result, &second, error))
 		return NULL;
 	fill_result(s, &result);

@@ -8,7 +8,6 @@
 
 struct develop_options {
 	struct panorama_desc desc;
-	bool skip_damage; /* go on behind damaged entries instead of refusing the record */
 	/* Called now and then; fraction 0..1. May be NULL. */
 	void (*progress)(double fraction, gpointer user_data);
 	gpointer user_data;
@@ -20,7 +19,7 @@ struct develop_result {
 	struct calibration calibration; /* of the last session */
 	struct lidar_identity lidar;
 	char protocol[16];
-	uint32_t photos, damaged_entries;
+	uint32_t photos;
 	bool cut; /* the record ends inside an entry */
 };
 void develop_result_clear(struct develop_result *r);

@@ -1,4 +1,5 @@
 /* SICK TiM in CoLa-A (DEVICES 2.1): the dialogue. */
+#include "acquire/cola.h"
 #include "acquire/driver.h"
 #include "acquire/pump.h"
 #include <stdio.h>
@@ -8,16 +9,6 @@
 #define MILLISECOND_NS INT64_C(1000000)
 #define ANSWER_NS      (2000 * MILLISECOND_NS)
 #define REBOOT_NS      (15000 * MILLISECOND_NS)
-
-static const char *refusal_words(unsigned long code)
-{
-	static const char *const words[] = { "no error", "wrong user level", "unknown method",
-		"unknown variable", "value out of range", "invalid data", "unknown error",
-		"too many parameters", "parameters are missing", "unknown type",
-		"writing is not allowed", "unknown command for this name", "unknown command",
-		"busy", "out of bounds", "unknown event" };
-	return code < G_N_ELEMENTS(words) ? words[code] : "see the manual";
-}
 
 /* "sRN X" is answered by "sRA X", "sWN" by "sWA", "sMN" by "sAN", "sEN" by "sEA"; any by "sFA". */
 static char *answer_to(const char *command)
@@ -42,10 +33,8 @@ static pump_reply *ask(struct pump *p, const char *command, GError **error)
 			return r;
 		if (!g_str_has_prefix(r->command, "sFA"))
 			continue;
-		unsigned long code = strtoul(r->status, NULL, 16);
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
-			"the lidar refuses '%s': error %lX, %s", command, code,
-			refusal_words(code));
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "the lidar refuses '%s': error %s, %s", command,
+			r->status, cola_error_text(r->status));
 		pump_reply_free(r);
 		return NULL;
 	}

@@ -1,6 +1,7 @@
 /* Hokuyo SCIP 2.0 (DEVICES 2.2): the dialogue. */
 #include "acquire/driver.h"
 #include "acquire/pump.h"
+#include "acquire/scip.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -129,12 +130,11 @@ static bool stop(struct pump *p, GError **error)
 /* TM1 answers with the time in four characters of six bits. */
 static bool clock_reply(const struct lidar_reply *reply, uint64_t *ret_ticks)
 {
+	uint32_t ms;
 	if (strcmp(reply->command, "TM1") != 0 || strcmp(reply->status, "00") != 0 ||
-		strlen(reply->text) < 4)
+		strlen(reply->text) != 4 || !scip_number(reply->text, 4, &ms))
 		return false;
-	*ret_ticks = 0;
-	for (int i = 0; i < 4; i++)
-		*ret_ticks = *ret_ticks << 6 | ((reply->text[i] - 0x30) & 0x3f);
+	*ret_ticks = ms;
 	return true;
 }
 

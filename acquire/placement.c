@@ -6,6 +6,9 @@
  */
 #define BEAMS_PER_KNOT 64u
 
+/* A pass goes at a little under one column a turn. */
+#define COLUMNS_PER_TURN_MAX 1.5
+
 struct placement {
 	struct calibration calibration;
 	/* Of the beams' directions in the head frame, for the last geometry seen. */
@@ -137,4 +140,11 @@ void placement_place(placement *p, const struct scanline *line, const stage_trac
 		front = next;
 	}
 	ret->front_last_rad = front;
+	double sweep_turns = (double)(last_ns - first_ns) * 1e-9 * line->scan_rate_hz;
+	ret->turn_rad = sweep_turns > 0 ? (front - ret->front_first_rad) / sweep_turns : 0;
+}
+
+bool placement_is_usable(const struct placed_line *placed, uint32_t columns)
+{
+	return !placed->suspect && fabs(placed->turn_rad) <= COLUMNS_PER_TURN_MAX * 2 * G_PI / columns;
 }

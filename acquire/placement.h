@@ -21,6 +21,7 @@ struct placed_line {
 	const uint16_t *intensity;  /* 0 where the device sends none */
 	double front_first_rad,
 		front_last_rad; /* stage angle at the first and last beam, not wrapped */
+	double turn_rad;        /* how far the stage goes in one turn of the mirror; signed */
 	bool suspect;           /* the stage had lost steps */
 };
 
@@ -34,5 +35,10 @@ void placement_sweep(const struct scanline *line, enum stamp_instant stamp, int6
 
 void placement_place(placement *p, const struct scanline *line, const stage_track *track,
 	int64_t first_ns, int64_t last_ns, struct placed_line *ret);
+
+/* The line may make a panorama of so many columns: the stage was where it said, and slow enough
+ * that an error of a millisecond stays far below a column. Lines on the way from one place to
+ * another are not. */
+bool placement_is_usable(const struct placed_line *placed, uint32_t columns);
 
 #endif

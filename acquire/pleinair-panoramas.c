@@ -28,13 +28,12 @@ static const GOptionEntry entries[] = {
 
 /* All pictures of one scan; the page gets their names. */
 static bool show_scan(
-	const site *s, uint32_t number, const char *folder, page *page, GError **error)
+	const site *s, uint32_t number, const char *folder, page *html, GError **error)
 {
 	g_autoptr(panorama) p = scan_load(s, number, verify, error);
 	if (!p)
 		return false;
-	g_autofree char *scan = site_scan_path(s, number);
-	page_begin_scan(page, number, p);
+	page_begin_scan(html, number, p);
 	for (int kind = 0; kind < PICTURES; kind++) {
 		g_autofree char *name = g_strdup_printf("%04u-%s.png", number, picture_names[kind]);
 		g_autofree char *path = g_build_filename(folder, name, NULL);
@@ -42,12 +41,12 @@ static bool show_scan(
 			continue;
 		if (!picture_save(p, kind, path, error))
 			return false;
-		page_add_picture(page, picture_names[kind], name);
+		page_add_picture(html, picture_names[kind], name);
 	}
 	return true;
 }
 
-static bool show_scans(site *s, GArray *numbers, const char *folder, page *page, GError **error)
+static bool show_scans(site *s, GArray *numbers, const char *folder, page *html, GError **error)
 {
 	struct cli_bar bar = cli_bar_begin(COMMAND);
 	bool good = true;
@@ -57,25 +56,25 @@ static bool show_scans(site *s, GArray *numbers, const char *folder, page *page,
 			continue;
 		cli_bar_update(&bar, (double)i / numbers->len, "drawing panoramas");
 		good = (!again || scan_develop_again(s, number, error)) &&
-		       show_scan(s, number, folder, page, error);
+		       show_scan(s, number, folder, html, error);
 	}
 	cli_bar_end(&bar);
-	if (good && page_scans(page) == 0)
+	if (good && page_scans(html) == 0)
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOENT,
 			only_scan ? "%s: has no scan %04d" : "%s: has no scans yet", site_path(s),
 			only_scan);
-	return good && page_scans(page) > 0;
+	return good && page_scans(html) > 0;
 }
 
-static void print_result(const page *page, const char *index)
+static void print_result(const page *html, const char *index)
 {
 	if (!json) {
-		printf("%u %s: %s\n", page_scans(page), page_scans(page) == 1 ? "scan" : "scans",
+		printf("%u %s: %s\n", page_scans(html), page_scans(html) == 1 ? "scan" : "scans",
 			index);
 		return;
 	}
 	JsonObject *o = json_object_new();
-	json_object_set_int_member(o, "scans", page_scans(page));
+	json_object_set_int_member(o, "scans", page_scans(html));
 	json_object_set_string_member(o, "page", index);
 	cli_print_json(o);
 }
@@ -94,7 +93,7 @@ int main(int argc, char **argv)
 	if (argc != 2)
 		return cli_misuse(COMMAND, argc < 2 ? "which site?" : "one site at a time");
 	g_autoptr(site) s =
-		again ? site_open_for_writing(argv[1], false, &error) : site_open(argv[1], &error);
+		again ? site_open_for_writing(argv[1], &error) : site_open(argv[1], &error);
 	g_autoptr(GArray) numbers = s ? site_scans(s, &error) : NULL;
 	if (!numbers)
 		return cli_fail(COMMAND, error);
@@ -105,10 +104,10 @@ int main(int argc, char **argv)
 			g_strerror(errno));
 		return cli_fail(COMMAND, error);
 	}
-	g_autoptr(page) page = page_new(site_name(s));
+	g_autoptr(page) html = page_new(manifest_get_string(site_manifest(s), "name", NULL));
 	g_autofree char *index = g_build_filename(folder, "index.html", NULL);
-	if (!show_scans(s, numbers, folder, page, &error) || !page_save(page, index, &error))
+	if (!show_scans(s, numbers, folder, html, &error) || !page_save(html, index, &error))
 		return cli_fail(COMMAND, error);
-	print_result(page, index);
+	print_result(html, index);
 	return CLI_DONE;
 }

@@ -179,7 +179,9 @@ int main(int argc, char **argv)
 	g_autoptr(head) h = resume || discard ? NULL : head_open(device, &error);
 	if (error)
 		return cli_fail(COMMAND, error);
-	g_autoptr(site) s = site_open_for_writing(argv[1], !resume && !discard, &error);
+	/* Only a new scan makes a site. */
+	g_autoptr(site) existing = resume || discard ? site_open(argv[1], &error) : NULL;
+	g_autoptr(site) s = error ? NULL : site_open_for_writing(argv[1], &error);
 	if (!s)
 		return cli_fail(COMMAND, error);
 	if (discard)

@@ -31,6 +31,8 @@ static void take_line(
 {
 	run *r = user_data;
 	(void)line;
+	if (!placement_is_usable(placed, r->options.preset->columns))
+		return;
 	coverage_add(r->coverage, placed->azimuth_rad, placed->elevation_rad, placed->beams);
 	panorama_add(r->preview, placed->azimuth_rad, placed->elevation_rad, placed->range_m,
 		placed->intensity, placed->beams);

@@ -3,8 +3,10 @@
 #include "acquire/scan-manifest.h"
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/statvfs.h>
+#include <unistd.h>
 
 /* Kept free beyond what a scan is predicted to take, for the rest of the machine. */
 #define SPARE_BYTES (UINT64_C(32) << 20)
@@ -60,6 +62,14 @@ static bool name_paths(struct recording *r)
 	return true;
 }
 
+static bool load_manifest(struct recording *r, GError **error)
+{
+	g_autofree char *path = g_build_filename(r->folder, "scan.json", NULL);
+	g_clear_pointer(&r->scan, manifest_free);
+	r->scan = manifest_load(path, SCAN_SCHEMA, error);
+	return r->scan != NULL;
+}
+
 static bool begin_new(struct recording *r, GError **error)
 {
 	uint32_t partial;
@@ -73,7 +83,7 @@ static bool begin_new(struct recording *r, GError **error)
 	}
 	r->preset = r->options->preset;
 	r->scan = scan_manifest_begin(r->preset, r->options->device);
-	return site_begin_scan(r->site, r->scan, &r->number, error) && name_paths(r);
+	return site_begin_scan(r->site, r->scan, &r->number, error) && name_paths(r) && load_manifest(r, error);
 }
 
 static bool begin_resumed(struct recording *r, GError **error)
@@ -86,9 +96,7 @@ static bool begin_resumed(struct recording *r, GError **error)
 		return false;
 	}
 	name_paths(r);
-	g_autofree char *path = g_build_filename(r->folder, "scan.json", NULL);
-	r->scan = manifest_load(path, SCAN_SCHEMA, error);
-	r->preset = r->scan ? scan_manifest_preset(r->scan, error) : NULL;
+	r->preset = load_manifest(r, error) ? scan_manifest_preset(r->scan, error) : NULL;
 	return r->preset != NULL;
 }
 
@@ -102,34 +110,51 @@ char *scan_partial_device(const site *s, GError **error)
 	return copy;
 }
 
+/* Copies what is whole into a new record that takes the damaged one's place; that stays beside it. */
+static bool salvage_record(struct recording *r, GError **error)
+{
+	g_autofree char *fresh = g_strconcat(r->raw, ".new", NULL), *damaged = g_strconcat(r->raw, ".damaged", NULL);
+	unlink(fresh);
+	g_autoptr(record_reader) reader = record_open(r->raw, error);
+	g_autoptr(record_writer) writer = reader ? record_create(fresh, error) : NULL;
+	struct record_entry e;
+	if (!writer)
+		return false;
+	for (;;) {
+		enum record_result got = record_next(reader, &e, NULL);
+		if (got == RECORD_BAD && record_skip_damage(reader))
+			continue;
+		if (got != RECORD_ENTRY)
+			break;
+		if (!record_write(writer, e.kind, e.time_ns, e.payload, e.length, NULL, 0, error))
+			return false;
+	}
+	if (!record_close(g_steal_pointer(&writer), error))
+		return false;
+	if (rename(r->raw, damaged) == 0 && rename(fresh, r->raw) == 0)
+		return true;
+	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", r->raw, g_strerror(errno));
+	return false;
+}
+
 /* Gives the run all that was recorded before. */
 static bool recall(struct recording *r, GError **error)
 {
 	g_autoptr(record_reader) reader = record_open(r->raw, error);
 	struct record_entry e;
-	while (reader) {
-		g_autoptr(GError) damage = NULL;
-		enum record_result got = record_next(reader, &e, &damage);
-		if (got == RECORD_BAD && r->options->salvage && record_skip_damage(reader))
-			continue;
-		if (got == RECORD_BAD)
-			return g_propagate_error(error, g_steal_pointer(&damage)), false;
-		if (got != RECORD_ENTRY)
-			return true;
+	enum record_result got = RECORD_BAD;
+	while (reader && (got = record_next(reader, &e, error)) == RECORD_ENTRY)
 		if (!run_recall(r->run, &e, error))
 			return g_prefix_error(error, "%s: ", r->raw), false;
-	}
-	return false;
+	return got != RECORD_BAD;
 }
 
 static bool open_record(struct recording *r, GError **error)
 {
 	bool exists = g_file_test(r->raw, G_FILE_TEST_EXISTS);
-	if (exists && !recall(r, error))
+	if (exists && ((r->options->salvage && !salvage_record(r, error)) || !recall(r, error)))
 		return false;
-	r->record = !exists               ? record_create(r->raw, error)
-		    : r->options->salvage ? record_append_past_damage(r->raw, error)
-					  : record_append_to(r->raw, NULL, error);
+	r->record = exists ? record_append_to(r->raw, NULL, error) : record_create(r->raw, error);
 	return r->record != NULL;
 }
 
@@ -172,10 +197,10 @@ static bool finish_record(struct recording *r, GError **error)
 }
 
 /* Panorama, planes and manifest of what stands in folder. */
-static bool develop_into(const char *folder, manifest *scan, bool skip_damage,
+static bool develop_into(const char *folder, manifest *scan,
 	struct scan_result *result, GError **error)
 {
-	struct develop_options o = { .skip_damage = skip_damage };
+	struct develop_options o = { 0 };
 	struct develop_result d = { 0 };
 	g_autofree char *raw = g_build_filename(folder, "raw.rec", NULL);
 	if (!scan_manifest_grid(scan, &o.desc, error))
@@ -221,7 +246,7 @@ static bool record_into(struct recording *r, struct scan_result *result, GError 
 	if (!open_record(r, error) || !run_it(r, error))
 		return false;
 	uint32_t missing = run_missing_columns(r->run);
-	if (!develop_into(r->folder, r->scan, r->options->salvage, result, error) ||
+	if (!develop_into(r->folder, r->scan, result, error) ||
 		!site_finish_scan(r->site, r->number, error))
 		return false;
 	result->number = r->number;
@@ -269,5 +294,5 @@ bool scan_develop_again(site *s, uint32_t number, GError **error)
 			*path = g_build_filename(folder, "scan.json", NULL);
 	struct scan_result result;
 	g_autoptr(manifest) scan = manifest_load(path, SCAN_SCHEMA, error);
-	return scan && develop_into(folder, scan, false, &result, error);
+	return scan && develop_into(folder, scan, &result, error);
 }

@@ -285,24 +285,36 @@ static void plug_lidar(stream *s)
 
 /* ---- the other devices ---- */
 
+/* Gives the track the events that have been kept, at the times that are known for them now. */
+static void feed_track(struct session *session)
+{
+	for (guint i = 0; i < session->stage_events->len; i++) {
+		const struct timed_event *t = &g_array_index(session->stage_events, struct timed_event, i);
+		stage_track_feed(
+			session->track, &t->event, device_clock_host_ns(session->stage_clock, (double)t->ticks));
+	}
+	g_array_set_size(session->stage_events, 0);
+}
+
+/* The last of a batch waited least: only it says something of the delay, and it has to before the others are timed. */
 static void take_stage(stream *s, const struct record_entry *e)
 {
 	const struct stage_event *events = e->payload;
 	size_t n = e->length / sizeof *events;
-	if (s->mode == STREAM_LEARN_FIRST && !s->learning)
-		return; /* the track is whole already */
+	struct session *session = s->session;
+	if (n == 0 || (s->mode == STREAM_LEARN_FIRST && !s->learning))
+		return; /* the second time the track is whole already */
+	g_array_set_size(session->stage_events, s->learning ? session->stage_events->len : 0);
+	guint first = session->stage_events->len;
 	for (size_t i = 0; i < n; i++) {
 		struct timed_event t = { events[i],
-			device_clock_unwrap(s->session->stage_clock, events[i].ticks, e->time_ns) };
-		/* The last of a batch waited least: only it says something of the delay. */
-		if (i + 1 == n)
-			device_clock_add_arrival(s->session->stage_clock, t.ticks, e->time_ns);
-		if (s->learning)
-			g_array_append_val(s->session->stage_events, t);
-		else
-			stage_track_feed(s->session->track, &t.event,
-				device_clock_host_ns(s->session->stage_clock, (double)t.ticks));
+			device_clock_unwrap(session->stage_clock, events[i].ticks, e->time_ns) };
+		g_array_append_val(session->stage_events, t);
 	}
+	struct timed_event *timed = &g_array_index(session->stage_events, struct timed_event, first);
+	device_clock_add_arrival(session->stage_clock, timed[n - 1].ticks, e->time_ns);
+	if (!s->learning)
+		feed_track(session);
 	place_pending(s);
 }
 
@@ -381,16 +393,8 @@ bool stream_feed(stream *s, const struct record_entry *e, GError **error)
 
 void stream_rewind(stream *s)
 {
-	for (guint i = 0; i < s->sessions->len; i++) {
-		struct session *session = s->sessions->pdata[i];
-		for (guint k = 0; k < session->stage_events->len; k++) {
-			const struct timed_event *t =
-				&g_array_index(session->stage_events, struct timed_event, k);
-			stage_track_feed(session->track, &t->event,
-				device_clock_host_ns(session->stage_clock, (double)t->ticks));
-		}
-		g_array_set_size(session->stage_events, 0);
-	}
+	for (guint i = 0; i < s->sessions->len; i++)
+		feed_track(s->sessions->pdata[i]);
 	s->learning = false;
 	s->session = NULL;
 	s->session_at = 0;

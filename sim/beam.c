@@ -1,6 +1,5 @@
 #include "sim/beam.h"
 #include "sim/chance.h"
-#include "sim/threads.h"
 #include <math.h>
 #include <string.h>
 
@@ -269,7 +268,7 @@ static void detect(const struct beam_optics *o, const struct beam_fan *fan, uint
 void beam_measure(
 	const struct beam_optics *optics, struct beam_fan *fan, uint32_t from, uint32_t to)
 {
-#pragma omp parallel if (THREADS)
+#pragma omp parallel if (optics->threaded)
 	{
 #pragma omp for schedule(dynamic, 32)
 		for (uint32_t i = from; i < to; i++)

@@ -32,6 +32,8 @@ struct beam_optics {
 	double noise_m;             /* 1 sigma where the echo is strong enough */
 	double limit_m;
 	bool dropouts;
+	bool threaded; /* measure on all threads: pays for whole fans on a machine that has nothing
+			  else to do */
 	uint64_t seed;
 };
 
@@ -56,7 +58,7 @@ struct beam_fan {
 struct beam_fan *beam_fan_new(uint32_t beams);
 void beam_fan_free(struct beam_fan *fan); /* NULL is fine */
 
-/* Measures the beams from..to-1, on all threads. Lower ones must have been measured before. */
+/* Measures the beams from..to-1. Lower ones must have been measured before. */
 void beam_measure(
 	const struct beam_optics *optics, struct beam_fan *fan, uint32_t from, uint32_t to);
 

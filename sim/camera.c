@@ -1,6 +1,5 @@
 #include "sim/camera.h"
 #include "sim/chance.h"
-#include "sim/threads.h"
 #include <math.h>
 #include <string.h>
 
@@ -115,7 +114,7 @@ const struct lens *camera_lens(const camera *c)
 	return &c->lens;
 }
 
-bool camera_set_controls(camera *c, const struct link_camera_controls *controls)
+bool camera_control(camera *c, const struct link_camera_controls *controls)
 {
 	if (controls->exposure_100us < 1 || controls->exposure_100us > 10000 ||
 		controls->gain_percent < 1 || controls->gain_percent > 6400 ||
@@ -139,7 +138,7 @@ static void catch_up(camera *c, int64_t now_ns)
 		c->next = (uint32_t)ceil(late);
 }
 
-void camera_queue(camera *c, int64_t now_ns)
+void camera_lend(camera *c, int64_t now_ns)
 {
 	if (c->gone) {
 		outbox_push(c->setup.out, now_ns, LINK_CAMERA_GONE, NULL);
@@ -157,6 +156,11 @@ void camera_queue(camera *c, int64_t now_ns)
 
 int64_t camera_next_ns(const camera *c)
 {
+	bool real_time = c->setup.options->speed > 0;
+
+	/* In real time nobody waits for a frame that is still being drawn. */
+	if (c->current && real_time && c->current->rows_done < c->lens.height)
+		return INT64_MAX;
 	if (c->current)
 		return c->current->due_ns;
 	return c->buffers > 0 && !c->gone ? start_ns(c, c->next) : INT64_MAX;
@@ -264,10 +268,11 @@ static void draw_row(camera *c, uint32_t v, const double rotation[3][3], const d
 static void draw(camera *c, uint32_t rows)
 {
 	uint32_t from = c->current->rows_done, to = MIN(from + rows, c->lens.height);
+	bool threaded = c->setup.options->speed == 0;
 	double rotation[3][3], origin_m[3];
 
 	pose(c, rotation, origin_m);
-#pragma omp parallel for schedule(dynamic, 4) if (THREADS)
+#pragma omp parallel for schedule(dynamic, 4) if (threaded)
 	for (uint32_t v = from; v < to; v++)
 		draw_row(c, v, rotation, origin_m);
 	c->current->rows_done = to;
@@ -316,7 +321,7 @@ static void damage(const camera *c, guint8 *nv12)
 	memset(nv12 + (gsize)width * (height * 3 / 4), 0, (gsize)width * (height / 8));
 }
 
-static void deliver(camera *c)
+static void deliver(camera *c, int64_t now_ns)
 {
 	struct exposure *e = c->current;
 	gsize pixels = (gsize)c->lens.width * c->lens.height;
@@ -328,14 +333,14 @@ static void deliver(camera *c)
 	encode(c, payload->data + sizeof e->frame);
 	if (e->frame.flags & LINK_FRAME_ERROR)
 		damage(c, payload->data + sizeof e->frame);
-	outbox_push(c->setup.out, e->due_ns, LINK_CAMERA_FRAME, payload);
+	outbox_push(c->setup.out, now_ns, LINK_CAMERA_FRAME, payload);
 }
 
 void camera_run(camera *c, int64_t now_ns)
 {
 	if (c->current) {
 		if (!c->gone)
-			deliver(c);
+			deliver(c, now_ns);
 		g_clear_pointer(&c->current, g_free);
 		catch_up(c, now_ns);
 		return;

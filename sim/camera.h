@@ -41,11 +41,13 @@ void camera_free(camera *c); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(camera, camera_free)
 
 const struct lens *camera_lens(const camera *c);
-bool camera_set_controls(
+bool camera_control(
 	camera *c, const struct link_camera_controls *controls); /* false: out of range */
-void camera_queue(camera *c, int64_t now_ns);
+void camera_lend(camera *c, int64_t now_ns);
 
-/* When an exposure starts that finds a buffer, or a frame is due; INT64_MAX otherwise. */
+/* When an exposure starts that finds a buffer, or a frame is due; INT64_MAX otherwise. In real time
+ * a frame is due when it is drawn, which camera_prepare() must do; else camera_run() draws it at
+ * the due time. */
 int64_t camera_next_ns(const camera *c);
 /* True when an exposure starts then; the front went from one azimuth to another since the one
  * before. */

@@ -18,7 +18,9 @@
 #define PATIENCE_NS      INT64_C(3600000000000) /* a LINK_WAIT without end is answered after this */
 #define INDEX_SLOTS      24
 #define BEAMS_AT_ONCE    128 /* of work done ahead, so that no event waits long for it */
-#define ROWS_AT_ONCE     8
+#define ROWS_AT_ONCE     2
+#define GLANCE_NS        2000000 /* while the mirror sweeps there is soon work to do ahead */
+#define DOZE_NS          50000000
 
 struct head {
 	sim_options *options;
@@ -268,13 +270,13 @@ static bool run_next(struct head *h, int64_t until_ns)
 /* The host sleeps: everything happens up to the first thing that wakes it. */
 static void answer_wait(struct head *h, int64_t deadline_ns)
 {
-	int64_t until_ns = MIN(deadline_ns, h->now_ns + PATIENCE_NS);
+	int64_t until_ns = CLAMP(deadline_ns, h->now_ns, h->now_ns + PATIENCE_NS);
 
 	h->sent = false;
 	while (!h->sent && run_next(h, until_ns))
 		;
 	if (!h->sent)
-		h->now_ns = MAX(h->now_ns, until_ns);
+		h->now_ns = until_ns;
 	send(h, LINK_NOW, h->now_ns, NULL, 0);
 }
 
@@ -286,10 +288,10 @@ static bool obey_device(struct head *h, const struct link_header *header, const 
 	case LINK_LIDAR_WRITE:
 		lidar_write(h->lidar, h->now_ns, payload, header->length);
 		return true;
-	case LINK_STAGE_STOP: stage_stop(h->stage, h->now_ns); return header->length == 0;
+	case LINK_STAGE_STOP: stage_halt(h->stage, h->now_ns); return header->length == 0;
 	case LINK_CAMERA_QUEUE:
 		if (h->camera)
-			camera_queue(h->camera, h->now_ns);
+			camera_lend(h->camera, h->now_ns);
 		else
 			outbox_push(h->out, h->now_ns, LINK_CAMERA_GONE, NULL);
 		return header->length == 0;
@@ -317,7 +319,7 @@ static bool obey(struct head *h, const struct link_header *header, const guint8 
 		if (header->length != sizeof controls)
 			return false;
 		memcpy(&controls, payload, sizeof controls);
-		return !h->camera || camera_set_controls(h->camera, &controls);
+		return !h->camera || camera_control(h->camera, &controls);
 	default: return obey_device(h, header, payload);
 	}
 }
@@ -351,8 +353,9 @@ static int64_t patience_ns(struct head *h)
 	if (prepare(h))
 		return 0;
 	double until_ns = (double)(next_ns(h) - h->now_ns) / h->options->speed;
+	bool sweeping = lidar_next_ns(h->lidar) != INT64_MAX;
 
-	return (int64_t)CLAMP(until_ns, 0, 10e6); /* and look again, as there is work to do ahead */
+	return (int64_t)CLAMP(until_ns, 0, sweeping ? GLANCE_NS : DOZE_NS);
 }
 
 static bool serve(struct head *h)

@@ -64,6 +64,7 @@ static void set_up_optics(lidar *l)
 		.noise_m = o->noise_mm * 1e-3,
 		.limit_m = o->limit_m,
 		.dropouts = o->dropouts,
+		.threaded = o->speed == 0, /* in real time, waiting for a late thread is worse */
 		.seed = o->seed };
 }
 

@@ -3,6 +3,7 @@
 #include "sim/options.h"
 #include "sim/truth.h"
 #include <errno.h>
+#include <gio/gio.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,9 +25,11 @@ struct arguments {
 
 static int complain(const char *what, GError *error)
 {
+	bool usage = g_error_matches(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT);
+
 	fprintf(stderr, "pleinair-sim: %s%s\n", what, error ? error->message : "");
 	g_clear_error(&error);
-	return FAILED;
+	return usage ? WRONG_USAGE : FAILED;
 }
 
 static int serve(int fd, const char *description, const world *w)

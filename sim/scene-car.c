@@ -147,6 +147,10 @@ static void draw_seats(const struct pen *p, const struct shape *c)
 		pen_ball(p, (vec){ x - 0.2f, y, 0.85f }, (vec){ 0.12f, 0.25f, 0.36f }, 10);
 		pen_ball(p, (vec){ x - 0.25f, y, 1.2f }, (vec){ 0.06f, 0.13f, 0.09f }, 8);
 	}
+	/* the dark of the cabin under the waist */
+	float w = 0.8f * c->half_width;
+	pen_box(p, (vec){ c->rear + 0.12f, -w, c->belt - 0.1f },
+		(vec){ c->cowl - 0.1f, w, c->belt + 0.035f });
 	/* inner arches and floor keep the light from shining through */
 	pen_box(p, (vec){ c->tail + 0.12f, -0.62f, 0.22f }, (vec){ c->nose - 0.15f, 0.62f, 0.34f });
 }

@@ -25,8 +25,9 @@ static float court_relief(const struct site *s, float x, float y)
 static uint16_t court_paving(float x, float y, const void *data)
 {
 	const struct court *c = data;
-	float edge = MIN(c->half_x - fabsf(x), c->half_y - fabsf(y)), middle = hypotf(x, y);
-	if (edge < 1.8f || (middle > 3.2f && middle < 4.2f))
+	float edge = MIN(c->half_x - fabsf(x), c->half_y - fabsf(y)),
+	      middle = MAX(fabsf(x), fabsf(y));
+	if (edge < 1.8f || (middle > 3.2f && middle < 4.4f))
 		return c->m.flags;
 	if (fabsf(x) < 0.5f || fabsf(y) < 0.5f)
 		return c->m.flags;
@@ -139,9 +140,9 @@ static void furnish(struct court *c)
 		draw_lamp_post(&p, &c->m, 4.1f);
 		site_claim(s, x, y, 0.4f);
 	}
-	float side = c->swapped ? 1 : -1, cy = roll_in(&s->dice, -0.62f, -0.5f) * c->half_y;
+	float side = c->swapped ? 1 : -1, cy = roll_in(&s->dice, 0.53f, 0.6f) * c->half_y;
 	if (site_claim(s, side * (c->half_x - 1.9f), cy, 1.6f))
-		add_car(s, &c->m, side * (c->half_x - 1.7f), cy - 0.6f,
+		add_car(s, &c->m, side * (c->half_x - 1.7f), cy,
 			(float)G_PI / 2 * (roll(&s->dice) < 0.5f ? 1 : -1));
 	for (unsigned i = 0; i < 6; i++) {
 		float x = -4.5f + 1.8f * (float)i, y = -c->half_y + 2.1f;

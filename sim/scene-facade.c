@@ -303,3 +303,13 @@ void draw_opening(
 	if (o->balcony)
 		draw_balcony(p, f, o);
 }
+
+void draw_window(const struct pen *p, const struct facade *f, const struct opening *o)
+{
+	struct pen trim = pen_with(p, f->trim), frame = pen_with(p, f->frame),
+		   glass = pen_with(p, f->palette->glass);
+	draw_reveals(&trim, o);
+	draw_sash(&frame, o, o->z);
+	draw_pane(&glass, o, o->z);
+	draw_surround(&trim, o);
+}

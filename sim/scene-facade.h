@@ -45,6 +45,8 @@ void draw_wall(const struct pen *p, float x0, float x1, float z0, float z1,
 	const struct opening *openings, unsigned n);
 void draw_opening(
 	struct site *s, const struct pen *p, const struct facade *f, const struct opening *o);
+/* The same with no curtains, for who looks at it from inside a hall. */
+void draw_window(const struct pen *p, const struct facade *f, const struct opening *o);
 /* A flat ring piece in the x-z plane from angle a0 to a1 (0 is +x, counted towards z), y0 in front.
  */
 void draw_arc(const struct pen *p, float x, float z, float inner, float outer, float y0, float y1,
@@ -61,6 +63,9 @@ void draw_column(const struct pen *p, float height, float radius);
  * round. */
 void draw_groin(
 	const struct pen *p, float half_x, float half_y, float rise, bool pointed, float rib);
+/* Its diagonals and the arches at two sides, as round ribs. */
+void draw_groin_ribs(
+	const struct pen *p, float half_x, float half_y, float rise, bool pointed, float radius);
 /* n steps up towards +y, their top edge at y = 0; side walls on request. */
 void draw_steps(const struct pen *p, float width, unsigned n, float rise, float tread);
 /* A straight rail on posts or balusters from a to b, which stand on the ground. */

@@ -192,23 +192,31 @@ static void draw_web(const struct pen *p, vec half, float rise, bool pointed, un
 	pen_skin(p, points, S, T);
 }
 
-void draw_groin(
-	const struct pen *p, float half_x, float half_y, float rise, bool pointed, float rib)
+void draw_groin_ribs(
+	const struct pen *p, float half_x, float half_y, float rise, bool pointed, float radius)
 {
 	enum { N = 21 };
-	for (unsigned side = 0; side < 4; side++)
-		draw_web(p, (vec){ half_x, half_y }, rise, pointed, side);
-	for (unsigned k = 0; rib > 0 && k < 2; k++) {
+	for (unsigned k = 0; k < 4; k++) {
 		vec path[N];
 		float radii[N];
 		for (unsigned i = 0; i < N; i++) {
 			float t = 2.0f * i / (N - 1) - 1;
-			path[i] = (vec){ t * half_x, k ? t * half_y : -t * half_y,
-				rise * vault_height(t, pointed) };
-			radii[i] = rib;
+			/* two diagonals, and the arches at two of the sides */
+			float x = k == 2 ? 1 : t, y = k == 0 ? t : k == 1 ? -t : k == 2 ? t : 1;
+			path[i] = (vec){ x * half_x, y * half_y, rise * vault_height(t, pointed) };
+			radii[i] = radius;
 		}
 		pen_tube(p, path, radii, N, 8);
 	}
+}
+
+void draw_groin(
+	const struct pen *p, float half_x, float half_y, float rise, bool pointed, float rib)
+{
+	for (unsigned side = 0; side < 4; side++)
+		draw_web(p, (vec){ half_x, half_y }, rise, pointed, side);
+	if (rib > 0)
+		draw_groin_ribs(p, half_x, half_y, rise, pointed, rib);
 }
 
 void draw_steps(const struct pen *p, float width, unsigned n, float rise, float tread)

@@ -205,10 +205,10 @@ static void people_street(struct site *s, const struct palette *m)
 
 void scene_street(struct site *s)
 {
-	static const float walk[][2] = { { -1.2f, -1.5f }, { -10, 0.6f }, { 8.5f, 0 }, { 3.5f, -5 },
-		{ 13, -5.2f }, { 22, 0.3f }, { 30, 5.2f }, { 20.5f, 5.2f }, { 9.5f, 5.3f },
-		{ 1, 9.5f }, { -4.5f, 1.8f }, { -17, 5.2f }, { -26, 0.2f }, { -33, -5.2f },
-		{ -19, -5.2f } };
+	static const float walk[][2] = { { -1.2f, -1.5f }, { -10, 0.6f }, { 7.5f, 0.2f },
+		{ 3.5f, -5 }, { 13, -5.2f }, { 22, 0.3f }, { 30, 5.2f }, { 20.5f, 5.2f },
+		{ 9.5f, 5.3f }, { 1, 9.5f }, { -4.5f, 1.8f }, { -17, 5.2f }, { -26, 0.2f },
+		{ -33, -5.2f }, { -19, -5.2f } };
 	struct palette m;
 	palette_choose(s, &m);
 	s->bounds = (struct bounds){ { -END_M - 5, -24, -0.6f }, { END_M + 5, 24, 15 }, 1.9f };

@@ -14,17 +14,17 @@ struct habit {
 
 static const struct habit habits[] = {
 	[TREE_ROUND] = { 2.8f, 0.2f, 6.2f, 3.3f, 9, 0.55f, 0.1f, 300, 62, 0.5f, 0.15f, 0.36f,
-		{ 0.13f, 0.24f, 0.05f }, { 0.14f, 0.11f, 0.08f } },
+		{ 0.19f, 0.31f, 0.07f }, { 0.14f, 0.11f, 0.08f } },
 	[TREE_SPREADING] = { 2.9f, 0.3f, 6.0f, 4.8f, 8, 0.4f, 0.15f, 380, 60, 0.55f, 0.17f, 0.4f,
-		{ 0.16f, 0.25f, 0.06f }, { 0.25f, 0.22f, 0.16f } },
+		{ 0.22f, 0.31f, 0.08f }, { 0.25f, 0.22f, 0.16f } },
 	[TREE_COLUMN] = { 2.3f, 0.2f, 10.5f, 1.3f, 16, 1.6f, -0.4f, 260, 52, 0.42f, 0.14f, 0.4f,
-		{ 0.15f, 0.26f, 0.07f }, { 0.2f, 0.18f, 0.14f } },
+		{ 0.19f, 0.31f, 0.09f }, { 0.2f, 0.18f, 0.14f } },
 	[TREE_CONIFER] = { 1.2f, 0.19f, 10.5f, 2.4f, 60, -0.15f, 0.15f, 420, 50, 0.4f, 0.17f, 0.1f,
-		{ 0.055f, 0.13f, 0.06f }, { 0.13f, 0.09f, 0.07f } },
+		{ 0.085f, 0.18f, 0.085f }, { 0.13f, 0.09f, 0.07f } },
 	[TREE_WILLOW] = { 2.4f, 0.32f, 6.0f, 4.0f, 10, 0.6f, 1.5f, 200, 50, 0.42f, 0.2f, 0.13f,
-		{ 0.22f, 0.30f, 0.10f }, { 0.16f, 0.13f, 0.1f } },
+		{ 0.29f, 0.36f, 0.13f }, { 0.16f, 0.13f, 0.1f } },
 	[TREE_BIRCH] = { 3.0f, 0.12f, 7.0f, 2.1f, 12, 0.8f, 0.5f, 240, 48, 0.46f, 0.11f, 0.42f,
-		{ 0.24f, 0.33f, 0.08f }, { 0.6f, 0.58f, 0.54f } },
+		{ 0.29f, 0.38f, 0.10f }, { 0.6f, 0.58f, 0.54f } },
 };
 
 /* Half width of the crown at a share of its height, 0..1. */
@@ -180,7 +180,7 @@ uint32_t shrub_model(struct site *s)
 	uint32_t model;
 	struct habit h = { .cluster_m = 0.28f, .leaf_m = 0.09f, .leaf_slim = 0.42f, .leaves = 34 };
 	struct pen p = site_model(s, &model);
-	p.material = leaf_material(s, (vec){ 0.08f, 0.19f, 0.05f });
+	p.material = leaf_material(s, (vec){ 0.12f, 0.24f, 0.07f });
 	for (unsigned i = 0; i < 80; i++) {
 		vec out = roll_direction(&s->dice);
 		out[2] = fabsf(out[2]);
@@ -194,7 +194,7 @@ uint32_t tuft_model(struct site *s)
 {
 	uint32_t model;
 	struct pen p = site_model(s, &model);
-	p.material = leaf_material(s, (vec){ 0.14f, 0.22f, 0.05f });
+	p.material = leaf_material(s, (vec){ 0.25f, 0.36f, 0.1f });
 	for (unsigned i = 0; i < 60; i++) {
 		float a = roll_in(&s->dice, 0, 2 * G_PI), r = 0.3f * sqrtf(roll(&s->dice));
 		vec out = { cosf(a), sinf(a), 0 };

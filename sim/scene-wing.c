@@ -228,6 +228,7 @@ void wing_arcade(struct site *s, const struct pen *p, const struct palette *m, f
 	draw_wall(&wall, 0, length, spring, height, o, bays);
 	draw_wall(&back, 0, length, spring, height, o, bays);
 	draw_piers(p, m, length, bays, spring);
+	floor.object = site_object(s, WORLD_TERRAIN);
 	pen_box(&floor, (vec){ 0, -0.35f, -1 }, (vec){ length, depth + 0.2f, 0 });
 	pen_box(&floor, (vec){ 0, -0.7f, -1 }, (vec){ length, 0, -0.14f });
 	struct facade inner = f;
@@ -266,12 +267,15 @@ void draw_ivy(struct site *s, const struct pen *p, uint16_t leaf, float x0, floa
 				z - 0.2f },
 			along, across, (vec){ 0, -0.6f, 0.3f });
 	}
+	uint16_t bark = site_material(
+		s, (struct material){
+			   .colour = { 0.2f, 0.15f, 0.1f }, .grain_per_m = 20, .grain = 0.3f });
 	for (unsigned i = 0; i < 7; i++) {
 		float x = x0 + (x1 - x0) * (i + 0.5f) / 7;
 		vec stem[] = { { x, -0.05f, -0.4f }, { x + 0.2f, -0.06f, 0.3f * height },
 			{ x - 0.1f, -0.04f, 0.6f * height } };
 		float radii[] = { 0.03f, 0.02f, 0.01f };
-		struct pen wood = pen_with(&q, q.material);
+		struct pen wood = pen_with(&q, bark);
 		pen_tube(&wood, stem, radii, 3, 6);
 	}
 }

@@ -2,7 +2,7 @@
 #include <stdarg.h>
 #include <string.h>
 
-char scip_sum(const char *text, gsize length)
+char scip_line_sum(const char *text, gsize length)
 {
 	unsigned sum = 0;
 
@@ -20,7 +20,7 @@ void scip_append_number(GString *out, uint32_t value, unsigned characters)
 void scip_append_line(GString *out, const char *text, gsize length)
 {
 	g_string_append_len(out, text, (gssize)length);
-	g_string_append_c(out, scip_sum(text, length));
+	g_string_append_c(out, scip_line_sum(text, length));
 	g_string_append_c(out, '\n');
 }
 
@@ -32,7 +32,7 @@ void scip_append_property(GString *out, const char *format, ...)
 	g_autofree char *text = g_strdup_vprintf(format, args);
 
 	va_end(args);
-	g_string_append_printf(out, "%s;%c\n", text, scip_sum(text, strlen(text)));
+	g_string_append_printf(out, "%s;%c\n", text, scip_line_sum(text, strlen(text)));
 }
 
 void scip_append_block(GString *out, const char *data, gsize length)

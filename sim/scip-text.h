@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-char scip_sum(const char *text, gsize length); /* (sum of bytes & 0x3f) + 0x30 */
+char scip_line_sum(const char *text, gsize length); /* (sum of bytes & 0x3f) + 0x30 */
 /* `characters` times six bits, most significant first; larger values show their low bits. */
 void scip_append_number(GString *out, uint32_t value, unsigned characters);
 /* text, sum, LF */

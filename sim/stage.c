@@ -278,7 +278,7 @@ bool stage_move(stage *s, int64_t now_ns, const struct link_stage_move *move)
 	return true;
 }
 
-void stage_stop(stage *s, int64_t now_ns)
+void stage_halt(stage *s, int64_t now_ns)
 {
 	if (!s->moving)
 		return;

@@ -30,7 +30,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(stage, stage_free)
 /* False for a rate or an acceleration that is not a positive number, or a target beyond 2^31 steps.
  */
 bool stage_move(stage *s, int64_t now_ns, const struct link_stage_move *move);
-void stage_stop(stage *s, int64_t now_ns);
+void stage_halt(stage *s, int64_t now_ns);
 void stage_fail(stage *s, int64_t now_ns);               /* the drive stops dead and says so */
 void stage_slip(stage *s, int64_t now_ns, double steps); /* lost against the direction of motion */
 

@@ -1,6 +1,5 @@
 #include "sim/truth.h"
 #include "sim/beam.h"
-#include "sim/threads.h"
 #include <errno.h>
 #include <gio/gio.h>
 #include <math.h>
@@ -85,7 +84,7 @@ void truth_look_around(const truth *t, const struct truth_panorama *p, struct tr
 {
 	double per_row = (p->elevation_max_rad - p->elevation_min_rad) / p->rows;
 
-#pragma omp parallel for schedule(dynamic, 4) if (THREADS)
+#pragma omp parallel for schedule(dynamic, 4)
 	for (uint32_t row = 0; row < p->rows; row++)
 		for (uint32_t column = 0; column < p->columns; column++)
 			ret_cells[(gsize)row * p->columns + column] =

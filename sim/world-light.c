@@ -133,8 +133,8 @@ void light_gather(struct world *w)
 	w->probes = (struct probes){ .low = b.low, .cell_m = b.cell_m };
 	for (int k = 0; k < 3; k++)
 		w->probes.n[k] = 2 + (int)((b.high[k] - b.low[k]) / b.cell_m);
-	gather_pass(w, false, 16);
-	gather_pass(w, true, 20);
+	gather_pass(w, false, 14);
+	gather_pass(w, true, 18);
 }
 
 /* Corners and what lies under ledges: how far one short ray gets. It always leans the same way,

@@ -114,3 +114,13 @@ void site_walk_to(struct site *s, float x, float y)
 	g_array_append_val(s->walk, ((vec){ x, y, 0, 0 }));
 	g_array_append_val(s->claims, ((struct disc){ x, y, 1.9f }));
 }
+
+float site_from_walk(const struct site *s, float x, float y)
+{
+	float near = INFINITY;
+	for (guint i = 0; i < s->walk->len; i++) {
+		vec at = g_array_index(s->walk, vec, i);
+		near = MIN(near, hypotf(at[0] - x, at[1] - y));
+	}
+	return near;
+}

@@ -69,6 +69,8 @@ float site_ground(const struct site *s, float x, float y);
 /* Whether a disc is free of all claims; if so it is claimed. */
 bool site_claim(struct site *s, float x, float y, float radius);
 bool site_is_free(const struct site *s, float x, float y, float radius);
+/* How far a place is from the nearest of the walk. */
+float site_from_walk(const struct site *s, float x, float y);
 void site_walk_to(struct site *s, float x, float y);
 
 /* The scenes. */

@@ -16,15 +16,15 @@ static RTCGeometry mesh_geometry(RTCDevice device, const struct mesh *m)
 	return g;
 }
 
-static RTCScene mesh_scene(RTCDevice device, const struct mesh *m, bool commit)
+static RTCScene mesh_scene(RTCDevice device, const struct mesh *m, bool model)
 {
 	RTCScene scene = rtcNewScene(device);
 	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_NONE);
-	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
 	RTCGeometry g = mesh_geometry(device, m);
 	rtcAttachGeometryByID(scene, g, 0);
 	rtcReleaseGeometry(g);
-	if (commit)
+	if (model)
 		rtcCommitScene(scene);
 	return scene;
 }

@@ -8,14 +8,19 @@ const char *const world_scene_names[] = { "court", "street", "bridge", "hall", N
 static void (*const scenes[])(
 	struct site *) = { scene_court, scene_street, scene_bridge, scene_hall };
 
+static enum world_class class_of(const struct world *w, const struct hit *h)
+{
+	return g_array_index(w->site.objects, uint8_t, h->object);
+}
+
 /* How near anything but the ground comes to someone at (x, y), or 0 where there is no ground to
  * stand on. */
 static double clearance_m(const struct world *w, vec foot)
 {
 	double near = 100;
-	for (float up = 0.3f; up < 2.4f; up += 0.3f)
-		for (unsigned i = 0; i < 32; i++) {
-			float a = 2 * G_PI * ((float)i + up) / 32;
+	for (float up = 0.3f; up < 2.4f; up += 0.16f)
+		for (unsigned i = 0; i < 40; i++) {
+			float a = 2 * G_PI * ((float)i + up) / 40;
 			struct ray r = { foot + (vec){ 0, 0, up }, { sinf(a), cosf(a), 0 }, 2 };
 			struct hit h;
 			if (trace_solid(w, &r, false, &h) || trace_glass(w, &r, false, &h))
@@ -31,7 +36,8 @@ static bool find_foot(const struct world *w, float x, float y, vec *ret_foot)
 	if (!trace_solid(w, &down, false, &h))
 		return false;
 	*ret_foot = h.place;
-	return h.normal[2] > 0.8f && clearance_m(w, h.place) > reach_clear_m;
+	return h.normal[2] > 0.8f && class_of(w, &h) == WORLD_TERRAIN &&
+	       clearance_m(w, h.place) > reach_clear_m;
 }
 
 /* The wanted place, or the nearest free one on a spiral round it. */
@@ -59,6 +65,16 @@ static void set_rotation(struct world_station *s, struct dice *d)
 				t[i][0] * y[0][j] + t[i][1] * y[1][j] + t[i][2] * y[2][j];
 }
 
+/* A place moved aside may have come close to the one before. */
+static bool too_near(const struct world *w, vec foot)
+{
+	if (!w->stations->len)
+		return false;
+	const double *last =
+		g_array_index(w->stations, struct world_station, w->stations->len - 1).position_m;
+	return hypot(last[0] - foot[0], last[1] - foot[1]) < 5.05;
+}
+
 static void set_up_stations(struct world *w)
 {
 	struct dice d = dice_of(w->site.seed, 99);
@@ -69,6 +85,8 @@ static void set_up_stations(struct world *w)
 		double up = head_m + 0.1 * (roll(&d) - 0.5);
 		set_rotation(&s, &d);
 		if (!find_free(w, g_array_index(w->site.walk, vec, i), &foot))
+			continue;
+		if (too_near(w, foot))
 			continue;
 		s.position_m[0] = foot[0], s.position_m[1] = foot[1],
 		s.position_m[2] = foot[2] + up;
@@ -144,7 +162,7 @@ bool world_cast(const world *w, const double origin_m[3], const double direction
 	}
 	ret_surface->range_m = h.range_m;
 	ret_surface->instance = h.object;
-	ret_surface->class = g_array_index(w->site.objects, uint8_t, h.object);
+	ret_surface->class = class_of(w, &h);
 	ret_surface->optics = material_optics(h.material);
 	ret_surface->reflectivity = h.material->reflectivity *
 				    (0.6f + 0.4f * albedo[0] / MAX(h.material->colour[0], 0.01f));

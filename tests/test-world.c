@@ -1,0 +1,217 @@
+/* Worlds: every scene is built, is the same for the same seed, and is fit to be scanned. */
+#include <math.h>
+
+#include "sim/world.h"
+
+static const uint64_t seeds[] = { 1, 2, 7001 };
+
+/* What a panorama from some stations must show. */
+static const unsigned expected[] = {
+	/* court */ 1U << WORLD_BUILDING | 1U << WORLD_VEGETATION | 1U << WORLD_TERRAIN |
+		1U << WORLD_STRUCTURE | 1U << WORLD_VEHICLE | 1U << WORLD_PERSON |
+		1U << WORLD_FURNITURE | 1U << WORLD_NOTHING,
+	/* street */ 1U << WORLD_BUILDING | 1U << WORLD_VEGETATION | 1U << WORLD_TERRAIN |
+		1U << WORLD_STRUCTURE | 1U << WORLD_VEHICLE | 1U << WORLD_PERSON |
+		1U << WORLD_NOTHING,
+	/* bridge */ 1U << WORLD_BUILDING | 1U << WORLD_VEGETATION | 1U << WORLD_TERRAIN |
+		1U << WORLD_STRUCTURE | 1U << WORLD_WATER | 1U << WORLD_PERSON |
+		1U << WORLD_NOTHING,
+	/* hall */ 1U << WORLD_BUILDING | 1U << WORLD_VEGETATION | 1U << WORLD_TERRAIN |
+		1U << WORLD_FURNITURE | 1U << WORLD_PERSON,
+};
+
+struct given {
+	const char *scene;
+	unsigned expected;
+	uint64_t seed;
+};
+
+static void direction_of(double azimuth, double elevation, double ret[3])
+{
+	ret[0] = sin(azimuth) * cos(elevation);
+	ret[1] = cos(azimuth) * cos(elevation);
+	ret[2] = sin(elevation);
+}
+
+/* Directions spread over the sphere by the golden angle. */
+static void spread(unsigned i, unsigned n, double ret[3])
+{
+	direction_of(2.399963229728653 * i, asin(2 * (i + 0.5) / n - 1), ret);
+}
+
+static uint64_t fingerprint(const world *w)
+{
+	uint64_t sum = 14695981039346656037U;
+	for (unsigned i = 0; i < 10000; i++) {
+		struct world_station s;
+		struct surface h;
+		double d[3];
+		world_get_station(w, 1 + i % 4, &s);
+		spread(i, 10000, d);
+		world_cast(w, s.position_m, d, 200, &h);
+		const unsigned char *bytes[] = { (void *)&h.range_m, (void *)h.albedo,
+			(void *)&h.instance };
+		const size_t sizes[] = { sizeof(h.range_m), sizeof(h.albedo), sizeof(h.instance) };
+		for (unsigned k = 0; k < 3; k++)
+			for (size_t b = 0; b < sizes[k]; b++)
+				sum = (sum ^ bytes[k][b]) * 1099511628211U;
+	}
+	return sum;
+}
+
+static void check_surface(const struct surface *h, const double d[3])
+{
+	double length = 0, towards = 0;
+	for (unsigned k = 0; k < 3; k++) {
+		length += h->normal[k] * h->normal[k];
+		towards += h->normal[k] * d[k];
+		g_assert_cmpfloat(h->albedo[k], >=, 0);
+		g_assert_cmpfloat(h->albedo[k], <=, 1);
+	}
+	g_assert_cmpfloat_with_epsilon(length, 1, 1e-4);
+	g_assert_cmpfloat(towards, <=, 1e-6);
+	g_assert_cmpfloat(h->range_m, >, 0);
+	g_assert_cmpfloat(h->reflectivity, >, 0);
+	g_assert_cmpuint(h->instance, >, 0);
+	g_assert_cmpuint(h->class, >, WORLD_NOTHING);
+	g_assert_cmpuint(h->class, <, WORLD_CLASSES);
+}
+
+static unsigned classes_seen(const world *w, const struct world_station *s, unsigned n)
+{
+	unsigned seen = 0;
+	for (unsigned i = 0; i < n; i++) {
+		struct surface h;
+		double d[3];
+		spread(i, n, d);
+		if (world_cast(w, s->position_m, d, 200, &h))
+			check_surface(&h, d);
+		seen |= 1U << h.class;
+	}
+	return seen;
+}
+
+static void check_free(const world *w, const struct world_station *s, double ground_z)
+{
+	for (double up = 0.5; up <= 2.2; up += 0.17)
+		for (unsigned i = 0; i < 48; i++) {
+			double from[3] = { s->position_m[0], s->position_m[1], ground_z + up },
+			       d[3];
+			struct surface h;
+			direction_of(2 * G_PI * (i + up) / 48, 0, d);
+			if (world_cast(w, from, d, 1.2, &h))
+				g_assert_cmpuint(h.class, ==, WORLD_TERRAIN);
+		}
+}
+
+static void check_rotation(const struct world_station *s)
+{
+	for (unsigned i = 0; i < 3; i++)
+		for (unsigned j = 0; j < 3; j++) {
+			double dot = 0;
+			for (unsigned k = 0; k < 3; k++)
+				dot += s->rotation[k][i] * s->rotation[k][j];
+			g_assert_cmpfloat_with_epsilon(dot, i == j, 1e-12);
+		}
+	g_assert_cmpfloat(s->rotation[2][2], >=, cos(0.5001 * G_PI / 180));
+}
+
+static void check_stations(const world *w)
+{
+	struct world_station last = { 0 };
+	g_assert_cmpuint(world_station_count(w), >=, 10);
+	for (uint32_t i = 1; i <= world_station_count(w); i++) {
+		struct world_station s;
+		struct surface h;
+		const double down[3] = { 0, 0, -1 };
+		world_get_station(w, i, &s);
+		g_assert_true(world_cast(w, s.position_m, down, 10, &h));
+		g_assert_cmpuint(h.class, ==, WORLD_TERRAIN);
+		g_assert_cmpfloat(h.range_m, >, 1.5);
+		g_assert_cmpfloat(h.range_m, <, 1.9);
+		check_free(w, &s, s.position_m[2] - h.range_m);
+		check_rotation(&s);
+		double step = hypot(
+			s.position_m[0] - last.position_m[0], s.position_m[1] - last.position_m[1]);
+		if (i > 1)
+			g_assert_true(step >= 5 && step <= 20);
+		last = s;
+	}
+}
+
+static void check_radiance(const world *w)
+{
+	struct world_station s;
+	double sum = 0;
+	world_get_station(w, 1, &s);
+	for (unsigned i = 0; i < 3000; i++) {
+		double d[3];
+		float rgb[3];
+		spread(i, 3000, d);
+		world_radiance(w, s.position_m, d, rgb);
+		for (unsigned k = 0; k < 3; k++) {
+			g_assert_true(isfinite(rgb[k]) && rgb[k] >= 0 && rgb[k] < 10);
+			sum += rgb[k] / 9000;
+		}
+	}
+	g_assert_cmpfloat(sum, >, 0.1);
+	g_assert_cmpfloat(sum, <, 1.0);
+}
+
+static void test_scene(gconstpointer data)
+{
+	const struct given *g = data;
+	g_autoptr(GError) error = NULL;
+	g_autoptr(world) w = world_new(g->scene, g->seed, &error);
+	g_assert_no_error(error);
+	check_stations(w);
+	check_radiance(w);
+	unsigned seen = 0;
+	for (uint32_t i = 1; i <= world_station_count(w); i++) {
+		struct world_station s;
+		world_get_station(w, i, &s);
+		seen |= classes_seen(w, &s, 3000);
+	}
+	g_assert_cmphex(seen & g->expected, ==, g->expected);
+	if (g_str_equal(g->scene, "hall")) /* closed: no ray gets out */
+		g_assert_false(seen & 1U << WORLD_NOTHING);
+}
+
+static void test_again(gconstpointer data)
+{
+	const struct given *g = data;
+	g_autoptr(world) one = world_new(g->scene, g->seed, NULL);
+	g_autoptr(world) again = world_new(g->scene, g->seed, NULL);
+	g_autoptr(world) other = world_new(g->scene, g->seed + 1, NULL);
+	g_assert_cmphex(fingerprint(one), ==, fingerprint(again));
+	g_assert_cmphex(fingerprint(one), !=, fingerprint(other));
+}
+
+static void test_unknown(void)
+{
+	g_autoptr(GError) error = NULL;
+	g_assert_null(world_new("moon", 1, &error));
+	g_assert_nonnull(error);
+	for (unsigned i = 0; world_scene_names[i]; i++)
+		g_assert_nonnull(strstr(error->message, world_scene_names[i]));
+	world_free(NULL);
+}
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	for (unsigned i = 0; world_scene_names[i]; i++) {
+		for (unsigned k = 0; k < G_N_ELEMENTS(seeds); k++) {
+			struct given *g = g_new(struct given, 1);
+			*g = (struct given){ world_scene_names[i], expected[i], seeds[k] };
+			g_autofree char *path = g_strdup_printf("/world/%s/%u", g->scene, k + 1);
+			g_test_add_data_func_full(path, g, test_scene, g_free);
+		}
+	}
+	/* the two that are built fastest stand for all */
+	static const struct given again[] = { { "court", 0, 1 }, { "hall", 0, 1 } };
+	g_test_add_data_func("/world/court/again", &again[0], test_again);
+	g_test_add_data_func("/world/hall/again", &again[1], test_again);
+	g_test_add_func("/world/unknown", test_unknown);
+	return g_test_run();
+}
