@@ -16,8 +16,8 @@ struct scan_name {
 struct site {
 	char *path, *scans_path;
 	manifest *m;
-	int lock_fd; /* of the folder itself; -1 for readers. The kernel lets the lock go with the
-			process. */
+	/* Of the folder itself; -1 for readers. The kernel lets the lock go with the process. */
+	int lock_fd;
 };
 
 /* G_IO_ERROR "site oak: WHAT"; returns false. */

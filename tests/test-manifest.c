@@ -127,6 +127,8 @@ static void test_bad_texts(void)
 		g_assert_null(parse(bad_texts[i].text, &error));
 		g_assert_cmpstr(error->message, ==, whole);
 	}
+	g_autoptr(manifest) without_schema = manifest_parse("{}", 2, "x", 0, NULL);
+	g_assert_nonnull(without_schema);
 	g_autoptr(GError) zero = NULL;
 	g_assert_null(manifest_parse("{\"a\":\"\0\"}", 9, "x", 1, &zero));
 	g_assert_cmpstr(zero->message, ==, "x: line 1, column 7: this is not UTF-8 text");
@@ -148,6 +150,7 @@ static void test_depth(void)
 	g_autoptr(GError) error = NULL, endless = NULL;
 	g_autoptr(JsonNode) deep = read_nested(STRICT_JSON_DEPTH_MAX, &error);
 	g_assert_no_error(error);
+	g_assert_nonnull(deep);
 	g_assert_null(read_nested(STRICT_JSON_DEPTH_MAX + 1, &error));
 	g_assert_true(strstr(error->message, "nested too deeply"));
 	g_autofree char *text = g_strnfill(1000000, '[');
@@ -302,6 +305,7 @@ static void test_too_large(struct folder *f, gconstpointer data)
  * between them. */
 static void save_until_killed(const char *path, int64_t number)
 {
+	alarm(60); /* should the parent end first */
 	g_autoptr(manifest) m = manifest_new(path);
 	manifest_set_int(m, "schema", 1);
 	for (;; number++) {

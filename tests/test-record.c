@@ -312,35 +312,36 @@ static void put32(uint8_t *at, uint32_t value)
 	memcpy(at, &value, sizeof value);
 }
 
+static const struct {
+	size_t field;
+	uint32_t value;
+	const char *message;
+} spoilt_fields[] = {
+	{ 0, 0, "no entry begins there" },
+	{ 4, 77, "there is no kind 77 of entry" },
+	{ 8, 3221225472u, "it claims 3221225472 bytes, but the file ends after 112" },
+	{ 8, 4294967295u, "it claims 4294967295 bytes, but the file ends after 112" },
+	{ 8, 113, "it claims 113 bytes, but the file ends after 112" },
+	{ 8, 1, "its checksum does not match" },
+	{ 12, 1, "it is numbered 1" },
+	{ 16, 1, "its checksum does not match" },
+	{ 24, 1, "its reserved bytes are not zero" },
+	{ 28, 1, "its checksum does not match" },
+};
+
 /* One field of entry 2 is overwritten; the whole sentence is compared. */
 static void test_sentences(struct folder *f, gconstpointer data)
 {
 	(void)data;
-	static const struct {
-		size_t field;
-		uint32_t value;
-		const char *message;
-	} cases[] = {
-		{ 0, 0, "no entry begins there" },
-		{ 4, 77, "there is no kind 77 of entry" },
-		{ 8, 3221225472u, "it claims 3221225472 bytes, but the file ends after 112" },
-		{ 8, 4294967295u, "it claims 4294967295 bytes, but the file ends after 112" },
-		{ 8, 113, "it claims 113 bytes, but the file ends after 112" },
-		{ 8, 1, "its checksum does not match" },
-		{ 12, 1, "it is numbered 1" },
-		{ 16, 1, "its checksum does not match" },
-		{ 24, 1, "its reserved bytes are not zero" },
-		{ 28, 1, "its checksum does not match" },
-	};
 	write_known(f->file, 5, SMALL);
 	g_autoptr(GByteArray) file = contents(f->file);
 	g_autoptr(GArray) offsets = entry_offsets(file);
 	uint64_t at = g_array_index(offsets, uint64_t, 2);
-	for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+	for (size_t i = 0; i < G_N_ELEMENTS(spoilt_fields); i++) {
 		g_autofree uint8_t *bytes = g_memdup2(file->data, file->len);
 		g_autofree char *message = g_strdup_printf(
-			"x.rec: entry 2 at byte %u: %s", (unsigned)at, cases[i].message);
-		put32(bytes + at + cases[i].field, cases[i].value);
+			"x.rec: entry 2 at byte %u: %s", (unsigned)at, spoilt_fields[i].message);
+		put32(bytes + at + spoilt_fields[i].field, spoilt_fields[i].value);
 		g_autoptr(GError) error = NULL;
 		g_autoptr(record_reader) r = open_copy(bytes, file->len, NULL);
 		struct record_entry e;

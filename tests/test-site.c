@@ -188,6 +188,7 @@ static void test_scans(struct folder *f, gconstpointer data)
 		g_autofree char *json = g_build_filename(partial, "scan.json", NULL);
 		g_autoptr(manifest) m = manifest_load(json, 1, &error);
 		g_assert_no_error(error);
+		g_assert_nonnull(m);
 		g_assert_true(site_finish_scan(s, i, &error));
 		g_autofree char *whole = site_scan_path(s, i);
 		g_assert_true(g_file_test(whole, G_FILE_TEST_IS_DIR));
@@ -247,14 +248,15 @@ static void test_discard(struct folder *f, gconstpointer data)
 	g_assert_cmpuint(begin(s), ==, 1);
 }
 
+static const char *const foreign[] = { "0000", "3", "00003", "0004 (copy)", "000x", ".DS_Store",
+	".0005.partial.bak", ".0006.new.", ".0006.new.abcdefg", "readme.txt" };
+static const char *const remains[] = { ".0007.new.AbCdEf", ".0008.discarded" };
+
 static void test_names(struct folder *f, gconstpointer data)
 {
 	(void)data;
 	g_autoptr(GError) error = NULL;
 	g_autoptr(site) s = open_for_writing(f->oak);
-	static const char *const foreign[] = { "0000", "3", "00003", "0004 (copy)", "000x",
-		".DS_Store", ".0005.partial.bak", ".0006.new.", ".0006.new.abcdefg", "readme.txt" };
-	static const char *const remains[] = { ".0007.new.AbCdEf", ".0008.discarded" };
 	for (size_t i = 0; i < G_N_ELEMENTS(foreign); i++) {
 		g_autofree char *name = g_build_filename("scans", foreign[i], "x", NULL);
 		put_file(f, name, "x");
@@ -304,6 +306,7 @@ static void test_lock(struct folder *f, gconstpointer data)
 	g_assert_cmpint(pipe(ready), ==, 0);
 	pid_t child = fork();
 	if (child == 0) {
+		alarm(60); /* should the parent end first */
 		site *s = site_open_for_writing(f->oak, NULL);
 		g_assert_cmpint(write(ready[1], s ? "y" : "n", 1), ==, 1);
 		pause();
@@ -318,6 +321,7 @@ static void test_lock(struct folder *f, gconstpointer data)
 	kill(child, SIGKILL);
 	g_assert_cmpint(waitpid(child, &status, 0), ==, child);
 	g_autoptr(site) writer = open_for_writing(f->oak);
+	g_assert_nonnull(writer);
 	g_assert_null(site_open_for_writing(f->oak, NULL));
 	close(ready[0]);
 	close(ready[1]);
@@ -341,6 +345,7 @@ static void test_read_only(struct folder *f, gconstpointer data)
 /* Begins, finishes and discards scans in turn. */
 static void scan_until_killed(const char *path)
 {
+	alarm(60); /* should the parent end first */
 	site *s = site_open_for_writing(path, NULL);
 	g_autoptr(manifest) scan = manifest_new("scan.json");
 	manifest_set_int(scan, "schema", 1);
@@ -372,6 +377,7 @@ static void check_after_kill(const char *path)
 		g_autofree char *json = g_build_filename(folder, "scan.json", NULL);
 		g_autoptr(manifest) m = manifest_load(json, 1, &error);
 		g_assert_no_error(error);
+		g_assert_nonnull(m);
 	}
 	g_autofree char *scans_path = g_build_filename(path, "scans", NULL);
 	g_autoptr(GPtrArray) names = files_names(scans_path, NULL);
