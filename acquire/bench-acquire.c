@@ -20,7 +20,8 @@ static double cpu_seconds(void)
 {
 	struct rusage u;
 	getrusage(RUSAGE_SELF, &u);
-	return u.ru_utime.tv_sec + u.ru_stime.tv_sec + 1e-6 * (u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+	return u.ru_utime.tv_sec + u.ru_stime.tv_sec +
+	       1e-6 * (u.ru_utime.tv_usec + u.ru_stime.tv_usec);
 }
 
 static double peak_mib(void)
@@ -43,11 +44,15 @@ static bool is_over(const struct run_progress *p, gpointer user_data)
 }
 
 /* All that a scan does up to the last beam: dialogue, stage, record, placing, coverage, preview. */
-static bool measure_recording(const struct bench_acquire_options *o, const char *path, struct figures *f, GError **error)
+static bool measure_recording(
+	const struct bench_acquire_options *o, const char *path, struct figures *f, GError **error)
 {
 	struct limit limit = { 0 };
-	g_autofree char *uri = g_strdup_printf("sim:hall?speed=1&ares=%u&camera=none&divergence_mrad=0", (o->beams - 1) / 3 * 4);
-	struct run_options options = { .preset = preset_find("fine"), .progress = is_over, .user_data = &limit };
+	g_autofree char *uri = g_strdup_printf(
+		"sim:hall?speed=1&ares=%u&camera=none&divergence_mrad=0", (o->beams - 1) / 3 * 4);
+	struct run_options options = {
+		.preset = preset_find("fine"), .progress = is_over, .user_data = &limit
+	};
 	g_autoptr(GError) stopped = NULL;
 	g_autoptr(record_writer) record = record_create(path, error);
 	g_autoptr(head) h = record ? head_open(uri, error) : NULL;
@@ -56,13 +61,14 @@ static bool measure_recording(const struct bench_acquire_options *o, const char 
 	h->camera = NULL;
 	g_autoptr(run) r = run_new(h, &options);
 	g_autofree char *text = scan_session_text(uri, h);
-	struct record_entry e = {
-		.kind = RECORD_SESSION, .length = strlen(text), .time_ns = head_now_ns(h), .payload = text
-	};
+	struct record_entry e = { .kind = RECORD_SESSION,
+		.length = strlen(text),
+		.time_ns = head_now_ns(h),
+		.payload = text };
 	head_attach_record(h, record);
 	limit.end_us = INT64_MAX;
-	if (!record_write(record, e.kind, e.time_ns, text, e.length, NULL, 0, error) || !run_begin(r, &e, error) ||
-		!run_prepare(r, error))
+	if (!record_write(record, e.kind, e.time_ns, text, e.length, NULL, 0, error) ||
+		!run_begin(r, &e, error) || !run_prepare(r, error))
 		return false;
 	double cpu = cpu_seconds();
 	int64_t start_us = g_get_monotonic_time();
@@ -93,7 +99,8 @@ static bool measure_decoding(const char *path, struct figures *f, GError **error
 			g_byte_array_append(bytes, e.payload, e.length);
 	double start = cpu_seconds(), spent = 0;
 	uint64_t fed = 0;
-	for (struct decoder_sink sink = { 0 }; spent < 0.5 && bytes->len; spent = cpu_seconds() - start) {
+	for (struct decoder_sink sink = { 0 }; spent < 0.5 && bytes->len;
+		spent = cpu_seconds() - start) {
 		g_autoptr(decoder) d = decoder_new("scip", &sink);
 		decoder_feed(d, bytes->data, bytes->len, 0);
 		fed += bytes->len;
@@ -106,14 +113,17 @@ static void print(const struct bench_acquire_options *o, const struct figures *f
 {
 	double core = 100 * f->cpu_s / f->wall_s;
 	if (!o->json) {
-		printf("acquire: SCIP, 40 Hz x %u beams with intensity, simulated in real time\n", o->beams);
+		printf("acquire: SCIP, 40 Hz x %u beams with intensity, simulated in real time\n",
+			o->beams);
 		printf("  %-28s %10.1f s\n", "recorded", f->wall_s);
 		printf("  %-28s %10" G_GUINT64_FORMAT "\n", "revolutions", f->report.revolutions);
-		printf("  %-28s %10" G_GUINT64_FORMAT "      (reach: 0)\n", "revolutions lost", f->report.lost_revolutions);
+		printf("  %-28s %10" G_GUINT64_FORMAT "      (reach: 0)\n", "revolutions lost",
+			f->report.lost_revolutions);
 		printf("  %-28s %10.2f %%    (reach: <= 10)\n", "of one core", core);
 		printf("  %-28s %10.1f MiB  (reach: <= 64)\n", "peak resident memory", f->peak_mib);
 		printf("  %-28s %10.2f MB/s\n", "written", (double)f->bytes * 1e-6 / f->wall_s);
-		printf("  %-28s %10.0f MB/s (reach: >= 200)\n", "SCIP decoder, one core", f->decode_mb_s);
+		printf("  %-28s %10.0f MB/s (reach: >= 200)\n", "SCIP decoder, one core",
+			f->decode_mb_s);
 		return;
 	}
 	JsonObject *j = json_object_new();

@@ -1,11 +1,12 @@
 #ifndef ACQUIRE_DECODER_H
 #define ACQUIRE_DECODER_H
-/* A decoder turns the bytes that a lidar sends, in pieces of any size, into scanlines and replies. It never writes,
- * waits or looks at a clock, so the same decoder reads a live wire and a record made years ago. After garbage, a lost
- * byte or a cut telegram it finds the next good telegram by itself; every telegram that it gives out was whole and, where
- * the protocol has sums, correct.
+/* A decoder turns the bytes that a lidar sends, in pieces of any size, into scanlines and replies.
+ * It never writes, waits or looks at a clock, so the same decoder reads a live wire and a record
+ * made years ago. After garbage, a lost byte or a cut telegram it finds the next good telegram by
+ * itself; every telegram that it gives out was whole and, where the protocol has sums, correct.
  *
- * One owner; not thread-safe. Feeding allocates only while the decoder grows to the size of the device's telegrams. */
+ * One owner; not thread-safe. Feeding allocates only while the decoder grows to the size of the
+ * device's telegrams. */
 #include "acquire/scanline.h"
 #include <glib.h>
 #include <stddef.h>
@@ -14,10 +15,13 @@ typedef struct decoder decoder;
 
 /* The answer to a command. */
 struct lidar_reply {
-	int64_t arrival_ns; /* of its last byte */
-	const char *command; /* SCIP: the echoed line without its string ("PP", "TM1"); CoLa: type and name ("sRA DeviceIdent") */
-	const char *status; /* SCIP: two characters ("00", "0E"); CoLa: "" or, for sFA, the error number in hex */
-	const char *text; /* what followed: SCIP lines without their sums, joined by '\n'; CoLa values, space-separated */
+	int64_t arrival_ns;  /* of its last byte */
+	const char *command; /* SCIP: the echoed line without its string ("PP", "TM1"); CoLa: type
+				and name ("sRA DeviceIdent") */
+	const char *status;  /* SCIP: two characters ("00", "0E"); CoLa: "" or, for sFA, the error
+				number in hex */
+	const char *text;    /* what followed: SCIP lines without their sums, joined by '\n'; CoLa
+				values, space-separated */
 };
 
 /* What a device told of itself; empty strings and zeros until it has. */
@@ -32,12 +36,14 @@ struct lidar_identity {
 struct decoder_counts {
 	uint64_t scanlines, replies;
 	uint64_t bad_sums, malformed; /* telegrams refused */
-	uint64_t skipped_bytes; /* that belonged to no telegram */
+	uint64_t skipped_bytes;       /* that belonged to no telegram */
 };
 
 struct decoder_sink {
-	void (*scanline)(const struct scanline *line, gpointer user_data); /* line lives during the call */
-	void (*reply)(const struct lidar_reply *reply, gpointer user_data); /* likewise; may be NULL */
+	void (*scanline)(
+		const struct scanline *line, gpointer user_data); /* line lives during the call */
+	void (*reply)(
+		const struct lidar_reply *reply, gpointer user_data); /* likewise; may be NULL */
 	gpointer user_data;
 };
 
@@ -45,7 +51,8 @@ struct decoder_sink {
 struct decoder_ops {
 	const char *protocol; /* "scip", "cola" */
 	decoder *(*create)(void);
-	/* bytes may end anywhere; arrival_ns is when the last of them came. Gives out all that became whole. */
+	/* bytes may end anywhere; arrival_ns is when the last of them came. Gives out all that
+	 * became whole. */
 	void (*feed)(decoder *d, const void *bytes, size_t length, int64_t arrival_ns);
 	void (*destroy)(decoder *d);
 };

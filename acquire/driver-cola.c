@@ -33,8 +33,9 @@ static pump_reply *ask(struct pump *p, const char *command, GError **error)
 			return r;
 		if (!g_str_has_prefix(r->command, "sFA"))
 			continue;
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "the lidar refuses '%s': error %s, %s", command,
-			r->status, cola_error_text(r->status));
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
+			"the lidar refuses '%s': error %s, %s", command, r->status,
+			cola_error_text(r->status));
 		pump_reply_free(r);
 		return NULL;
 	}

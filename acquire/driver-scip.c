@@ -84,7 +84,8 @@ static bool check_health(struct pump *p, GError **error)
 		!pump_for(p, 1000 * MILLISECOND_NS, error) || !ask_state(p, &still, error))
 		return false;
 	if (still)
-		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED, "the lidar says that it is not well: %s", still);
+		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
+			"the lidar says that it is not well: %s", still);
 	return !still;
 }
 

@@ -146,5 +146,6 @@ void placement_place(placement *p, const struct scanline *line, const stage_trac
 
 bool placement_is_usable(const struct placed_line *placed, uint32_t columns)
 {
-	return !placed->suspect && fabs(placed->turn_rad) <= COLUMNS_PER_TURN_MAX * 2 * G_PI / columns;
+	return !placed->suspect &&
+	       fabs(placed->turn_rad) <= COLUMNS_PER_TURN_MAX * 2 * G_PI / columns;
 }

@@ -12,8 +12,8 @@ static char *device, *preset_name, *preview;
 static gboolean resume, salvage, discard, json;
 
 static const GOptionEntry entries[] = {
-	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device, "The head: sim:SCENE, sim:/SOCKET or replay:FILE",
-		"URI" },
+	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device,
+		"The head: sim:SCENE, sim:/SOCKET or replay:FILE", "URI" },
 	{ "preset", 'p', 0, G_OPTION_ARG_STRING, &preset_name,
 		"draft (750x198), standard (1500x396) or fine (3000x792)", "NAME" },
 	{ "preview", 0, 0, G_OPTION_ARG_FILENAME, &preview,

@@ -83,7 +83,8 @@ static bool begin_new(struct recording *r, GError **error)
 	}
 	r->preset = r->options->preset;
 	r->scan = scan_manifest_begin(r->preset, r->options->device);
-	return site_begin_scan(r->site, r->scan, &r->number, error) && name_paths(r) && load_manifest(r, error);
+	return site_begin_scan(r->site, r->scan, &r->number, error) && name_paths(r) &&
+	       load_manifest(r, error);
 }
 
 static bool begin_resumed(struct recording *r, GError **error)
@@ -110,10 +111,12 @@ char *scan_partial_device(const site *s, GError **error)
 	return copy;
 }
 
-/* Copies what is whole into a new record that takes the damaged one's place; that stays beside it. */
+/* Copies what is whole into a new record that takes the damaged one's place; that stays beside it.
+ */
 static bool salvage_record(struct recording *r, GError **error)
 {
-	g_autofree char *fresh = g_strconcat(r->raw, ".new", NULL), *damaged = g_strconcat(r->raw, ".damaged", NULL);
+	g_autofree char *fresh = g_strconcat(r->raw, ".new", NULL),
+			*damaged = g_strconcat(r->raw, ".damaged", NULL);
 	unlink(fresh);
 	g_autoptr(record_reader) reader = record_open(r->raw, error);
 	g_autoptr(record_writer) writer = reader ? record_create(fresh, error) : NULL;
@@ -133,7 +136,8 @@ static bool salvage_record(struct recording *r, GError **error)
 		return false;
 	if (rename(r->raw, damaged) == 0 && rename(fresh, r->raw) == 0)
 		return true;
-	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", r->raw, g_strerror(errno));
+	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", r->raw,
+		g_strerror(errno));
 	return false;
 }
 
@@ -197,8 +201,8 @@ static bool finish_record(struct recording *r, GError **error)
 }
 
 /* Panorama, planes and manifest of what stands in folder. */
-static bool develop_into(const char *folder, manifest *scan,
-	struct scan_result *result, GError **error)
+static bool develop_into(
+	const char *folder, manifest *scan, struct scan_result *result, GError **error)
 {
 	struct develop_options o = { 0 };
 	struct develop_result d = { 0 };

@@ -289,14 +289,16 @@ static void plug_lidar(stream *s)
 static void feed_track(struct session *session)
 {
 	for (guint i = 0; i < session->stage_events->len; i++) {
-		const struct timed_event *t = &g_array_index(session->stage_events, struct timed_event, i);
-		stage_track_feed(
-			session->track, &t->event, device_clock_host_ns(session->stage_clock, (double)t->ticks));
+		const struct timed_event *t =
+			&g_array_index(session->stage_events, struct timed_event, i);
+		stage_track_feed(session->track, &t->event,
+			device_clock_host_ns(session->stage_clock, (double)t->ticks));
 	}
 	g_array_set_size(session->stage_events, 0);
 }
 
-/* The last of a batch waited least: only it says something of the delay, and it has to before the others are timed. */
+/* The last of a batch waited least: only it says something of the delay, and it has to before the
+ * others are timed. */
 static void take_stage(stream *s, const struct record_entry *e)
 {
 	const struct stage_event *events = e->payload;
@@ -311,7 +313,8 @@ static void take_stage(stream *s, const struct record_entry *e)
 			device_clock_unwrap(session->stage_clock, events[i].ticks, e->time_ns) };
 		g_array_append_val(session->stage_events, t);
 	}
-	struct timed_event *timed = &g_array_index(session->stage_events, struct timed_event, first);
+	struct timed_event *timed =
+		&g_array_index(session->stage_events, struct timed_event, first);
 	device_clock_add_arrival(session->stage_clock, timed[n - 1].ticks, e->time_ns);
 	if (!s->learning)
 		feed_track(session);

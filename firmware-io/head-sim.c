@@ -449,8 +449,8 @@ static head *head_open_socket(const char *path, GError **error)
 	if (fd >= 0 && strlen(path) < sizeof address.sun_path &&
 		connect(fd, (struct sockaddr *)&address, sizeof address) == 0)
 		return head_open_link(fd, error);
-	g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "device 'sim:%s': no simulator listens there: %s", path,
-		g_strerror(errno));
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE,
+		"device 'sim:%s': no simulator listens there: %s", path, g_strerror(errno));
 	if (fd >= 0)
 		close(fd);
 	return NULL;

@@ -32,7 +32,7 @@ struct head {
 	camera *camera; /* NULL: none */
 	outbox *out;
 	host *host;
-	truth_log *log; /* NULL: none */
+	truth_log *log;    /* NULL: none */
 	double camera_rad; /* where the front was when faults of the camera were last looked for */
 	int64_t now_ns;
 	int64_t origin_ns; /* real time: CLOCK_MONOTONIC when the head began, which its time agrees

@@ -12,7 +12,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define KILLS       200
+#ifdef __SANITIZE_ADDRESS__
+#define KILLS 40 /* what is tested here is the disk, not the memory: a few under sanitizers do */
+#else
+#define KILLS 200
+#endif
 #define DESCRIPTION "hall?seed=3&ares=360&camera=64x96&divergence_mrad=0"
 
 struct field {
@@ -209,9 +213,10 @@ static void test_kills(void)
 	f.site = g_build_filename(f.folder, "site", NULL);
 	f.socket = g_build_filename(f.folder, "sim", NULL);
 	start_simulator(&f);
-	double whole_s = measure(&f);
+	/* The first scan waits for the simulator's caches to fill. */
+	double first_s = measure(&f), second_s = measure(&f), whole_s = MIN(first_s, second_s);
 	while (f.kills < KILLS)
-		scan_and_kill(&f, 1.3 * whole_s);
+		scan_and_kill(&f, 1.2 * whole_s);
 	if (find_partial(&f)) {
 		int status;
 		waitpid(start_scan(&f, true), &status, 0);
