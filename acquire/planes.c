@@ -222,7 +222,7 @@ static bool load_plane(panorama *p, enum plane plane, const char *folder, GError
 static bool check_cells(const panorama *p, const char *folder, GError **error)
 {
 	for (size_t i = 0; i < (size_t)p->desc.columns * p->desc.rows; i++) {
-		bool has_range = p->range_m[i] > 0 && p->range_m[i] < 1e6f;
+		bool has_range = p->range_m[i] > 0 && p->range_m[i] < PANORAMA_RANGE_MAX_M;
 		bool wants_range = p->cell[i] == CELL_MEASURED || p->cell[i] == CELL_FILLED;
 		if (p->cell[i] <= CELL_NO_RETURN && has_range == wants_range &&
 			(has_range || p->range_m[i] == 0))
