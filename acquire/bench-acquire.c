@@ -86,6 +86,11 @@ static bool measure_recording(
 	return record_close(g_steal_pointer(&record), error);
 }
 
+static void count_line(const struct scanline *line, gpointer user_data)
+{
+	*(uint64_t *)user_data += line->beams;
+}
+
 /* The lidar's bytes of the record through a decoder, again and again for half a second. */
 static bool measure_decoding(const char *path, struct figures *f, GError **error)
 {
@@ -98,9 +103,9 @@ static bool measure_decoding(const char *path, struct figures *f, GError **error
 		if (e.kind == RECORD_LIDAR_IN)
 			g_byte_array_append(bytes, e.payload, e.length);
 	double start = cpu_seconds(), spent = 0;
-	uint64_t fed = 0;
-	for (struct decoder_sink sink = { 0 }; spent < 0.5 && bytes->len;
-		spent = cpu_seconds() - start) {
+	uint64_t fed = 0, beams = 0;
+	for (struct decoder_sink sink = { .scanline = count_line, .user_data = &beams };
+		spent < 0.5 && bytes->len; spent = cpu_seconds() - start) {
 		g_autoptr(decoder) d = decoder_new("scip", &sink);
 		decoder_feed(d, bytes->data, bytes->len, 0);
 		fed += bytes->len;

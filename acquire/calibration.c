@@ -3,6 +3,18 @@
 #include <math.h>
 #include <string.h>
 
+/* Ticks in a record have 32 bits (stage.h, camera.h). */
+#define CLOCK_BITS_MAX 32
+/* Below, a frame has no room for its chroma's neighbours. */
+#define CAMERA_SIDE_MIN 16
+
+static double number_of(JsonNode *node)
+{
+	GType type = node && JSON_NODE_HOLDS_VALUE(node) ? json_node_get_value_type(node)
+							 : G_TYPE_INVALID;
+	return type == G_TYPE_INT64 || type == G_TYPE_DOUBLE ? json_node_get_double(node) : NAN;
+}
+
 static bool get_numbers(
 	const manifest *m, const char *key, double *ret, guint n, double limit, GError **error)
 {
@@ -12,7 +24,7 @@ static bool get_numbers(
 		JsonNode *e = array && json_array_get_length(array) == n
 				      ? json_array_get_element(array, i)
 				      : NULL;
-		double v = e && JSON_NODE_HOLDS_VALUE(e) ? json_node_get_double(e) : NAN;
+		double v = number_of(e);
 		if (!(fabs(v) <= limit)) {
 			g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
 				"%s: '%s' must be %u numbers within %g", manifest_path(m), key, n,
@@ -24,6 +36,22 @@ static bool get_numbers(
 	return true;
 }
 
+/* Rows of length one, at right angles, and no mirror: the third is the cross product of the others.
+ */
+static bool is_rotation(const double r[3][3])
+{
+	double off = 0, dot = 0, norm[2] = { 0 };
+	for (int i = 0; i < 3; i++) {
+		int a = (i + 1) % 3, b = (i + 2) % 3;
+		dot += r[0][i] * r[1][i];
+		norm[0] += r[0][i] * r[0][i];
+		norm[1] += r[1][i] * r[1][i];
+		off = fmax(off, fabs(r[0][a] * r[1][b] - r[0][b] * r[1][a] - r[2][i]));
+	}
+	return off < 1e-3 && fabs(dot) < 1e-3 && fabs(norm[0] - 1) < 1e-3 &&
+	       fabs(norm[1] - 1) < 1e-3;
+}
+
 static bool get_matrix(const manifest *m, const char *key, double ret[3][3], GError **error)
 {
 	JsonNode *node = manifest_get_node(m, key);
@@ -33,13 +61,12 @@ static bool get_matrix(const manifest *m, const char *key, double ret[3][3], GEr
 		JsonNode *rn = json_array_get_element(rows, i);
 		JsonArray *row = JSON_NODE_HOLDS_ARRAY(rn) ? json_node_get_array(rn) : NULL;
 		good = row && json_array_get_length(row) == 3;
-		double norm = 0;
 		for (guint j = 0; good && j < 3; j++) {
-			ret[i][j] = json_array_get_double_element(row, j);
-			norm += ret[i][j] * ret[i][j];
+			ret[i][j] = number_of(json_array_get_element(row, j));
+			good = isfinite(ret[i][j]);
 		}
-		good = good && fabs(norm - 1) < 1e-3;
 	}
+	good = good && is_rotation(ret);
 	if (!good)
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
 			"%s: '%s' must be a rotation: three rows of three numbers",
@@ -69,8 +96,12 @@ static bool parse_lidar(const manifest *m, struct lidar_calibration *l, GError *
 		!get_numbers(m, "lidar.rotation_deg", degrees, 3, 180, error) ||
 		!get_numbers(m, "lidar.translation_m", l->translation_m, 3, 10, error))
 		return false;
+	if (fabs(l->beam_direction) != 1) {
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: 'lidar.beam_direction' must be 1 or -1", manifest_path(m));
+		return false;
+	}
 	l->beam_zero_rad *= G_PI / 180;
-	l->beam_direction = l->beam_direction < 0 ? -1 : 1;
 	rotation_of(degrees, l->rotation);
 	return true;
 }
@@ -83,7 +114,7 @@ static bool parse_stage(const manifest *m, struct stage_calibration *s, GError *
 		!manifest_get_number(
 			m, "stage.azimuth_zero_deg", -360, 360, &s->azimuth_zero_rad, error) ||
 		!manifest_get_number(m, "stage.clock_hz", 1, 1e10, &s->clock_hz, error) ||
-		!manifest_get_int(m, "stage.clock_bits", 8, 64, &bits, error))
+		!manifest_get_int(m, "stage.clock_bits", 8, CLOCK_BITS_MAX, &bits, error))
 		return false;
 	s->azimuth_zero_rad *= G_PI / 180;
 	s->index_slots = slots;
@@ -94,8 +125,8 @@ static bool parse_stage(const manifest *m, struct stage_calibration *s, GError *
 static bool parse_camera(const manifest *m, struct camera_calibration *c, GError **error)
 {
 	int64_t width, height, bits;
-	if (!manifest_get_int(m, "camera.width", 2, 16384, &width, error) ||
-		!manifest_get_int(m, "camera.height", 2, 16384, &height, error) ||
+	if (!manifest_get_int(m, "camera.width", CAMERA_SIDE_MIN, 16384, &width, error) ||
+		!manifest_get_int(m, "camera.height", CAMERA_SIDE_MIN, 16384, &height, error) ||
 		!manifest_get_number(m, "camera.fx", 1, 1e6, &c->fx, error) ||
 		!manifest_get_number(m, "camera.fy", 1, 1e6, &c->fy, error) ||
 		!manifest_get_number(m, "camera.cx", -1e5, 1e5, &c->cx, error) ||
@@ -104,9 +135,14 @@ static bool parse_camera(const manifest *m, struct camera_calibration *c, GError
 		!get_matrix(m, "camera.rotation", c->rotation, error) ||
 		!get_numbers(m, "camera.translation_m", c->translation_m, 3, 10, error) ||
 		!manifest_get_number(m, "camera.clock_hz", 1, 1e10, &c->clock_hz, error) ||
-		!manifest_get_int(m, "camera.clock_bits", 8, 64, &bits, error) ||
+		!manifest_get_int(m, "camera.clock_bits", 8, CLOCK_BITS_MAX, &bits, error) ||
 		!manifest_get_number(m, "camera.readout_us", 0, 1e6, &c->readout_us, error))
 		return false;
+	if (width % 2 || height % 2) {
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"%s: 'camera.width' and 'camera.height' must be even", manifest_path(m));
+		return false;
+	}
 	c->width = width;
 	c->height = height;
 	c->clock_bits = bits;

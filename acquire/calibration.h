@@ -31,7 +31,7 @@ struct stage_calibration {
 };
 
 struct camera_calibration {
-	uint32_t width, height;
+	uint32_t width, height;  /* even */
 	double fx, fy, cx, cy;   /* pixels; centres at whole numbers, as OpenCV has it */
 	double distortion[5];    /* k1 k2 p1 p2 k3 */
 	double rotation[3][3];   /* head frame to camera: x right, y down, z forward */

@@ -9,6 +9,8 @@
 
 #define BAR_AFTER_US     (1 * G_USEC_PER_SEC)
 #define BAR_EVERY_US     (G_USEC_PER_SEC / 10)
+#define ETA_AFTER_US     (3 * G_USEC_PER_SEC)
+#define PACE_MEMORY_S    10.0
 #define BAR_CELLS        24
 #define LINE_COLUMNS_MIN 50
 
@@ -81,6 +83,22 @@ static int line_columns(void)
 		       : 80;
 }
 
+/* Nothing is said while too little is known. */
+static char *time_left(struct cli_bar *bar, double fraction, int64_t now_us)
+{
+	double passed_s =
+		(double)(now_us - (bar->shown_us ? bar->shown_us : bar->started_us)) * 1e-6;
+	double share = 1 - exp(-passed_s / PACE_MEMORY_S);
+	if (bar->pace == 0)
+		share = 1;
+	bar->pace += ((fraction - bar->shown_fraction) / passed_s - bar->pace) * share;
+	bar->shown_fraction = fraction;
+	if (bar->pace <= 0 || now_us - bar->started_us < ETA_AFTER_US)
+		return g_strdup("...");
+	g_autofree char *duration = cli_duration((1 - fraction) / bar->pace);
+	return g_strconcat(duration, " left", NULL);
+}
+
 void cli_bar_update(struct cli_bar *bar, double fraction, const char *doing)
 {
 	int64_t now_us = g_get_monotonic_time(), spent_us = now_us - bar->started_us;
@@ -88,12 +106,10 @@ void cli_bar_update(struct cli_bar *bar, double fraction, const char *doing)
 		return;
 	fraction = CLAMP(fraction, 0.0, 1.0);
 	int full = (int)(fraction * BAR_CELLS);
-	g_autofree char *left =
-		cli_duration(fraction > 0.02 ? spent_us * 1e-6 * (1 - fraction) / fraction : 0);
-	g_autofree char *line = g_strdup_printf("[%.*s%.*s] %3.0f %%  %s%s  %s", full,
+	g_autofree char *left = time_left(bar, fraction, now_us);
+	g_autofree char *line = g_strdup_printf("[%.*s%.*s] %3.0f %%  %s  %s", full,
 		"========================", BAR_CELLS - full, "                        ",
-		fraction * 100, fraction > 0.02 ? left : "...", fraction > 0.02 ? " left" : "",
-		doing);
+		fraction * 100, left, doing);
 	fprintf(stderr, "\r\033[K%.*s", line_columns() - 1, line);
 	fflush(stderr);
 	bar->shown_us = now_us;

@@ -29,6 +29,7 @@ void cli_print_json(JsonObject *object);
 struct cli_bar {
 	const char *command;
 	int64_t started_us, shown_us;
+	double shown_fraction, pace; /* a second */
 	bool terminal, visible;
 };
 struct cli_bar cli_bar_begin(const char *command);

@@ -38,9 +38,10 @@ void coverage_add(coverage *c, const double *azimuth_rad, const float *elevation
 {
 	for (size_t i = 0; i < beams; i++) {
 		double row = floor((c->desc.elevation_max_rad - elevation_rad[i]) / c->row_rad);
-		uint32_t column = (uint32_t)(azimuth_rad[i] / c->column_rad) % c->desc.columns;
-		if (!(row >= 0 && row < c->desc.rows))
+		double x = azimuth_rad[i] / c->column_rad;
+		if (!(row >= 0 && row < c->desc.rows && x >= 0 && x < c->desc.columns + 1.0))
 			continue;
+		uint32_t column = (uint32_t)x % c->desc.columns;
 		size_t cell = (size_t)column * c->desc.rows + (uint32_t)row;
 		uint8_t bit = 1u << (cell & 7);
 		c->count[column] += !(c->seen[cell / 8] & bit);

@@ -6,13 +6,18 @@
 /* Two ranges belong to one surface when they differ by less than this share: filling does not
  * bridge more. */
 #define FILL_RANGE_RATIO 1.08f
+/* The zenith, and the half row by which a grid that has a row on the horizon may reach beyond it.
+ */
+#define ELEVATION_MAX (G_PI / 2 + 0.01)
 
 panorama *panorama_new(const struct panorama_desc *desc, GError **error)
 {
 	if (desc->columns < 4 || desc->columns > PANORAMA_COLUMNS_MAX || desc->rows < 1 ||
 		desc->rows > PANORAMA_ROWS_MAX ||
 		(uint64_t)desc->columns * desc->rows > PANORAMA_CELLS_MAX ||
-		!(desc->elevation_max_rad > desc->elevation_min_rad)) {
+		!(desc->elevation_max_rad > desc->elevation_min_rad) ||
+		desc->elevation_min_rad < -ELEVATION_MAX ||
+		desc->elevation_max_rad > ELEVATION_MAX) {
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
 			"a panorama of %u columns and %u rows cannot be", desc->columns,
 			desc->rows);
@@ -55,9 +60,31 @@ struct panorama_desc panorama_desc_for(uint32_t columns, uint32_t rows)
 		.elevation_min_rad = (above - 0.5 - rows) * row_rad };
 }
 
+struct sample {
+	int16_t across, up;
+	float range_m;
+	uint16_t intensity;
+};
+
 static int64_t distance2(int16_t a, int16_t b)
 {
 	return (int64_t)a * a + (int64_t)b * b;
+}
+
+/* Beams that are equally far from the centre must have an order too, or the panorama would depend
+ * on which came first. */
+static bool wins(const panorama *p, size_t i, const struct sample *s)
+{
+	int64_t mine = distance2(s->across, s->up),
+		its = distance2(p->azimuth_offset[i], p->elevation_offset[i]);
+	if (p->cell[i] == CELL_EMPTY || mine != its)
+		return p->cell[i] == CELL_EMPTY || mine < its;
+	if (s->across != p->azimuth_offset[i])
+		return s->across < p->azimuth_offset[i];
+	if (s->up != p->elevation_offset[i])
+		return s->up < p->elevation_offset[i];
+	return s->range_m != p->range_m[i] ? s->range_m > p->range_m[i]
+					   : s->intensity > p->intensity[i];
 }
 
 static void add_beam(
@@ -66,19 +93,22 @@ static void add_beam(
 	double x = azimuth_rad / p->column_rad,
 	       y = (p->desc.elevation_max_rad - elevation_rad) / p->row_rad;
 	double column = floor(x), row = floor(y);
-	if (!(row >= 0 && row < p->desc.rows && x >= 0))
+	if (!(row >= 0 && row < p->desc.rows && x >= 0 && column <= p->desc.columns))
 		return;
+	/* A calibration's range offset can make a range negative. */
+	bool hit = range_m > 0 && range_m < PANORAMA_RANGE_MAX_M;
+	struct sample s = { .across = (int16_t)lrint((x - column - 0.5) * PANORAMA_OFFSET_ONE),
+		.up = (int16_t)lrint((row + 0.5 - y) * PANORAMA_OFFSET_ONE),
+		.range_m = hit ? range_m : 0,
+		.intensity = hit ? intensity : 0 };
 	size_t i = panorama_index(p, (uint32_t)row, (uint32_t)column % p->desc.columns);
-	int16_t across = (int16_t)lrint((x - column - 0.5) * PANORAMA_OFFSET_ONE);
-	int16_t up = (int16_t)lrint((row + 0.5 - y) * PANORAMA_OFFSET_ONE);
-	if (p->cell[i] != CELL_EMPTY &&
-		distance2(across, up) >= distance2(p->azimuth_offset[i], p->elevation_offset[i]))
+	if (!wins(p, i, &s))
 		return;
-	p->range_m[i] = range_m;
-	p->intensity[i] = range_m > 0 ? intensity : 0;
-	p->cell[i] = range_m > 0 ? CELL_MEASURED : CELL_NO_RETURN;
-	p->azimuth_offset[i] = across;
-	p->elevation_offset[i] = up;
+	p->range_m[i] = s.range_m;
+	p->intensity[i] = s.intensity;
+	p->cell[i] = hit ? CELL_MEASURED : CELL_NO_RETURN;
+	p->azimuth_offset[i] = s.across;
+	p->elevation_offset[i] = s.up;
 }
 
 void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation_rad,
@@ -93,6 +123,7 @@ struct run {
 	size_t start, stride;
 	uint32_t length;
 	bool wraps;
+	bool over_filled; /* what is filled already is bridged from, too */
 };
 
 static size_t run_index(const struct run *r, uint32_t i)
@@ -103,7 +134,7 @@ static size_t run_index(const struct run *r, uint32_t i)
 static void fill_between(panorama *p, const struct run *r, uint32_t from, uint32_t gap)
 {
 	size_t a = run_index(r, from), b = run_index(r, from + gap);
-	bool both = p->cell[a] == CELL_MEASURED && p->cell[b] == CELL_MEASURED;
+	bool both = p->range_m[a] > 0 && p->range_m[b] > 0;
 	float near = fminf(p->range_m[a], p->range_m[b]), far = fmaxf(p->range_m[a], p->range_m[b]);
 	bool smooth = both && far <= near * FILL_RANGE_RATIO;
 	for (uint32_t k = 1; k < gap; k++) {
@@ -111,7 +142,7 @@ static void fill_between(panorama *p, const struct run *r, uint32_t from, uint32
 		float t = (float)k / gap;
 		if (p->cell[i] != CELL_EMPTY)
 			continue;
-		p->cell[i] = smooth || p->cell[side] == CELL_MEASURED ? CELL_FILLED : CELL_EMPTY;
+		p->cell[i] = smooth || p->range_m[side] > 0 ? CELL_FILLED : CELL_EMPTY;
 		/* Inverse range is linear across a plane. */
 		p->range_m[i] = smooth ? 1 / ((1 - t) / p->range_m[a] + t / p->range_m[b])
 				       : p->range_m[side];
@@ -131,7 +162,8 @@ static void fill_run(panorama *p, const struct run *r, uint32_t reach)
 	int64_t last = -1;
 	uint32_t end = r->wraps ? r->length + reach : r->length;
 	for (uint32_t i = 0; i < end; i++) {
-		if (!is_beam(p, run_index(r, i)))
+		size_t k = run_index(r, i);
+		if (!is_beam(p, k) && !(r->over_filled && p->cell[k] == CELL_FILLED))
 			continue;
 		if (last >= 0 && i - last > 1 && i - last <= reach)
 			fill_between(p, r, (uint32_t)last, i - (uint32_t)last);
@@ -142,11 +174,14 @@ static void fill_run(panorama *p, const struct run *r, uint32_t reach)
 void panorama_fill(panorama *p, uint32_t reach)
 {
 	/* Along columns first: there the beams of one revolution stand, without a turn of the stage
-	 * between them. */
+	 * between them. Then along rows, over the filled as well: a lidar of wide steps leaves
+	 * rows without a beam, in which a lost column would stay open. */
 	for (uint32_t c = 0; c < p->desc.columns; c++)
-		fill_run(p, &(struct run){ c, p->desc.columns, p->desc.rows, false }, reach);
+		fill_run(p, &(struct run){ c, p->desc.columns, p->desc.rows, false, false }, reach);
 	for (uint32_t r = 0; r < p->desc.rows; r++)
-		fill_run(p, &(struct run){ (size_t)r * p->desc.columns, 1, p->desc.columns, true },
+		fill_run(p,
+			&(struct run){
+				(size_t)r * p->desc.columns, 1, p->desc.columns, true, true },
 			reach);
 }
 

@@ -32,6 +32,7 @@ struct panorama_desc {
 #define PANORAMA_COLUMNS_MAX 65536u
 #define PANORAMA_ROWS_MAX    32768u
 #define PANORAMA_CELLS_MAX   (256u << 20)
+#define PANORAMA_RANGE_MAX_M 1e6f
 
 /* Offsets from the cell's centre, in cells: value / PANORAMA_OFFSET_ONE, within half a cell. */
 #define PANORAMA_OFFSET_ONE 65534.0
@@ -47,7 +48,7 @@ struct panorama {
 	uint8_t *rgb; /* 3 bytes a cell, sRGB; NULL: no colour */
 };
 
-/* Refuses sizes of zero or beyond the maxima. */
+/* Refuses sizes of zero or beyond the maxima, and elevations beyond the zenith or the nadir. */
 panorama *panorama_new(const struct panorama_desc *desc, GError **error);
 void panorama_free(panorama *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(panorama, panorama_free)
@@ -56,8 +57,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(panorama, panorama_free)
  * the horizon, laid so that the centre of a row is at elevation 0. */
 struct panorama_desc panorama_desc_for(uint32_t columns, uint32_t rows);
 
-/* Beams in any order; azimuth 0..2 pi; range 0 = no return. Beams outside the rows are passed over.
- */
+/* Beams in any order; azimuth 0..2 pi; range 0 = no return, and so is what is no range (negative,
+ * beyond PANORAMA_RANGE_MAX_M). Beams outside the rows are passed over. */
 void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation_rad,
 	const float *range_m, const uint16_t *intensity, size_t beams);
 

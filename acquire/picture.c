@@ -34,7 +34,9 @@ static struct stretch find_stretch(const panorama *p, float (*value)(const panor
 	qsort(sample, kept, sizeof *sample, by_value);
 	struct stretch s = { sample[(size_t)(PERCENTILE_LOW * (kept - 1))],
 		sample[(size_t)(PERCENTILE_HIGH * (kept - 1))] };
-	s.high = fmaxf(s.high, s.low + 1e-3f);
+	/* A thousandth is nothing beside a great number: then the next one that a float can hold.
+	 */
+	s.high = fmaxf(s.high, fmaxf(s.low + 1e-3f, nextafterf(s.low, INFINITY)));
 	return s;
 }
 
@@ -120,6 +122,7 @@ static bool write_png(
 		return true;
 	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path,
 		g_strerror(errno));
+	remove(beside);
 	return false;
 }
 

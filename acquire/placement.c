@@ -129,14 +129,16 @@ void placement_place(placement *p, const struct scanline *line, const stage_trac
 		.range_m = p->range_m,
 		.intensity = p->intensity,
 		.front_first_rad = front,
-		.suspect = stage_track_is_suspect(track, first_ns) };
+		.suspect = stage_track_is_suspect(track, first_ns) ||
+			   stage_track_is_suspect(track, last_ns) };
 	double beam_ns = line->beams > 1 ? (double)(last_ns - first_ns) / (line->beams - 1) : 0;
 	for (uint32_t from = 0; from < line->beams; from += BEAMS_PER_KNOT) {
-		uint32_t to = MIN(from + BEAMS_PER_KNOT, line->beams);
-		double next = stage_track_angle_rad(track, first_ns + llround(beam_ns * to));
+		uint32_t to = MIN(from + BEAMS_PER_KNOT, line->beams),
+			 knot = MIN(to, line->beams - 1);
+		double next = stage_track_angle_rad(track, first_ns + llround(beam_ns * knot));
+		double turn_a_beam = (next - front) / MAX(knot - from, 1);
 		for (uint32_t i = from; i < to; i++)
-			place_beam(p, line, i,
-				zero + front + (next - front) * (i - from) / (to - from));
+			place_beam(p, line, i, zero + front + turn_a_beam * (i - from));
 		front = next;
 	}
 	ret->front_last_rad = front;

@@ -154,6 +154,17 @@ static bool save_plane(const panorama *p, enum plane plane, const char *folder, 
 					: fail(error, path, "cannot be written");
 }
 
+/* Colour that was saved before must not stay beside a panorama that has none. */
+static bool remove_colour(const char *folder, GError **error)
+{
+	g_autofree char *path = g_build_filename(folder, planes_names[COLOUR], NULL);
+	if (unlink(path) == 0 || errno == ENOENT || errno == ENOTDIR)
+		return true;
+	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path,
+		g_strerror(errno));
+	return false;
+}
+
 bool planes_save(const panorama *p, const char *folder, GError **error)
 {
 	GError *errors[PLANES] = { NULL };
@@ -169,7 +180,7 @@ bool planes_save(const panorama *p, const char *folder, GError **error)
 		}
 		g_clear_error(&errors[i]);
 	}
-	return good;
+	return good && (p->rgb || remove_colour(folder, error));
 }
 
 static bool has_layout(TIFF *t, const panorama *p, enum plane plane)
@@ -222,15 +233,15 @@ static bool load_plane(panorama *p, enum plane plane, const char *folder, GError
 static bool check_cells(const panorama *p, const char *folder, GError **error)
 {
 	for (size_t i = 0; i < (size_t)p->desc.columns * p->desc.rows; i++) {
-		bool has_range = p->range_m[i] > 0 && p->range_m[i] < 1e6f;
+		bool has_range = p->range_m[i] > 0 && p->range_m[i] < PANORAMA_RANGE_MAX_M;
 		bool wants_range = p->cell[i] == CELL_MEASURED || p->cell[i] == CELL_FILLED;
 		if (p->cell[i] <= CELL_NO_RETURN && has_range == wants_range &&
 			(has_range || p->range_m[i] == 0))
 			continue;
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
-			"%s: row %zu, column %zu: range %g and cell %u contradict each other",
-			folder, i / p->desc.columns, i % p->desc.columns, (double)p->range_m[i],
-			p->cell[i]);
+			"%s/%s: row %zu, column %zu: range %g and cell %u contradict each other",
+			folder, planes_names[CELL], i / p->desc.columns, i % p->desc.columns,
+			(double)p->range_m[i], p->cell[i]);
 		return false;
 	}
 	return true;

@@ -59,7 +59,7 @@ static bool show_progress(const struct run_progress *p, gpointer user_data)
 static void show_prediction(
 	const struct prediction *p, const struct lidar_identity *lidar, gpointer user_data)
 {
-	g_autofree char *bytes = g_format_size(p->bytes), *time = cli_duration(p->seconds);
+	g_autofree char *bytes = scan_size_text(p->bytes), *time = cli_duration(p->seconds);
 	(void)user_data;
 	if (!json)
 		g_printerr("%s: %u beams at %g Hz; this takes %s, %.2f million points and %s\n",

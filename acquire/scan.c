@@ -23,6 +23,12 @@ struct recording {
 	char *folder, *raw;
 };
 
+char *scan_size_text(uint64_t bytes)
+{
+	double mb = (double)bytes * 1e-6;
+	return mb < 1000 ? g_strdup_printf("%.1f MB", mb) : g_strdup_printf("%.2f GB", mb * 1e-3);
+}
+
 bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error)
 {
 	struct statvfs v;
@@ -34,7 +40,7 @@ bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error)
 	uint64_t free_bytes = (uint64_t)v.f_bavail * v.f_frsize;
 	if (free_bytes >= need_bytes && free_bytes - need_bytes >= SPARE_BYTES)
 		return true;
-	g_autofree char *need = g_format_size(need_bytes), *have = g_format_size(free_bytes);
+	g_autofree char *need = scan_size_text(need_bytes), *have = scan_size_text(free_bytes);
 	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOSPC,
 		"%s: there is not enough space: the scan needs %s, %s are free", folder, need,
 		have);

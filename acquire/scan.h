@@ -40,6 +40,9 @@ struct scan_result {
 bool scan_record(site *s, const struct scan_options *options, struct scan_result *ret_result,
 	uint32_t *ret_partial, GError **error);
 
+/* "70.1 MB"; caller frees. */
+char *scan_size_text(uint64_t bytes);
+
 /* The device that the partial scan was begun with; caller frees. */
 char *scan_partial_device(const site *s, GError **error);
 

@@ -110,9 +110,12 @@ static bool place(stream *s, const struct scanline *line, int64_t ticks, bool fo
 	int64_t stamp_ns = device_clock_host_ns(s->lidar_clock, (double)ticks);
 	placement_sweep(line, s->session->driver->stamp, stamp_ns, &first_ns, &last_ns);
 	stage_track *track = s->session->track;
-	if (!force && stage_track_is_moving(track) && stage_track_known_until_ns(track) < last_ns)
+	bool known = !stage_track_is_moving(track) || stage_track_known_until_ns(track) >= last_ns;
+	if (!known && !force)
 		return false;
-	if (!stage_track_is_homed(track)) {
+	/* Where the record was cut in the middle of a move nobody knows how far the stage went on.
+	 */
+	if (!known || !stage_track_is_homed(track)) {
 		s->report.unplaced++;
 		return true;
 	}

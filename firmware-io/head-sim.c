@@ -456,6 +456,14 @@ static head *head_open_socket(const char *path, GError **error)
 	return NULL;
 }
 
+/* Ctrl-C on the terminal is for the scan, which then ends in order; the simulator ends when its
+ * link closes. */
+static void leave_terminal_group(gpointer unused)
+{
+	(void)unused;
+	setpgid(0, 0);
+}
+
 head *head_open_sim(const char *description, GError **error)
 {
 	int ends[2];
@@ -474,6 +482,7 @@ head *head_open_sim(const char *description, GError **error)
 	}
 	g_autoptr(GSubprocessLauncher) launcher =
 		g_subprocess_launcher_new(G_SUBPROCESS_FLAGS_STDERR_PIPE);
+	g_subprocess_launcher_set_child_setup(launcher, leave_terminal_group, NULL, NULL);
 	g_subprocess_launcher_take_fd(launcher, ends[1], 3);
 	g_autoptr(GSubprocess) process = g_subprocess_launcher_spawn(
 		launcher, error, program, "--fd", "3", description, NULL);

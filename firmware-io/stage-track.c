@@ -2,6 +2,9 @@
 #include <math.h>
 
 #define FULL_STEP 16.0 /* microsteps */
+/* The first step from rest takes the rotor about this long, at the accelerations that the stage is
+ * driven with. */
+#define START_NS INT64_C(40000000)
 
 struct knot {
 	int64_t time_ns;
@@ -18,6 +21,7 @@ struct stage_track {
 	double home_steps;
 	double index_phase;    /* of the slots, in steps, once known */
 	int64_t good_since_ns; /* the last slot that was where it should be */
+	int64_t home_since_ns; /* the same of the home slot */
 	bool homed, phase_known, moving;
 };
 
@@ -88,6 +92,15 @@ static double steps_now(const stage_track *t, int64_t time_ns, int direction)
 	return t->count + (direction > 0 ? CLAMP(on, 0.0, 1.0) : CLAMP(on, -1.0, 0.0));
 }
 
+static void put_right(stage_track *t, double off, int64_t good_since_ns, int64_t time_ns)
+{
+	struct stage_suspect s = { good_since_ns, time_ns, off * 2 * G_PI / t->steps_per_turn };
+	g_array_append_val(t->suspects, s);
+	t->count -= off;
+	t->slipped += off;
+	add_knot(t, time_ns);
+}
+
 static void check_index(stage_track *t, int64_t time_ns, int direction)
 {
 	double spacing = t->steps_per_turn / t->index_slots, at = steps_now(t, time_ns, direction);
@@ -98,31 +111,45 @@ static void check_index(stage_track *t, int64_t time_ns, int direction)
 		return;
 	}
 	double off = remainder(at - t->index_phase, spacing);
-	if (fabs(off) <= FULL_STEP) {
-		t->good_since_ns = time_ns;
-		return;
-	}
-	struct stage_suspect s = { t->good_since_ns, time_ns, off * 2 * G_PI / t->steps_per_turn };
-	g_array_append_val(t->suspects, s);
-	t->count -= off;
-	t->slipped += off;
+	if (fabs(off) > FULL_STEP)
+		put_right(t, off, t->good_since_ns, time_ns);
 	t->good_since_ns = time_ns;
+}
+
+/* A slip of more than half the way between two slots has been put right by the wrong slot; home is
+ * told from all others. */
+static void check_home(stage_track *t, int64_t time_ns, int direction)
+{
+	double at = steps_now(t, time_ns, direction);
+	if (!t->homed)
+		t->home_steps = at;
+	double off = remainder(at - t->home_steps, t->steps_per_turn);
+	if (fabs(off) > FULL_STEP)
+		put_right(t, off, t->home_since_ns, time_ns);
+	t->homed = true;
+	t->home_since_ns = time_ns;
+}
+
+static void take_step(stage_track *t, int64_t time_ns, int direction)
+{
+	/* A rotor at rest does not creep towards the first pulse of its next move. */
+	if (!t->moving) {
+		int64_t known_ns = stage_track_known_until_ns(t);
+		if (known_ns < time_ns - START_NS)
+			add_knot(t, time_ns - START_NS);
+	}
+	t->count += direction < 0 ? -1.0 : 1.0;
+	t->moving = true;
 	add_knot(t, time_ns);
 }
 
 void stage_track_feed(stage_track *t, const struct stage_event *event, int64_t time_ns)
 {
 	switch (event->kind) {
-	case STAGE_STEP:
-		t->count += event->direction < 0 ? -1.0 : 1.0;
-		t->moving = true;
-		add_knot(t, time_ns);
-		break;
+	case STAGE_STEP: take_step(t, time_ns, event->direction); break;
 	case STAGE_HOME:
-		if (event->direction > 0 && !t->homed) {
-			t->homed = true;
-			t->home_steps = steps_now(t, time_ns, event->direction);
-		}
+		if (event->direction > 0)
+			check_home(t, time_ns, event->direction);
 		break;
 	case STAGE_INDEX:
 		if (t->index_slots && event->direction > 0)

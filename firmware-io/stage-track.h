@@ -7,7 +7,8 @@
  * on from 2 pi. Index slots are evenly spaced; each is compared with where the first one said it
  * should be, and a disagreement of over one full step (16 microsteps) marks the time since the last
  * good slot as suspect: steps were lost there (DEVICES 4.3). The count is then put right by the
- * slot.
+ * slot. More than half the way between two slots would be put right by the wrong one: that comes
+ * out when home is passed again, and then all since the last time is suspect.
  *
  * Times must not fall. Const between calls of stage_track_feed: any number of readers then. */
 #include "firmware-io/stage.h"

@@ -191,18 +191,21 @@ static double measure(struct field *f)
 	return (g_get_monotonic_time() - start_us) * 1e-6;
 }
 
+/* The first scan was not disturbed: the others must be as complete. */
 static void check_all_scans(const struct field *f)
 {
 	g_autoptr(GError) error = NULL;
 	g_autoptr(site) s = site_open(f->site, &error);
 	g_autoptr(GArray) scans = site_scans(s, &error);
+	size_t empty_at_first = 0;
 	g_assert_no_error(error);
 	for (guint i = 0; i < scans->len; i++) {
 		g_autoptr(panorama) p =
 			scan_load(s, g_array_index(scans, uint32_t, i), true, &error);
 		g_assert_no_error(error);
 		struct panorama_counts n = panorama_count(p);
-		g_assert_cmpuint(n.empty, <, (size_t)p->desc.columns * p->desc.rows / 100);
+		empty_at_first = i ? empty_at_first : n.empty;
+		g_assert_cmpuint(n.empty, <=, empty_at_first + p->desc.rows / 2);
 	}
 }
 
