@@ -88,6 +88,8 @@ static const struct beam *nearest_beam(
 {
 	const struct beam *beams = (const struct beam *)(const void *)row->data, *best = NULL;
 	size_t low = 0, high = row->len;
+	if (high == 0)
+		return NULL;
 	while (low < high) {
 		size_t middle = (low + high) / 2;
 		if (beams[middle].azimuth_rad < azimuth_rad)
@@ -130,7 +132,8 @@ static struct comparison compare(const panorama *p, const struct beams *b)
 	g_autoptr(GArray) off = g_array_new(FALSE, FALSE, sizeof(double));
 	for (uint32_t i = 0; i < b->desc.rows; i++) {
 		GArray *row = g_array_index(b->rows, GArray *, i);
-		qsort(row->data, row->len, sizeof(struct beam), by_azimuth);
+		if (row->len)
+			qsort(row->data, row->len, sizeof(struct beam), by_azimuth);
 	}
 	for (uint32_t row = 0; row < p->desc.rows; row++)
 		for (uint32_t column = 0; column < p->desc.columns; column++) {
