@@ -38,7 +38,7 @@ static char *find_program(const char *command)
 static void print_help(FILE *out)
 {
 	fputs("Usage: pleinair COMMAND ...\n\n"
-	      "Scans a place, registers the scans and draws it.\n\n"
+	      "Records scans of a place and shows them.\n\n"
 	      "Commands:\n",
 		out);
 	for (size_t i = 0; i < G_N_ELEMENTS(commands); i++)

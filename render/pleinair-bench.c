@@ -13,7 +13,7 @@ static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
 		"acquire: how long the lidar streams (default 60)", "S" },
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
-		"acquire: beams of the simulated lidar (default 1081)", "N" },
+		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
@@ -24,7 +24,7 @@ int main(int argc, char **argv)
 	g_autoptr(GError) error = NULL;
 	if (!cli_parse(COMMAND, "[acquire]", "Measures speed and memory on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
-		    "and replays what was recorded.\n",
+		    "what was recorded.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	if (argc > 2 || (argc == 2 && !g_str_equal(argv[1], "acquire")))

@@ -4,6 +4,7 @@
 #include "sim/truth.h"
 #include <errno.h>
 #include <gio/gio.h>
+#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -165,6 +166,7 @@ int main(int argc, char **argv)
 	g_auto(arguments) a = { .fd = -1, .columns = 3000, .rows = 792 };
 	GError *error = NULL;
 
+	setlocale(LC_CTYPE, "");
 	if (!parse(&argc, &argv, &a, &error)) {
 		complain("", error);
 		return WRONG_USAGE;

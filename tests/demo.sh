@@ -12,5 +12,6 @@ done
 "$bin/pleinair" panoramas "$site"
 echo
 echo "demo: done in $(($(date +%s) - started)) s. Look at:"
-echo "    $PWD/$site/exports/panoramas/index.html"
-echo "The site itself is the folder $PWD/$site"
+folder=$(cd "$site" && pwd)
+echo "    $folder/exports/panoramas/index.html"
+echo "The site itself is the folder $folder"

@@ -66,9 +66,10 @@ format:
 
 #: make install         PREFIX=/usr/local, DESTDIR=
 install: all
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin share/man/man1 share/man/man5)
 	install $(bins) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(wildcard */*.1) $(DESTDIR)$(PREFIX)/share/man/man1
+	install -m 644 $(wildcard */*.5) $(DESTDIR)$(PREFIX)/share/man/man5
 
 #: make clean           remove what was built
 clean:
