@@ -7,6 +7,9 @@
 
 /* Live, lines wait for the stage's pulses no longer than this many revolutions. */
 #define PENDING_MAX 64
+/* A record is what somebody wrote. No clock runs for thirty years; beyond, sums of times overflow.
+ */
+#define TIME_MAX_NS INT64_C(1000000000000000000)
 
 struct timed_event {
 	struct stage_event event;
@@ -289,14 +292,16 @@ static void plug_lidar(stream *s)
 static void feed_track(struct session *session)
 {
 	for (guint i = 0; i < session->stage_events->len; i++) {
-		const struct timed_event *t = &g_array_index(session->stage_events, struct timed_event, i);
-		stage_track_feed(
-			session->track, &t->event, device_clock_host_ns(session->stage_clock, (double)t->ticks));
+		const struct timed_event *t =
+			&g_array_index(session->stage_events, struct timed_event, i);
+		stage_track_feed(session->track, &t->event,
+			device_clock_host_ns(session->stage_clock, (double)t->ticks));
 	}
 	g_array_set_size(session->stage_events, 0);
 }
 
-/* The last of a batch waited least: only it says something of the delay, and it has to before the others are timed. */
+/* The last of a batch waited least: only it says something of the delay, and it has to before the
+ * others are timed. */
 static void take_stage(stream *s, const struct record_entry *e)
 {
 	const struct stage_event *events = e->payload;
@@ -311,7 +316,8 @@ static void take_stage(stream *s, const struct record_entry *e)
 			device_clock_unwrap(session->stage_clock, events[i].ticks, e->time_ns) };
 		g_array_append_val(session->stage_events, t);
 	}
-	struct timed_event *timed = &g_array_index(session->stage_events, struct timed_event, first);
+	struct timed_event *timed =
+		&g_array_index(session->stage_events, struct timed_event, first);
 	device_clock_add_arrival(session->stage_clock, timed[n - 1].ticks, e->time_ns);
 	if (!s->learning)
 		feed_track(session);
@@ -371,6 +377,12 @@ static void take_output(stream *s, const struct record_entry *e)
 
 bool stream_feed(stream *s, const struct record_entry *e, GError **error)
 {
+	if (e->time_ns < 0 || e->time_ns > TIME_MAX_NS) {
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"entry %u: its time cannot be: %" G_GINT64_FORMAT " ns", e->sequence,
+			e->time_ns);
+		return false;
+	}
 	if (e->kind == RECORD_SESSION)
 		return begin_session(s, e, error);
 	if (!s->session)
@@ -398,6 +410,8 @@ void stream_rewind(stream *s)
 	s->learning = false;
 	s->session = NULL;
 	s->session_at = 0;
+	/* Or what it refused would be counted once more. */
+	g_clear_pointer(&s->decode, decoder_free);
 	s->report = (struct stream_report){ 0 };
 }
 
