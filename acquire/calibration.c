@@ -113,7 +113,7 @@ static bool parse_stage(const manifest *m, struct stage_calibration *s, GError *
 		!manifest_get_int(m, "stage.index_slots", 0, 100000, &slots, error) ||
 		!manifest_get_number(
 			m, "stage.azimuth_zero_deg", -360, 360, &s->azimuth_zero_rad, error) ||
-		!manifest_get_number(m, "stage.clock_hz", 1, 1e10, &s->clock_hz, error) ||
+		!manifest_get_number(m, "stage.clock_hz", 1, 1e9, &s->clock_hz, error) ||
 		!manifest_get_int(m, "stage.clock_bits", 8, CLOCK_BITS_MAX, &bits, error))
 		return false;
 	s->azimuth_zero_rad *= G_PI / 180;
@@ -134,7 +134,7 @@ static bool parse_camera(const manifest *m, struct camera_calibration *c, GError
 		!get_numbers(m, "camera.distortion", c->distortion, 5, 10, error) ||
 		!get_matrix(m, "camera.rotation", c->rotation, error) ||
 		!get_numbers(m, "camera.translation_m", c->translation_m, 3, 10, error) ||
-		!manifest_get_number(m, "camera.clock_hz", 1, 1e10, &c->clock_hz, error) ||
+		!manifest_get_number(m, "camera.clock_hz", 1, 1e9, &c->clock_hz, error) ||
 		!manifest_get_int(m, "camera.clock_bits", 8, CLOCK_BITS_MAX, &bits, error) ||
 		!manifest_get_number(m, "camera.readout_us", 0, 1e6, &c->readout_us, error))
 		return false;

@@ -6,6 +6,7 @@
 /* Below this base the slope of the envelope is noise: the nominal rate is better. */
 #define SLOPE_BASE_MIN_S  5.0
 #define REFIT_AFTER_PAIRS 32
+#define HOST_MAX_S        1e9
 
 /* device_s counts from the first tick seen; lag_s is host minus device, less the first lag: small
  * numbers, so that doubles keep nanoseconds over days. */
@@ -216,8 +217,9 @@ int64_t device_clock_host_ns(device_clock *c, double unwrapped)
 		news > MAX(REFIT_AFTER_PAIRS, c->fit_pairs / 4))
 		refit(c, block);
 	double half_tick_s = c->desc.truncates ? 0.5 / c->desc.ticks_hz : 0.0;
-	return c->base_ns +
-	       (int64_t)llround((device_s + half_tick_s + line_at(&c->fit, device_s)) * 1e9);
+	double host_s = device_s + half_tick_s + line_at(&c->fit, device_s);
+	/* Ticks of a record that was made up may be any; times must stay fit to be added. */
+	return c->base_ns + (int64_t)llround(CLAMP(host_s, -HOST_MAX_S, HOST_MAX_S) * 1e9);
 }
 
 double device_clock_drift_ppm(device_clock *c)

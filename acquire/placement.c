@@ -9,6 +9,9 @@
 /* A pass goes at a little under one column a turn. */
 #define COLUMNS_PER_TURN_MAX 1.5
 
+/* A mirror that takes longer is none; sums of times stay fit to be added. */
+#define SWEEP_MAX_NS 1e12
+
 struct placement {
 	struct calibration calibration;
 	/* Of the beams' directions in the head frame, for the last geometry seen. */
@@ -52,6 +55,7 @@ void placement_sweep(const struct scanline *line, enum stamp_instant stamp, int6
 {
 	double sweep_ns = (line->beams - 1) * fabs(line->angle_step_rad) /
 			  (2 * G_PI * line->scan_rate_hz) * 1e9;
+	sweep_ns = fmin(sweep_ns, SWEEP_MAX_NS);
 	*ret_first_ns = stamp_ns - (stamp == STAMP_LAST_BEAM ? llround(sweep_ns) : 0);
 	*ret_last_ns = *ret_first_ns + llround(sweep_ns);
 }

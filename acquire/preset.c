@@ -8,8 +8,15 @@
 /* Bytes of a beam on the wire: SCIP's three characters each for range and intensity, with sums;
  * CoLa is alike. */
 #define WIRE_BYTES_PER_BEAM 6.2
-/* Bytes of a cell in the planes, compressed, as measured on simulated and quiet real scans. */
-#define PLANE_BYTES_PER_CELL 9.0
+/* Of an entry of the record beside its payload, with its padding. */
+#define ENTRY_BYTES          36.0
+#define STAGE_BYTES_PER_STEP 8.0
+#define STAGE_ENTRIES_PER_S  50.0
+/* Bytes of a cell in the planes, compressed, as measured on simulated scans. */
+#define PLANE_BYTES_PER_CELL  4.6
+#define COLOUR_BYTES_PER_CELL 1.4
+/* Waking the lidar and comparing clocks. */
+#define PREPARE_SECONDS 1.5
 
 const struct preset presets[] = {
 	{ "draft", "Draft: a quick look", 750, 198, 18, 2 },
@@ -47,24 +54,53 @@ static double move_seconds(double angle, double rate, double acceleration)
 	return angle < ramp ? 2 * sqrt(angle / acceleration) : angle / rate + rate / acceleration;
 }
 
+/* The stage's part of a scan without losses. After homing it rolls on while it ramps down, so it
+ * has to come back before it can run up to the first column; the lidar streams already then. */
+struct itinerary {
+	double home_s, back_s, pass_s, photos_s, travel_s;
+	double turned_rad;
+};
+
+static struct itinerary plan(const struct stage_pace *pace, bool photos)
+{
+	double a = pace->acceleration_rad_s2, pass = G_PI + 2 * pace->run_up_rad,
+	       roll = pace->home_rad_s * pace->home_rad_s / (2 * a), back = roll + pace->run_up_rad,
+	       travel = photos ? 2 * G_PI : G_PI;
+	/* Home is half a turn away on average. */
+	return (struct itinerary){ .home_s = move_seconds(G_PI + roll, pace->home_rad_s, a),
+		.back_s = move_seconds(back, pace->travel_rad_s, a),
+		.pass_s = move_seconds(pass, pace->scan_rad_s, a),
+		.photos_s = photos ? move_seconds(G_PI, pace->photo_rad_s, a) : 0,
+		.travel_s = move_seconds(travel, pace->travel_rad_s, a),
+		.turned_rad = G_PI + roll + back + pass + (photos ? G_PI : 0) + travel };
+}
+
+static double record_bytes(const struct itinerary *i, const struct preset *preset,
+	const struct lidar_identity *lidar, const struct calibration *c)
+{
+	double turns = (i->back_s + i->pass_s) * lidar->scan_rate_hz,
+	       steps = i->turned_rad / (2 * G_PI) * c->stage.steps_per_turn,
+	       moving_s = i->home_s + i->back_s + i->pass_s + i->photos_s + i->travel_s,
+	       frame = 1.5 * c->camera.width * c->camera.height;
+	/* While the stage goes home a frame each second is for metering. */
+	double frames = c->has_camera ? preset->photos + i->home_s : 0;
+	return turns * (lidar->beams * WIRE_BYTES_PER_BEAM + ENTRY_BYTES) +
+	       steps * STAGE_BYTES_PER_STEP + moving_s * STAGE_ENTRIES_PER_S * ENTRY_BYTES +
+	       frames * frame;
+}
+
 struct prediction preset_predict(const struct preset *preset, const struct lidar_identity *lidar,
 	const struct calibration *calibration)
 {
 	struct stage_pace pace = preset_pace(preset, lidar->scan_rate_hz);
-	double a = pace.acceleration_rad_s2, pass = G_PI + 2 * pace.run_up_rad;
-	bool photos = calibration->has_camera;
-	double seconds = move_seconds(G_PI, pace.home_rad_s, a) +
-			 move_seconds(pass, pace.scan_rad_s, a) +
-			 (photos ? move_seconds(G_PI, pace.photo_rad_s, a) : 0) +
-			 move_seconds(2 * G_PI, pace.travel_rad_s, a) + 2;
-	double turns = pass / pace.scan_rad_s * lidar->scan_rate_hz,
-	       cells = (double)preset->columns * preset->rows;
-	double frames = photos ? preset->photos * 1.5 * calibration->camera.width *
-					 calibration->camera.height
-			       : 0;
+	struct itinerary i = plan(&pace, calibration->has_camera);
+	double cells = (double)preset->columns * preset->rows,
+	       cell_bytes =
+		       PLANE_BYTES_PER_CELL + (calibration->has_camera ? COLOUR_BYTES_PER_CELL : 0);
 	double row_beams = fmin(preset->rows, G_PI / 2 / fabs(lidar->angle_step_rad) + 1);
-	return (struct prediction){ .seconds = seconds,
+	return (struct prediction){ .seconds = PREPARE_SECONDS + i.home_s + i.back_s + i.pass_s +
+					       i.photos_s + i.travel_s,
 		.points = (uint64_t)(row_beams * preset->columns),
-		.bytes = (uint64_t)(turns * lidar->beams * WIRE_BYTES_PER_BEAM + frames +
-				    cells * PLANE_BYTES_PER_CELL) };
+		.bytes = (uint64_t)(record_bytes(&i, preset, lidar, calibration) +
+				    cells * cell_bytes) };
 }

@@ -7,6 +7,9 @@
 
 /* Live, lines wait for the stage's pulses no longer than this many revolutions. */
 #define PENDING_MAX 64
+/* A record is what somebody wrote. No clock runs for thirty years; beyond, sums of times overflow.
+ */
+#define TIME_MAX_NS INT64_C(1000000000000000000)
 
 struct timed_event {
 	struct stage_event event;
@@ -377,6 +380,12 @@ static void take_output(stream *s, const struct record_entry *e)
 
 bool stream_feed(stream *s, const struct record_entry *e, GError **error)
 {
+	if (e->time_ns < 0 || e->time_ns > TIME_MAX_NS) {
+		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"entry %u: its time cannot be: %" G_GINT64_FORMAT " ns", e->sequence,
+			e->time_ns);
+		return false;
+	}
 	if (e->kind == RECORD_SESSION)
 		return begin_session(s, e, error);
 	if (!s->session)
@@ -404,6 +413,8 @@ void stream_rewind(stream *s)
 	s->learning = false;
 	s->session = NULL;
 	s->session_at = 0;
+	/* Or what it refused would be counted once more. */
+	g_clear_pointer(&s->decode, decoder_free);
 	s->report = (struct stream_report){ 0 };
 }
 

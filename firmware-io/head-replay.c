@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define JSON_BRACKETS_MAX 1000
+
 struct replay_head {
 	head base;
 	wire lidar;
@@ -15,6 +17,7 @@ struct replay_head {
 	int64_t now_ns;
 	struct record_entry next; /* valid while !ended */
 	size_t taken;             /* bytes of a lidar entry already read */
+	bool offered;             /* the entry has been due for a whole turn */
 	bool ended;
 	bool lidar_gone;
 };
@@ -28,6 +31,7 @@ static bool is_output(const struct record_entry *e)
 static bool advance(struct replay_head *r, GError **error)
 {
 	r->taken = 0;
+	r->offered = false;
 	do {
 		switch (record_next(r->reader, &r->next, error)) {
 		case RECORD_BAD: return false;
@@ -50,15 +54,32 @@ static int64_t replay_now_ns(head *h)
 	return ((struct replay_head *)h)->now_ns;
 }
 
+static bool pass_over(struct replay_head *r, GError **error)
+{
+	if (r->next.kind == RECORD_LIDAR_GONE || r->next.kind == RECORD_LIDAR_OPENED)
+		r->lidar_gone = r->next.kind == RECORD_LIDAR_GONE;
+	return advance(r, error);
+}
+
 static bool replay_wait(head *h, int64_t deadline_ns, GError **error)
 {
 	struct replay_head *r = (struct replay_head *)h;
-	/* What nobody reads (a frame, when the program has no camera) must not stop the play. */
-	if (!r->ended && r->next.time_ns <= r->now_ns && !advance(r, error))
+	bool due = !r->ended && r->next.time_ns <= r->now_ns;
+	/* The reader of an entry may have had its turn before the entry became the next one: it
+	 * gets another. What nobody reads then (a frame, when the program has no camera) must not
+	 * stop the play. */
+	if (due && !r->offered) {
+		r->offered = true;
+		return true;
+	}
+	if (due && !pass_over(r, error))
 		return false;
 	if (r->ended)
 		r->lidar_gone = true;
-	r->now_ns = r->ended ? deadline_ns : MAX(r->now_ns, MIN(r->next.time_ns, deadline_ns));
+	else
+		r->offered = r->next.time_ns <= deadline_ns;
+	r->now_ns = r->ended ? MAX(r->now_ns, deadline_ns)
+			     : MAX(r->now_ns, MIN(r->next.time_ns, deadline_ns));
 	return true;
 }
 
@@ -76,11 +97,18 @@ static bool replay_lidar_open(wire *w, GError **error)
 		g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "the record has ended");
 		return false;
 	}
-	while (is_due(r, RECORD_LIDAR_GONE) || (!r->ended && r->next.kind == RECORD_LIDAR_OPENED))
-		if (!advance(r, error))
+	while (is_due(r, RECORD_LIDAR_GONE))
+		if (!pass_over(r, error))
 			return false;
-	r->lidar_gone = false;
-	return true;
+	/* The record knows when it could be opened; an attempt before that failed then, too. */
+	if (!r->ended && r->next.kind == RECORD_LIDAR_OPENED) {
+		r->now_ns = MAX(r->now_ns, r->next.time_ns);
+		if (!pass_over(r, error))
+			return false;
+	}
+	if (r->lidar_gone)
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "the lidar was unplugged");
+	return !r->lidar_gone;
 }
 
 static gssize replay_lidar_read(
@@ -179,6 +207,30 @@ static const struct head_ops replay_ops = {
 	.now_ns = replay_now_ns, .wait = replay_wait, .close = replay_close
 };
 
+/* What nests, json-glib recurses into: a header of a million brackets would end the stack. Counting
+ * those that open needs no eye for strings and comments. */
+static bool is_flat(const char *text, size_t length)
+{
+	size_t opened = 0;
+	for (size_t i = 0; i < length; i++)
+		opened += text[i] == '[' || text[i] == '{';
+	return opened <= JSON_BRACKETS_MAX;
+}
+
+static JsonObject *parse_header(JsonParser *parser, const struct record_entry *e)
+{
+	if (!is_flat(e->payload, e->length) ||
+		!json_parser_load_from_data(parser, e->payload, e->length, NULL))
+		return NULL;
+	JsonNode *root = json_parser_get_root(parser);
+	JsonObject *o = root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : NULL;
+	JsonNode *protocol = o ? json_object_get_member(o, "protocol") : NULL;
+	bool good = protocol && JSON_NODE_HOLDS_VALUE(protocol) &&
+		    json_node_get_value_type(protocol) == G_TYPE_STRING &&
+		    json_object_has_member(o, "calibration");
+	return good ? o : NULL;
+}
+
 /* Leaves r->next on the entry after the wanted session's header and fills in what the header says.
  */
 static bool find_session(struct replay_head *r, const char *path, uint32_t wanted, GError **error)
@@ -190,16 +242,10 @@ static bool find_session(struct replay_head *r, const char *path, uint32_t wante
 		if (e.kind != RECORD_SESSION || ++session < wanted)
 			continue;
 		g_autoptr(JsonParser) parser = json_parser_new();
-		JsonObject *o = NULL;
-		if (json_parser_load_from_data(parser, e.payload, e.length, NULL) &&
-			json_parser_get_root(parser) &&
-			JSON_NODE_HOLDS_OBJECT(json_parser_get_root(parser)))
-			o = json_node_get_object(json_parser_get_root(parser));
-		if (!o || !json_object_has_member(o, "calibration") ||
-			!json_object_has_member(o, "protocol"))
+		JsonObject *o = parse_header(parser, &e);
+		if (!o)
 			break;
-		r->base.lidar_protocol =
-			g_strdup(json_object_get_string_member_with_default(o, "protocol", ""));
+		r->base.lidar_protocol = g_strdup(json_object_get_string_member(o, "protocol"));
 		r->base.calibration =
 			json_to_string(json_object_get_member(o, "calibration"), FALSE);
 		r->now_ns = e.time_ns;

@@ -95,7 +95,7 @@ static bool take_message(
 {
 	switch (header->kind) {
 	case LINK_LIDAR_BYTES:
-		if (header->length)
+		if (header->length && s->lidar_present)
 			enqueue(&s->lidar_queue, header, payload);
 		break;
 	case LINK_STAGE_EVENTS: enqueue(&s->stage_queue, header, payload); break;
@@ -260,8 +260,13 @@ static bool lidar_write(wire *w, const void *bytes, size_t length, GError **erro
 	return send_message((struct sim_head *)w->head, LINK_LIDAR_WRITE, 0, bytes, length, error);
 }
 
+/* What has come and will not be read must go, or no wait would ever sleep again. */
 static void lidar_close(wire *w)
 {
+	struct sim_head *s = (struct sim_head *)w->head;
+	clear_queue(&s->lidar_queue);
+	s->lidar_taken = 0;
+	s->lidar_present = false;
 	send_message((struct sim_head *)w->head, LINK_LIDAR_CLOSE, 0, NULL, 0, NULL);
 }
 
