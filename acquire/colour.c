@@ -2,10 +2,22 @@
 #include <math.h>
 
 #define SKY_RANGE_M 2000.0
-/* A photo's weight is full within the first share of the spacing between photos, and none beyond
- * the second. */
+/* A photo's weight is full within the first share of the way to its neighbour, and none beyond the
+ * second; the two lie evenly about the middle. */
 #define FULL_SHARE 0.35
 #define NONE_SHARE 0.65
+
+/* Beyond some angle a distortion may fold back, so that a point far outside falls into the picture.
+ * Up to there the distorted radius grows. */
+static bool folds(const double *k, double r2)
+{
+	for (int i = 1; i <= 8; i++) {
+		double x = r2 * i / 8;
+		if (1 + x * (3 * k[0] + x * (5 * k[1] + x * 7 * k[4])) <= 0)
+			return true;
+	}
+	return false;
+}
 
 bool colour_project(
 	const struct camera_calibration *c, const double head_m[3], double *ret_u, double *ret_v)
@@ -23,9 +35,8 @@ bool colour_project(
 	double radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
 	*ret_u = c->fx * (x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x)) + c->cx;
 	*ret_v = c->fy * (y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y) + c->cy;
-	/* Far outside the picture the distortion folds back; a wide margin keeps that out. */
 	return r2 < 16 && *ret_u >= 0 && *ret_v >= 0 && *ret_u <= c->width - 1 &&
-	       *ret_v <= c->height - 1;
+	       *ret_v <= c->height - 1 && !folds(k, r2);
 }
 
 static float sample_plane(const uint8_t *plane, uint32_t stride, uint32_t step, double u, double v,
@@ -64,9 +75,9 @@ static void to_head_frame(const double point_m[3], double front_rad, double ret_
 	ret_m[2] = point_m[2];
 }
 
-static double weight_at(double angle_rad, double spacing_rad)
+/* share: of the way from the photo to its neighbour. The two photos' weights sum to one. */
+static double weight_at(double share)
 {
-	double share = fabs(angle_rad) / spacing_rad;
 	double t = CLAMP((NONE_SHARE - share) / (NONE_SHARE - FULL_SHARE), 0.0, 1.0);
 	return t * t * (3 - 2 * t);
 }
@@ -86,31 +97,51 @@ static double add_photo(const struct photo *photo, const struct calibration *c,
 	return weight;
 }
 
+/* The photos before and after an azimuth, clockwise. There may be several of one angle (a scan that
+ * was resumed or went back for photos), so nothing can be said from their number. */
+struct neighbours {
+	const struct photo *before, *after;
+	double before_rad, after_rad; /* how far off */
+};
+
+static struct neighbours find_neighbours(
+	double front_rad, const struct photo *photos, uint32_t count)
+{
+	struct neighbours n = { .before_rad = INFINITY, .after_rad = INFINITY };
+	for (uint32_t k = 0; k < count; k++) {
+		double off = remainder(front_rad - photos[k].front_rad, 2 * G_PI),
+		       behind = off < 0 ? off + 2 * G_PI : off, ahead = 2 * G_PI - behind;
+		if (behind < n.before_rad) {
+			n.before_rad = behind;
+			n.before = &photos[k];
+		}
+		if (ahead < n.after_rad) {
+			n.after_rad = ahead;
+			n.after = &photos[k];
+		}
+	}
+	return n;
+}
+
 static void colour_cell(panorama *p, uint32_t row, uint32_t column, const struct photo *photos,
 	uint32_t count, const struct calibration *c)
 {
-	double spacing = 2 * G_PI / count, azimuth = panorama_azimuth_rad(p, row, column),
-	       total = 0, nearest = INFINITY;
-	double elevation = panorama_elevation_rad(p, row, column);
+	double azimuth = panorama_azimuth_rad(p, row, column),
+	       elevation = panorama_elevation_rad(p, row, column);
 	size_t i = panorama_index(p, row, column);
 	double range = p->range_m[i] > 0 ? p->range_m[i] : SKY_RANGE_M;
 	double point[3] = { range * cos(elevation) * sin(azimuth),
 		range * cos(elevation) * cos(azimuth), range * sin(elevation) };
-	const struct photo *near = NULL;
+	struct neighbours n = find_neighbours(azimuth - c->stage.azimuth_zero_rad, photos, count);
+	double gap = n.before_rad + n.after_rad, before = weight_at(n.before_rad / gap), total = 0;
 	float sum[3] = { 0 };
-	for (uint32_t k = 0; k < count; k++) {
-		double off = remainder(
-			azimuth - photos[k].front_rad - c->stage.azimuth_zero_rad, 2 * G_PI);
-		double weight = weight_at(off, spacing);
-		if (weight > 0)
-			total += add_photo(&photos[k], c, point, weight, sum);
-		if (fabs(off) < nearest) {
-			nearest = fabs(off);
-			near = &photos[k];
-		}
-	}
-	if (total == 0 && near)
-		total = add_photo(near, c, point, 1, sum);
+	if (before > 0)
+		total += add_photo(n.before, c, point, before, sum);
+	if (before < 1)
+		total += add_photo(n.after, c, point, 1 - before, sum);
+	/* The one that has no weight here may yet see what the other does not. */
+	if (total == 0)
+		total = add_photo(before > 0.5 ? n.after : n.before, c, point, 1, sum);
 	for (int k = 0; k < 3 && total > 0; k++)
 		p->rgb[3 * i + k] = (uint8_t)CLAMP(lrintf(sum[k] / (float)total), 0, 255);
 }

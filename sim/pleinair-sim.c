@@ -150,8 +150,19 @@ static int run(const arguments *a, const char *description)
 	return serve(a->fd, description, NULL);
 }
 
+/* Fans are measured in bursts of a millisecond; between them GNU's OpenMP would spin, at the cost
+ * of the host that wants the same processors. It reads its wishes before main(), so start again. */
+static void wait_in_peace(char **argv)
+{
+	if (g_getenv("OMP_WAIT_POLICY") || g_getenv("GOMP_SPINCOUNT"))
+		return;
+	g_setenv("OMP_WAIT_POLICY", "passive", TRUE);
+	execv("/proc/self/exe", argv); /* where that fails it only costs time */
+}
+
 int main(int argc, char **argv)
 {
+	wait_in_peace(argv);
 	g_auto(arguments) a = { .fd = -1, .columns = 3000, .rows = 792 };
 	GError *error = NULL;
 

@@ -209,16 +209,13 @@ static vec through(
 
 vec light_along(const struct world *w, const struct ray *r)
 {
-	struct ray ahead = *r;
-	struct hit solid, glass;
-	bool any = trace_solid(w, &ahead, true, &solid);
-	if (any)
-		ahead.limit_m = solid.range_m;
-	bool pane = trace_glass(w, &ahead, false, &glass);
-	vec light =
-		any ? shade(w, r, &solid, !pane) : light_sky(&w->site.light, r->direction, true);
-	if (!pane)
-		return light;
-	float deep = any ? solid.range_m - glass.range_m : 50;
-	return through(w, r, &glass, light, deep);
+	const struct light *l = &w->site.light;
+	struct hit first, behind;
+	if (!trace_all(w, r, true, &first))
+		return light_sky(l, r->direction, true);
+	if (!hit_is_clear(&first))
+		return shade(w, r, &first, true);
+	bool any = trace_solid(w, r, true, &behind);
+	vec light = any ? shade(w, r, &behind, false) : light_sky(l, r->direction, true);
+	return through(w, r, &first, light, any ? behind.range_m - first.range_m : 50);
 }

@@ -1,5 +1,8 @@
 #include "sim/world-trace.h"
 
+/* Geometries of both scenes by their numbers. */
+enum { SOLID_MESH, GLASS_MESH, FIRST_PLACEMENT };
+
 static struct mesh *model_of(const struct world *w, uint32_t i)
 {
 	return g_ptr_array_index(w->site.models, i);
@@ -16,17 +19,29 @@ static RTCGeometry mesh_geometry(RTCDevice device, const struct mesh *m)
 	return g;
 }
 
-static RTCScene mesh_scene(RTCDevice device, const struct mesh *m, bool model)
+static RTCScene new_scene(RTCDevice device)
 {
 	RTCScene scene = rtcNewScene(device);
-	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_NONE);
 	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+	return scene;
+}
+
+static RTCScene model_scene(RTCDevice device, const struct mesh *m)
+{
+	RTCScene scene = new_scene(device);
 	RTCGeometry g = mesh_geometry(device, m);
 	rtcAttachGeometryByID(scene, g, 0);
 	rtcReleaseGeometry(g);
-	if (model)
-		rtcCommitScene(scene);
+	rtcCommitScene(scene);
 	return scene;
+}
+
+static void attach(struct world *w, RTCGeometry g, unsigned id, bool solid)
+{
+	if (solid)
+		rtcAttachGeometryByID(w->solid, g, id);
+	rtcAttachGeometryByID(w->all, g, id);
+	rtcReleaseGeometry(g);
 }
 
 static void place_model(struct world *w, guint i)
@@ -40,8 +55,7 @@ static void place_model(struct world *w, guint i)
 		matrix[k] = (*column[k / 3])[k % 3];
 	rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, matrix);
 	rtcCommitGeometry(g);
-	rtcAttachGeometryByID(w->solid, g, i + 1);
-	rtcReleaseGeometry(g);
+	attach(w, g, FIRST_PLACEMENT + i, true);
 	/* the cofactors are the inverse transpose but for a factor, which does not turn normals */
 	w->turns[i] = (struct turn){ cross(p->at.y, p->at.z), cross(p->at.z, p->at.x),
 		cross(p->at.x, p->at.y) };
@@ -55,20 +69,23 @@ void trace_commit(struct world *w)
 	mesh_finish(&w->site.glass);
 	for (guint i = 0; i < w->site.models->len; i++) {
 		mesh_finish(model_of(w, i));
-		g_ptr_array_add(w->model_scenes, mesh_scene(w->device, model_of(w, i), true));
+		g_ptr_array_add(w->model_scenes, model_scene(w->device, model_of(w, i)));
 	}
 	w->turns = g_new(struct turn, w->site.placements->len + 1);
-	w->solid = mesh_scene(w->device, &w->site.solid, false);
+	w->solid = new_scene(w->device);
+	w->all = new_scene(w->device);
+	attach(w, mesh_geometry(w->device, &w->site.solid), SOLID_MESH, true);
+	attach(w, mesh_geometry(w->device, &w->site.glass), GLASS_MESH, false);
 	for (guint i = 0; i < w->site.placements->len; i++)
 		place_model(w, i);
 	rtcCommitScene(w->solid);
-	w->glass = mesh_scene(w->device, &w->site.glass, true);
+	rtcCommitScene(w->all);
 }
 
 void trace_free(struct world *w)
 {
 	rtcReleaseScene(w->solid);
-	rtcReleaseScene(w->glass);
+	rtcReleaseScene(w->all);
 	g_ptr_array_unref(w->model_scenes);
 	rtcReleaseDevice(w->device);
 	g_free(w->turns);
@@ -116,7 +133,7 @@ static void describe(const struct world *w, const struct mesh *m, const struct r
 	h->normal = (vec){ e->hit.Ng_x, e->hit.Ng_y, e->hit.Ng_z };
 	h->shading = smooth ? smooth_normal(m, &e->hit) : h->normal;
 	if (e->hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
-		guint i = e->hit.instID[0] - 1;
+		guint i = e->hit.instID[0] - FIRST_PLACEMENT;
 		h->object = g_array_index(w->site.placements, struct placement, i).object;
 		h->face += i * 0x10001U;
 		h->normal = turned(&w->turns[i], h->normal);
@@ -130,27 +147,35 @@ static void describe(const struct world *w, const struct mesh *m, const struct r
 		h->shading = -h->shading;
 }
 
+static const struct mesh *mesh_of(const struct world *w, const struct RTCHit *e)
+{
+	if (e->instID[0] == RTC_INVALID_GEOMETRY_ID)
+		return e->geomID == GLASS_MESH ? &w->site.glass : &w->site.solid;
+	guint i = e->instID[0] - FIRST_PLACEMENT;
+	return model_of(w, g_array_index(w->site.placements, struct placement, i).model);
+}
+
+bool trace_all(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit)
+{
+	struct RTCRayHit e;
+	if (!trace(w->all, r, &e))
+		return false;
+	describe(w, mesh_of(w, &e.hit), r, &e, smooth, ret_hit);
+	return true;
+}
+
 bool trace_solid(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit)
 {
 	struct RTCRayHit e;
 	if (!trace(w->solid, r, &e))
 		return false;
-	const struct mesh *m = &w->site.solid;
-	if (e.hit.instID[0] != RTC_INVALID_GEOMETRY_ID)
-		m = model_of(
-			w, g_array_index(w->site.placements, struct placement, e.hit.instID[0] - 1)
-				   .model);
-	describe(w, m, r, &e, smooth, ret_hit);
+	describe(w, mesh_of(w, &e.hit), r, &e, smooth, ret_hit);
 	return true;
 }
 
-bool trace_glass(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit)
+bool hit_is_clear(const struct hit *h)
 {
-	struct RTCRayHit e;
-	if (!trace(w->glass, r, &e))
-		return false;
-	describe(w, &w->site.glass, r, &e, smooth, ret_hit);
-	return true;
+	return h->material->kind == MATERIAL_GLASS || h->material->kind == MATERIAL_WATER;
 }
 
 float trace_distance(const struct world *w, const struct ray *r)

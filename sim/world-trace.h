@@ -1,7 +1,7 @@
 #ifndef SIM_WORLD_TRACE_H
 #define SIM_WORLD_TRACE_H
-/* The finished world and the rays through it. Panes and water are in a scene of their own (glass),
- * so that shadow rays pass them and what lies behind them is found without a second ray. */
+/* The finished world and the rays through it. There are two scenes of Embree's: shadow rays and
+ * what is seen through a pane go through the solid one, which has no panes and no water in it. */
 #include <embree3/rtcore.h>
 
 #include "sim/world-site.h"
@@ -23,7 +23,7 @@ struct probes {
 struct world {
 	struct site site;
 	RTCDevice device;
-	RTCScene solid, glass;
+	RTCScene solid, all;
 	GPtrArray *model_scenes; /* RTCScene of each model */
 	struct turn *turns;      /* by placement */
 	struct probes probes;
@@ -46,8 +46,10 @@ struct hit {
 };
 
 /* smooth: the shading normal is wanted; it costs a look at the mesh's points. */
+bool trace_all(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit);
 bool trace_solid(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit);
-bool trace_glass(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit);
+/* Whether a hit is of a pane or of water. */
+bool hit_is_clear(const struct hit *h);
 /* How far the ray gets, its limit at most. */
 float trace_distance(const struct world *w, const struct ray *r);
 bool trace_blocked(const struct world *w, const struct ray *r);

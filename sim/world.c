@@ -23,7 +23,7 @@ static double clearance_m(const struct world *w, vec foot)
 			float a = 2 * G_PI * ((float)i + up) / 40;
 			struct ray r = { foot + (vec){ 0, 0, up }, { sinf(a), cosf(a), 0 }, 2 };
 			struct hit h;
-			if (trace_solid(w, &r, false, &h) || trace_glass(w, &r, false, &h))
+			if (trace_all(w, &r, false, &h))
 				near = MIN(near, h.range_m);
 		}
 	return near;
@@ -148,12 +148,8 @@ bool world_cast(const world *w, const double origin_m[3], const double direction
 {
 	struct ray r = ray_of(origin_m, direction, limit_m);
 	struct hit h;
-	bool any = trace_solid(w, &r, false, &h);
-	if (any)
-		r.limit_m = h.range_m;
-	any |= trace_glass(w, &r, false, &h);
 	*ret_surface = (struct surface){ 0 };
-	if (!any)
+	if (!trace_all(w, &r, false, &h))
 		return false;
 	vec albedo = material_albedo(h.material, h.place, h.normal, hit_footprint(&r, &h), h.face);
 	for (unsigned i = 0; i < 3; i++) {

@@ -9,5 +9,5 @@ export ASAN_OPTIONS=detect_leaks=1:abort_on_error=1:malloc_context_size=20 UBSAN
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 case $name in
 fuzz-*) exec timeout --kill-after=5 240 "$program" ;;
-*) exec timeout --kill-after=5 400 "$program" --tap ;;
+*) exec timeout --kill-after=5 900 "$program" --tap ;;
 esac

@@ -48,7 +48,7 @@ check-ubsan:
 check-tsan:
 	$(MAKE) BUILD=build-tsan SANITIZE=thread CFLAGS='-O1 -g -fno-openmp -Wno-unknown-pragmas' CC=clang tests-tsan
 .PHONY: tests-tsan
-tests-tsan: $(BUILD)/tests/test-record
+tests-tsan: $(BUILD)/tests/test-record $(BUILD)/tests/test-record-faults
 	prove --timer --exec 'sh tests/tap.sh $(BUILD)' $^
 
 #: make fuzz            run every fuzz target for a minute (FUZZ_SECONDS=60)

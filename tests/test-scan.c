@@ -13,6 +13,7 @@
 struct beam {
 	double azimuth_rad;
 	float elevation_rad, range_m;
+	bool even; /* the beams before and after it go on as a plane does */
 };
 
 struct beams {
@@ -40,6 +41,16 @@ static void beams_clear(struct beams *b)
 	g_array_unref(b->rows);
 }
 
+/* Second differences of range along the sweep: small on planes, also slanted ones; leaves and edges
+ * are neither. */
+static bool is_even(const struct sim_truth_revolution *r, uint32_t i)
+{
+	if (i == 0 || i + 1 >= r->beams || r->range_m[i - 1] == 0 || r->range_m[i + 1] == 0)
+		return false;
+	double bend = r->range_m[i - 1] - 2 * r->range_m[i] + r->range_m[i + 1];
+	return r->range_m[i] > 0 && fabs(bend) < 0.01 + 0.002 * r->range_m[i];
+}
+
 /* The simulated sweep is 270 degrees, the first beam 45 degrees below the horizon in front, the
  * last behind. */
 static void keep_truth(const struct sim_truth_revolution *r, gpointer user_data)
@@ -51,7 +62,8 @@ static void keep_truth(const struct sim_truth_revolution *r, gpointer user_data)
 		struct beam beam = { .azimuth_rad =
 					     fmod(r->azimuth_rad[i] + (front ? 0 : G_PI), 2 * G_PI),
 			.elevation_rad = (float)(front ? theta : G_PI - theta),
-			.range_m = (float)r->range_m[i] };
+			.range_m = (float)r->range_m[i],
+			.even = is_even(r, i) };
 		double row = floor((b->desc.elevation_max_rad - beam.elevation_rad) / b->row_rad);
 		if (row >= 0 && row < b->desc.rows)
 			g_array_append_val(g_array_index(b->rows, GArray *, (int)row), beam);
@@ -88,6 +100,8 @@ static const struct beam *nearest_beam(
 {
 	const struct beam *beams = (const struct beam *)(const void *)row->data, *best = NULL;
 	size_t low = 0, high = row->len;
+	if (high == 0)
+		return NULL;
 	while (low < high) {
 		size_t middle = (low + high) / 2;
 		if (beams[middle].azimuth_rad < azimuth_rad)
@@ -130,7 +144,8 @@ static struct comparison compare(const panorama *p, const struct beams *b)
 	g_autoptr(GArray) off = g_array_new(FALSE, FALSE, sizeof(double));
 	for (uint32_t i = 0; i < b->desc.rows; i++) {
 		GArray *row = g_array_index(b->rows, GArray *, i);
-		qsort(row->data, row->len, sizeof(struct beam), by_azimuth);
+		if (row->len)
+			qsort(row->data, row->len, sizeof(struct beam), by_azimuth);
 	}
 	for (uint32_t row = 0; row < p->desc.rows; row++)
 		for (uint32_t column = 0; column < p->desc.columns; column++) {
@@ -150,7 +165,7 @@ static struct comparison compare(const panorama *p, const struct beams *b)
 			c.azimuth_bias_columns += away;
 			double error_mm =
 				beam ? 1000.0 * ((double)p->range_m[i] - beam->range_m) : 0;
-			if (!beam || beam->range_m == 0 || !is_smooth(p, row, column))
+			if (!beam || !beam->even || !is_smooth(p, row, column))
 				continue;
 			sum += error_mm;
 			g_array_append_val(off, error_mm);
