@@ -104,6 +104,15 @@ void pen_triangle(const struct pen *p, vec a, vec b, vec c)
 	add_face(p, m, i, i + 1, i + 2);
 }
 
+void pen_shaded(const struct pen *p, const vec corners[3], const vec normals[3])
+{
+	struct mesh *m = mesh_of(p);
+	uint32_t i = m->points->len;
+	pen_triangle(p, corners[0], corners[1], corners[2]);
+	for (uint32_t k = 0; k < 3; k++)
+		g_array_index(m->normals, vec, i + k) = frame_turn(&p->at, normals[k]);
+}
+
 void pen_quad(const struct pen *p, vec a, vec b, vec c, vec d)
 {
 	struct mesh *m = mesh_of(p);

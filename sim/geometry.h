@@ -103,6 +103,8 @@ struct pen pen_scaled(const struct pen *p, float scale);
 struct pen pen_with(const struct pen *p, uint16_t material);
 
 void pen_triangle(const struct pen *p, vec a, vec b, vec c);
+/* With a shading normal for each corner. */
+void pen_shaded(const struct pen *p, const vec corners[3], const vec normals[3]);
 void pen_quad(const struct pen *p, vec a, vec b, vec c, vec d);
 void pen_box(const struct pen *p, vec low, vec high);
 /* A convex outline in the x-z plane, drawn from y0 to y1, both ends closed. */

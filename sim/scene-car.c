@@ -92,7 +92,14 @@ static void draw_cabin(
 	float middle = van ? 0.1f : 0.5f * (c->roof_front + c->roof_back) + 0.1f;
 	vec m0 = { middle, w + 0.005f, z }, m1 = { middle, v + 0.005f, r - 0.04f };
 	pen_quad(glass, a, a * flip, b * flip, b);
-	pen_quad(glass, e, e * flip, d * flip, d);
+	vec sill = mix(e, d, van ? 0.45f : 0), head = mix(e, d, van ? 0.88f : 1);
+	pen_quad(glass, sill, sill * flip, head * flip, head);
+	if (van) { /* doors below the window, a rim over it and a bar between the leaves */
+		pen_quad(p, e, e * flip, sill * flip, sill);
+		pen_quad(p, head, head * flip, d * flip, d);
+		vec middle_of = { 1, 0, 1 };
+		pen_rod(p, sill * middle_of, head * middle_of, 0.05f, 0.05f, 6);
+	}
 	for (unsigned k = 0; k < 2; k++) {
 		vec f = k ? flip : (vec){ 1, 1, 1 };
 		pen_quad(glass, a * f, m0 * f, m1 * f, b * f);

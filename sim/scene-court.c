@@ -66,11 +66,11 @@ static void walk_court(struct court *c)
 	static const float walk[][2] = { { 2.8f, -6.4f }, { -6.6f, -1.1f }, { -1.6f, 6.6f },
 		{ 7, 1.1f }, { 15.8f, -3 }, { 13.4f, -11.6f }, { 2.4f, -11.9f }, { -9, -11.7f },
 		{ -16.5f, -7 }, { -16.8f, 3.5f }, { -12, 11.6f }, { -1, 11.5f }, { 10, 11.6f } };
-	float flip = c->swapped ? -1 : 1;
+	float flip = c->swapped ? -1 : 1; /* about the middle, as the two side wings do */
 	for (unsigned i = 0; i < G_N_ELEMENTS(walk); i++)
 		site_walk_to(c->s,
 			flip * walk[i][0] * c->half_x / 20 + roll_in(&c->s->dice, -0.4f, 0.4f),
-			walk[i][1] * c->half_y / 15 + roll_in(&c->s->dice, -0.4f, 0.4f));
+			flip * walk[i][1] * c->half_y / 15 + roll_in(&c->s->dice, -0.4f, 0.4f));
 }
 
 static void plant_beds(struct court *c)
@@ -140,7 +140,7 @@ static void furnish(struct court *c)
 		draw_lamp_post(&p, &c->m, 4.1f);
 		site_claim(s, x, y, 0.4f);
 	}
-	float side = c->swapped ? 1 : -1, cy = roll_in(&s->dice, 0.53f, 0.6f) * c->half_y;
+	float side = c->swapped ? 1 : -1, cy = -side * roll_in(&s->dice, 0.53f, 0.6f) * c->half_y;
 	if (site_claim(s, side * (c->half_x - 1.9f), cy, 1.6f))
 		add_car(s, &c->m, side * (c->half_x - 1.7f), cy,
 			(float)G_PI / 2 * (roll(&s->dice) < 0.5f ? 1 : -1));
@@ -159,7 +159,8 @@ static void set_tables(struct court *c)
 	struct site *s = c->s;
 	float side = c->swapped ? -1 : 1;
 	for (unsigned i = 0; i < 3; i++) {
-		float x = side * (c->half_x - 2.9f), y = c->half_y * (0.12f + 0.21f * (float)i);
+		float x = side * (c->half_x - 2.9f),
+		      y = side * c->half_y * (0.12f + 0.21f * (float)i);
 		if (!site_claim(s, x, y, 1.35f))
 			continue;
 		struct pen p = site_stand(s, WORLD_FURNITURE, x, y, roll_in(&s->dice, 0, 1));

@@ -9,6 +9,8 @@
 
 enum head { HEAD_PLAIN, HEAD_LINTEL, HEAD_HOOD, HEAD_PEDIMENT, HEAD_KEYSTONE };
 
+#define UPPER_DOOR_M 0.17f /* what covers the course below */
+
 struct opening {
 	float x, z, width, height; /* left lower corner; the height is to the crown of an arch */
 	bool arched, door;
@@ -29,10 +31,11 @@ struct facade {
 	float length, room_m;
 	unsigned bays, storeys;
 	struct storey storey[5];
-	unsigned doors; /* bits: bays of the ground floor that have doors */
-	unsigned blank; /* bits: bays that stay blank on the ground floor */
-	unsigned gates; /* bits: bays of the ground floor with a wide arched gate */
-	float flank;    /* blank wall beyond both ends, where other wings abut */
+	unsigned doors;       /* bits: bays of the ground floor that have doors */
+	unsigned upper_doors; /* bits: bays of the first floor with a door, UPPER_DOOR_M up */
+	unsigned blank;       /* bits: bays that stay blank on the ground floor */
+	unsigned gates;       /* bits: bays of the ground floor with a wide arched gate */
+	float flank;          /* blank wall beyond both ends, where other wings abut */
 	bool quoins, dentils, open_ground; /* open: the ground floor is drawn by somebody else */
 	float mitre;                       /* of cornice and courses, see pen_moulding() */
 };
@@ -68,6 +71,10 @@ void draw_groin_ribs(
 	const struct pen *p, float half_x, float half_y, float rise, bool pointed, float radius);
 /* n steps up towards +y, their top edge at y = 0; side walls on request. */
 void draw_steps(const struct pen *p, float width, unsigned n, float rise, float tread);
+/* A flight along a wall with its foot to the right, up to a landing from x to x + landing, whose
+ * floor is at z = top; claims the ground it stands on. */
+void draw_outside_stair(struct site *s, const struct pen *p, const struct palette *m, float x,
+	float landing, float top, float width);
 /* A straight rail on posts or balusters from a to b, which stand on the ground. */
 void draw_railing(const struct pen *p, vec a, vec b, float height, float spacing);
 

@@ -3,8 +3,9 @@
 /* Ground that follows the site's relief, and what lies on it. */
 #include "sim/scene-palette.h"
 
-/* A sheet over the rectangle, `above` metres over the relief; the material of each cell comes from
- * choose(), or is the pen's where that is NULL. The pen must be in the world's frame. */
+/* A sheet over the rectangle, `above` metres over the relief; the material comes from choose(),
+ * whose edges it follows to a centimetre, or is the pen's where that is NULL. The pen must be in
+ * the world's frame. */
 void draw_ground(const struct site *s, const struct pen *p, vec low, vec high, float cell_m,
 	float above, uint16_t (*choose)(float x, float y, const void *data), const void *data);
 /* A bed of grass in a kerb, its tufts included. */

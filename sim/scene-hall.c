@@ -343,10 +343,10 @@ void scene_hall(struct site *s)
 	s->bounds = (struct bounds){ { -x - 1, -h.half_y - 1, -0.4f },
 		{ x + 1, h.half_y + 1, h.spring + h.rise + 0.4f }, 1.1f };
 	/* exposed for the inside: the day outside is brighter than white */
-	s->light.sun *= 1.9f;
-	s->light.zenith *= 2.2f;
-	s->light.horizon *= 1.9f;
-	s->light.fill = (vec){ 0.2f, 0.178f, 0.145f };
+	s->light.sun *= 1.7f;
+	s->light.zenith *= 1.9f;
+	s->light.horizon *= 1.6f;
+	s->light.fill = (vec){ 0.15f, 0.134f, 0.11f };
 	for (unsigned i = 0; i < G_N_ELEMENTS(walk); i++)
 		site_walk_to(s, walk[i][0], walk[i][1]);
 	build_hall(&h);

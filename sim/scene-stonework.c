@@ -69,6 +69,9 @@ static struct opening opening_of(const struct facade *f, unsigned level, unsigne
 		if (o.head == HEAD_PLAIN)
 			o.head = HEAD_HOOD;
 	}
+	if (level == 1 && (f->upper_doors >> bay & 1))
+		o = (struct opening){ middle - 0.65f, z + UPPER_DOOR_M, 1.3f,
+			MIN(2.5f, t->height - 0.6f), false, true, HEAD_LINTEL };
 	if (level == 0 && (f->gates >> bay & 1))
 		o = (struct opening){ middle - 1.5f, z - 0.25f, 3.0f, MIN(4.1f, t->height), true,
 			true };

@@ -39,8 +39,8 @@ static void lay_walks(struct site *s, const struct palette *m, const struct pen 
 			float y2 = k * END_M;
 			draw_ground(s, &flags, (vec){ MIN(x0, x2), MIN(y1, y2) },
 				(vec){ MAX(x0, x2), MAX(y1, y2) }, 1, STEP_M, NULL, NULL);
-			draw_kerb(
-				s, &kerb, (vec){ x0, y0 }, (vec){ x1, y0 }, 0.2f, STEP_M + 0.004f);
+			draw_kerb(s, &kerb, (vec){ x0 - i * 0.1f, y0 }, (vec){ x1, y0 }, 0.2f,
+				STEP_M + 0.004f);
 			draw_kerb(
 				s, &kerb, (vec){ x0, y0 }, (vec){ x0, y2 }, 0.2f, STEP_M + 0.004f);
 		}

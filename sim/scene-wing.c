@@ -255,7 +255,7 @@ void draw_ivy(struct site *s, const struct pen *p, uint16_t leaf, float x0, floa
 		float edge =
 			noise_2d(x * 0.9f, z * 0.6f, 31) + 0.5f * noise_2d(x * 2.6f, z * 2.1f, 32);
 		float side = MIN(x - x0, x1 - x) / (0.4f * (x1 - x0));
-		if (edge + 1.1f * MIN(side, 1) < 0.25f + 0.9f * z / height)
+		if (edge + 1.1f * MIN(side, 1) < -0.15f + 1.1f * z / height)
 			continue;
 		float size = roll_in(&s->dice, 0.09f, 0.17f), a = roll_in(&s->dice, -0.9f, 0.9f);
 		vec along = { size * sinf(a), -0.05f - 0.3f * size * roll(&s->dice),
@@ -299,7 +299,8 @@ void wing_gate(struct site *s, const struct pen *p, const struct palette *m, flo
 	f.storey[1] = (struct storey){ 3.2f, 1.1f, 1.6f, 0.85f, false, HEAD_PLAIN, 0, 1 };
 	f.gates = 1U << gate;
 	f.doors = 1U << (bays - 1);
-	f.blank = 1;
+	f.blank = 3U | 1U << (gate + 2);
+	f.upper_doors = 1;
 	float top = facade_height(&f), bay = length / bays;
 	draw_facade(s, p, &f);
 	struct pen trim = pen_with(p, m->trim), plain = pen_with(p, m->plaster[3]),
@@ -316,7 +317,8 @@ void wing_gate(struct site *s, const struct pen *p, const struct palette *m, flo
 						 .variety = 0.35f,
 						 .warmth = 0.15f,
 						 .reflectivity = 0.55f });
-	draw_ivy(s, p, leaf, 0.1f, bay * 0.98f, top * 0.95f);
+	draw_ivy(s, p, leaf, bay * (gate + 2) - 0.2f, bay * (gate + 3) + 0.2f, top * 0.72f);
+	draw_outside_stair(s, p, m, 0.5f * bay - 1, 2, f.storey[0].height + UPPER_DOOR_M, 1.5f);
 	close_block(&plain, 0, length, depth, top);
 	struct roof r = { m, m->tiles, m->plaster[3], length + 6, depth,
 		roll_in(&s->dice, 2.8f, 3.3f), 0.5f, { 0, 0 } };

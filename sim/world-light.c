@@ -163,12 +163,14 @@ static vec shade(const struct world *w, const struct ray *r, const struct hit *h
 	vec ambient = light_ambient(w, h->place, h->shading);
 	if (fine && h->range_m < 60 && m->kind != MATERIAL_LEAF)
 		ambient *= openness(w, h);
+	else if (m->kind == MATERIAL_LEAF && dot(h->shading, r->direction) > 0)
+		ambient *= 0.6f; /* from within the crown or below it */
 	vec colour = albedo * (sunlight(w, h) + ambient + m->emission);
 	if (m->gloss > 0) {
 		float c = 1 - clamp_unit(-dot(r->direction, h->shading));
 		vec away = r->direction - h->shading * (2 * dot(r->direction, h->shading));
 		float share = m->gloss + (1 - m->gloss) * c * c * c * c * c;
-		colour = mix(colour, light_sky(l, away, false) * ambient * 1.6f, share);
+		colour = mix(colour, light_ambient(w, h->place, away), share);
 	}
 	return haze(l, colour, h->range_m);
 }

@@ -143,7 +143,8 @@ static void describe(const struct world *w, const struct mesh *m, const struct r
 	h->shading = unit(h->shading);
 	if (dot(h->normal, r->direction) > 0)
 		h->normal = -h->normal;
-	if (dot(h->shading, h->normal) < 0)
+	/* a leaf shades as the mass it belongs to, whichever of its sides is seen */
+	if (h->material->kind != MATERIAL_LEAF && dot(h->shading, h->normal) < 0)
 		h->shading = -h->shading;
 }
 
