@@ -52,7 +52,8 @@ int64_t camera_next_ns(const camera *c);
 void camera_strike(
 	camera *c, int64_t now_ns, const struct fault *fault); /* one of the camera's faults */
 void camera_run(camera *c, int64_t now_ns);
-/* Draws ahead some rows of a frame whose exposure is over; false if there is nothing to draw. */
+/* Draws ahead some rows, an even number, of a frame whose exposure is over; false if there is
+ * nothing to draw. */
 bool camera_prepare(camera *c, int64_t now_ns, uint32_t rows);
 
 #endif

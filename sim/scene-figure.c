@@ -9,7 +9,9 @@ struct dress {
 
 static const vec clothes[] = { { 0.35f, 0.06f, 0.06f }, { 0.06f, 0.1f, 0.24f },
 	{ 0.5f, 0.45f, 0.36f }, { 0.07f, 0.07f, 0.08f }, { 0.12f, 0.25f, 0.16f },
-	{ 0.6f, 0.58f, 0.54f }, { 0.5f, 0.3f, 0.08f }, { 0.22f, 0.34f, 0.46f } };
+	{ 0.6f, 0.58f, 0.54f }, { 0.5f, 0.3f, 0.08f }, { 0.22f, 0.34f, 0.46f },
+	{ 0.42f, 0.16f, 0.22f }, { 0.16f, 0.14f, 0.13f }, { 0.3f, 0.3f, 0.32f },
+	{ 0.55f, 0.42f, 0.3f } };
 
 static vec choose_cloth(struct dice *d)
 {
@@ -125,7 +127,12 @@ static void draw_limbs(const struct pen *p, const struct dress *w, enum pose pos
 void draw_person(struct site *s, const struct pen *p, enum pose pose)
 {
 	struct dress w = choose_dress(s);
-	struct pen q = pen_scaled(p, roll_in(&s->dice, 0.93f, 1.07f));
+	bool child = pose == POSE_WALK && roll(&s->dice) < 0.15f;
+	struct pen q = pen_scaled(
+		p, child ? roll_in(&s->dice, 0.62f, 0.8f) : roll_in(&s->dice, 0.92f, 1.08f));
+	float build = roll_in(&s->dice, 0.9f, 1.18f); /* slim to stout */
+	q.at.x *= build;
+	q.at.y *= build;
 	if (pose == POSE_SIT)
 		q = pen_at(&q, 0, 0.08f, -0.36f);
 	draw_limbs(&q, &w, pose, roll_in(&s->dice, 0.16f, 0.26f));
