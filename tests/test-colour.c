@@ -198,6 +198,25 @@ static void test_where(void)
 	g_assert_cmpint(seen, ==, 60);
 }
 
+/* A chroma sample lies in the middle of its four pixels, not at the first of them. */
+static void test_where_chroma(void)
+{
+	struct calibration c = made_calibration();
+	g_autofree uint8_t *pixels = frame_of((struct rgb){ 128, 128, 128 });
+	for (uint32_t y = 0; y < HEIGHT / 2; y++)
+		for (uint32_t x = 0; x < WIDTH / 2; x++)
+			pixels[WIDTH * HEIGHT + y * WIDTH + 2 * x + 1] = (uint8_t)(66 + 4 * x);
+	g_autoptr(panorama) p = grid(10);
+	struct photo photo = photo_of(pixels, 100.5);
+	colour_panorama(p, &photo, 1, &c);
+	for (uint32_t column = 75; column < 126; column++) {
+		double u = c.camera.fx * tan((column - 100.0) * DEGREE) + c.camera.cx;
+		double cr = 66 + 4 * (u - 0.5) / 2 - 128;
+		double red = 128 + cr * 255 / 224 * 2 * (1 - 0.299);
+		g_assert_cmpfloat(fabs(rgb_at(p, column)[0] - CLAMP(red, 0, 255)), <, 1.1);
+	}
+}
+
 /* Between two photos the weights sum to one: red and green of the same strength keep their sum, and
  * each has its own middle to itself. */
 static void test_blend(void)
@@ -278,6 +297,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/colour/fold", test_fold);
 	g_test_add_func("/colour/nv12", test_nv12);
 	g_test_add_func("/colour/where", test_where);
+	g_test_add_func("/colour/where-chroma", test_where_chroma);
 	g_test_add_func("/colour/blend", test_blend);
 	g_test_add_func("/colour/repeated-photos", test_repeated_photos);
 	g_test_add_func("/colour/sky", test_sky);

@@ -45,8 +45,8 @@ static const struct scene {
 	const char *path, *preset, *description;
 	double bytes_slack; /* 0: a quarter */
 } scenes[] = {
-	{ "/preset/draft", "draft", "court?seed=3&ares=1584&camera=48x80&home_deg=180" },
-	{ "/preset/standard", "standard", "court?seed=3&ares=1584&camera=48x80&home_deg=180" },
+	{ "/preset/draft", "draft", "hall?seed=4&ares=1584&camera=48x80&home_deg=180" },
+	{ "/preset/standard", "standard", "hall?seed=4&ares=1584&camera=48x80&home_deg=180" },
 	{ "/preset/fine", "fine", "hall?seed=4&ares=800&camera=48x80&home_deg=180" },
 	{ "/preset/draft-without-camera", "draft",
 		"hall?seed=4&ares=800&camera=none&home_deg=180" },
@@ -54,11 +54,11 @@ static const struct scene {
 		/* A beam of CoLa takes half as much again on the wire, and the prediction is not
 		 * told the protocol. */
 		0.35 },
-	{ "/preset/draft-near-home", "draft", "court?seed=3&ares=800&camera=48x80&home_deg=20" },
+	{ "/preset/draft-near-home", "draft", "hall?seed=4&ares=800&camera=48x80&home_deg=20" },
 	{ "/preset/draft-far-from-home", "draft",
-		"court?seed=3&ares=800&camera=48x80&home_deg=340" },
+		"hall?seed=4&ares=800&camera=48x80&home_deg=340" },
 	{ "/preset/draft-large-photos", "draft",
-		"court?seed=3&ares=800&camera=240x320&home_deg=180" },
+		"hall?seed=4&ares=800&camera=120x160&home_deg=180" },
 };
 
 static void scan(const struct scene *s, struct taken *ret)

@@ -59,9 +59,9 @@ static struct stream_report count_once(const char *path)
 static const struct scene {
 	const char *path, *description;
 } scenes[] = {
-	{ "/replay/scip", "court?seed=3&ares=400&camera=48x80" },
+	{ "/replay/scip", "hall?seed=4&ares=400&camera=48x80" },
 	{ "/replay/cola", "hall?seed=4&lidar=cola&beams=271&camera=none" },
-	{ "/replay/jitter", "hall?seed=4&ares=400&camera=32x48&jitter_ms=4&packet=64" },
+	{ "/replay/jitter", "hall?seed=4&ares=400&camera=none&jitter_ms=4&packet=64" },
 	{ "/replay/lost-and-slipped",
 		"hall?seed=4&ares=400&camera=none&fault=drop@300x4,slip@900:60" },
 	{ "/replay/unplugged",
