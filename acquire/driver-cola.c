@@ -141,6 +141,7 @@ const struct driver driver_cola = {
 	.protocol = "cola",
 	.clock = { .ticks_hz = 1e6, .wrap_bits = 32, .delay_ns = MILLISECOND_NS },
 	.stamp = STAMP_LAST_BEAM,
+	.bytes_per_beam = 9.9,
 	.prepare = prepare,
 	.start = start,
 	.stop = stop,

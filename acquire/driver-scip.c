@@ -170,6 +170,7 @@ const struct driver driver_scip = {
 		.delay_ns = 21 * MILLISECOND_NS,
 		.truncates = true },
 	.stamp = STAMP_FIRST_BEAM,
+	.bytes_per_beam = 6.2,
 	.prepare = prepare,
 	.start = start,
 	.stop = stop,

@@ -13,6 +13,7 @@ struct driver {
 	const char *protocol;
 	struct device_clock_desc clock;
 	enum stamp_instant stamp;
+	double bytes_per_beam; /* on the wire, with intensity: for predictions */
 	/* Wakes the device from whatever state it is in, identifies it and compares clocks. Says
 	 * what is wrong in words. */
 	bool (*prepare)(struct pump *p, GError **error);

@@ -6,8 +6,8 @@
  *     intensity.tiff  16 bit, the lidar's own scale
  *     cell.tiff       8 bit, enum panorama_cell: 0 empty, 1 measured, 2 filled, 3 no return
  *     offset.tiff     two signed 16-bit samples: the beam's azimuth and elevation from the cell's
- * centre, in cells/65534 colour.tiff     three 8-bit samples, sRGB; missing when the scan has no
- * colour
+ *                     centre, in cells/65534
+ *     colour.tiff     three 8-bit samples, sRGB; missing when the scan has no colour
  *
  * Row 0 is the highest, column 0 starts at azimuth 0 and azimuth rises clockwise. The grid's
  * elevations stand in scan.json. */

@@ -5,9 +5,7 @@
 #define DEGREE (G_PI / 180)
 /* Revolutions a column: above one, so that a column is met whatever the phase of the mirror. */
 #define REVOLUTIONS_PER_COLUMN 1.06
-/* Bytes of a beam on the wire: SCIP's three characters each for range and intensity, with sums;
- * CoLa is alike. */
-#define WIRE_BYTES_PER_BEAM 6.2
+#define SLOWEST_RATE_HZ        5.0
 /* Of an entry of the record beside its payload, with its padding. */
 #define ENTRY_BYTES          36.0
 #define STAGE_BYTES_PER_STEP 8.0
@@ -35,7 +33,9 @@ const struct preset *preset_find(const char *name)
 
 struct stage_pace preset_pace(const struct preset *preset, double scan_rate_hz)
 {
-	double scan = 2 * G_PI / preset->columns * scan_rate_hz / REVOLUTIONS_PER_COLUMN;
+	/* A device that does not tell its rate turns at least as fast as the slowest. */
+	double rate_hz = scan_rate_hz > 0 ? scan_rate_hz : SLOWEST_RATE_HZ;
+	double scan = 2 * G_PI / preset->columns * rate_hz / REVOLUTIONS_PER_COLUMN;
 	/* A draft by a fast mirror must not outrun the motor. */
 	scan = fmin(scan, 30 * DEGREE);
 	double acceleration = 40 * DEGREE;
@@ -76,7 +76,8 @@ static struct itinerary plan(const struct stage_pace *pace, bool photos)
 }
 
 static double record_bytes(const struct itinerary *i, const struct preset *preset,
-	const struct lidar_identity *lidar, const struct calibration *c)
+	const struct driver *driver, const struct lidar_identity *lidar,
+	const struct calibration *c)
 {
 	double turns = (i->back_s + i->pass_s) * lidar->scan_rate_hz,
 	       steps = i->turned_rad / (2 * G_PI) * c->stage.steps_per_turn,
@@ -84,13 +85,13 @@ static double record_bytes(const struct itinerary *i, const struct preset *prese
 	       frame = 1.5 * c->camera.width * c->camera.height;
 	/* While the stage goes home a frame each second is for metering. */
 	double frames = c->has_camera ? preset->photos + i->home_s : 0;
-	return turns * (lidar->beams * WIRE_BYTES_PER_BEAM + ENTRY_BYTES) +
+	return turns * (lidar->beams * driver->bytes_per_beam + ENTRY_BYTES) +
 	       steps * STAGE_BYTES_PER_STEP + moving_s * STAGE_ENTRIES_PER_S * ENTRY_BYTES +
 	       frames * frame;
 }
 
-struct prediction preset_predict(const struct preset *preset, const struct lidar_identity *lidar,
-	const struct calibration *calibration)
+struct prediction preset_predict(const struct preset *preset, const struct driver *driver,
+	const struct lidar_identity *lidar, const struct calibration *calibration)
 {
 	struct stage_pace pace = preset_pace(preset, lidar->scan_rate_hz);
 	struct itinerary i = plan(&pace, calibration->has_camera);
@@ -101,6 +102,6 @@ struct prediction preset_predict(const struct preset *preset, const struct lidar
 	return (struct prediction){ .seconds = PREPARE_SECONDS + i.home_s + i.back_s + i.pass_s +
 					       i.photos_s + i.travel_s,
 		.points = (uint64_t)(row_beams * preset->columns),
-		.bytes = (uint64_t)(record_bytes(&i, preset, lidar, calibration) +
+		.bytes = (uint64_t)(record_bytes(&i, preset, driver, lidar, calibration) +
 				    cells * cell_bytes) };
 }

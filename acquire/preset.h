@@ -4,6 +4,7 @@
  * connected. */
 #include "acquire/calibration.h"
 #include "acquire/decoder.h"
+#include "acquire/driver.h"
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -34,7 +35,7 @@ struct prediction {
 	uint64_t bytes;  /* record and planes */
 };
 /* The half turn of the lidar pass, the photo half, homing and travel; no losses. */
-struct prediction preset_predict(const struct preset *preset, const struct lidar_identity *lidar,
-	const struct calibration *calibration);
+struct prediction preset_predict(const struct preset *preset, const struct driver *driver,
+	const struct lidar_identity *lidar, const struct calibration *calibration);
 
 #endif

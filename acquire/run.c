@@ -188,9 +188,14 @@ bool run_prepare(run *r, GError **error)
 	return true;
 }
 
+const struct calibration *run_calibration(const run *r)
+{
+	return stream_calibration(r->pump.stream);
+}
+
 struct prediction run_predict(const run *r)
 {
-	return preset_predict(r->options.preset, run_lidar(r), stream_calibration(r->pump.stream));
+	return preset_predict(r->options.preset, r->pump.driver, run_lidar(r), run_calibration(r));
 }
 
 const struct lidar_identity *run_lidar(const run *r)
@@ -270,9 +275,12 @@ static bool start_lidar(run *r, GError **error)
 	return true;
 }
 
+/* Coverage counts azimuths, the stage turns from home. */
 static bool pass(run *r, const struct front_interval *f, GError **error)
 {
-	double ahead = f->from_rad - r->pace.run_up_rad, beyond = f->to_rad + r->pace.run_up_rad;
+	double zero = run_calibration(r)->stage.azimuth_zero_rad;
+	double ahead = f->from_rad - zero - r->pace.run_up_rad;
+	double beyond = f->to_rad - zero + r->pace.run_up_rad;
 	/* From behind, so that the gear's slack is taken up before the first column. */
 	return go(r, ahead, r->pace.travel_rad_s, error) &&
 	       go(r, beyond, r->pace.scan_rad_s, error);
@@ -282,6 +290,7 @@ static bool pass(run *r, const struct front_interval *f, GError **error)
 static void forget_suspects(run *r)
 {
 	stage_track *track = stream_stage(r->pump.stream);
+	double zero = run_calibration(r)->stage.azimuth_zero_rad;
 	g_autoptr(GArray) suspects = stage_track_suspects(track);
 	for (; r->suspects < suspects->len; r->suspects++) {
 		const struct stage_suspect *s =
@@ -289,7 +298,7 @@ static void forget_suspects(run *r)
 		double a = stage_track_angle_rad(track, s->from_ns),
 		       b = stage_track_angle_rad(track, s->to_ns);
 		double slack = fabs(s->error_rad);
-		coverage_clear(r->coverage, fmin(a, b) - slack, fmax(a, b) + slack);
+		coverage_clear(r->coverage, zero + fmin(a, b) - slack, zero + fmax(a, b) + slack);
 	}
 }
 
@@ -316,6 +325,25 @@ static bool revive(run *r, GError **error)
 	       r->pump.driver->prepare(&r->pump, error) && start_lidar(r, error);
 }
 
+/* Ramps the stage down and waits for it, whatever else is wrong; what the lidar says meanwhile does not matter. */
+static bool halt(run *r, GError **error)
+{
+	int64_t deadline_ns = head_now_ns(r->pump.head) + 3 * SECOND_NS;
+	r->pump.stage_stopped = false;
+	if (!stage_stop(r->pump.head->stage, error))
+		return false;
+	while (!r->pump.stage_stopped && stage_track_is_moving(stream_stage(r->pump.stream)) &&
+		head_now_ns(r->pump.head) < deadline_ns) {
+		g_autoptr(GError) failed = NULL;
+		if (pump_turn(&r->pump, head_now_ns(r->pump.head) + SECOND_NS / 4, &failed) ||
+			can_recover(failed))
+			continue;
+		g_propagate_error(error, g_steal_pointer(&failed));
+		return false;
+	}
+	return true;
+}
+
 /* Stops the stage and tries to get the lidar back: by talking to it, then by plugging anew, until
  * patience ends. */
 static bool recover(run *r, const GError *cause, GError **error)
@@ -330,7 +358,7 @@ static bool recover(run *r, const GError *cause, GError **error)
 			cause->message);
 		return false;
 	}
-	if (!stage_stop(r->pump.head->stage, error))
+	if (!halt(r, error))
 		return false;
 	for (;;) {
 		g_autoptr(GError) failed = NULL;

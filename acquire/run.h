@@ -39,6 +39,8 @@ bool run_recall(run *r, const struct record_entry *entry, GError **error);
 bool run_begin(run *r, const struct record_entry *session, GError **error);
 /* Wakes and identifies the lidar. After it run_predict can be asked. */
 bool run_prepare(run *r, GError **error);
+/* Of the present session, or of the last one recalled; NULL before the first. */
+const struct calibration *run_calibration(const run *r);
 struct prediction run_predict(const run *r);
 const struct lidar_identity *run_lidar(const run *r);
 /* Scans until all is covered or cannot be. false: stopped, or something is broken; the record is

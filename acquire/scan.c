@@ -182,6 +182,22 @@ static bool open_head(struct recording *r, GError **error)
 	return true;
 }
 
+/* Going on with another head would mix two calibrations in one panorama. */
+static bool check_same_head(struct recording *r, GError **error)
+{
+	const struct calibration *before = run_calibration(r->run);
+	struct calibration now;
+	if (!before ||
+		!calibration_parse(r->head->calibration, "the head's calibration", &now, NULL) ||
+		strcmp(before->serial, now.serial) == 0)
+		return true;
+	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+		"scan %04u was begun with head %s, and this is head %s: resume it with the first, "
+		"or discard it",
+		r->number, before->serial, now.serial);
+	return false;
+}
+
 /* The session's header goes first into the record, then into the run. */
 static bool begin_session(struct recording *r, GError **error)
 {
@@ -253,7 +269,7 @@ static bool record_into(struct recording *r, struct scan_result *result, GError 
 		.progress = r->options->progress,
 		.user_data = r->options->user_data };
 	r->run = run_new(r->head, &o);
-	if (!open_record(r, error) || !run_it(r, error))
+	if (!open_record(r, error) || !check_same_head(r, error) || !run_it(r, error))
 		return false;
 	uint32_t missing = run_missing_columns(r->run);
 	if (!develop_into(r->folder, r->scan, result, error) ||

@@ -3,37 +3,35 @@
 
 G_DEFINE_QUARK(wire - error - quark, wire_error)
 
-/* The drivers of real lidars are found by the port's name; what they need beside it (the stage's
- * pins, the camera's node) stands in /etc/pleinair.conf. They are opened here once their backends
- * are in. */
-static head *head_open_device(const char *rest, GError **error)
-{
-	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
-		"device '%s': this build has no USB, serial, camera and stage backends; use "
-		"sim:SCENE or replay:FILE",
-		rest);
-	return NULL;
-}
-
+/* Real lidars are found by the port's name; what they need beside it (the stage's pins, the camera's node) stands in
+ * /etc/pleinair.conf. Their backends join here; a row without one says so. */
 static const struct {
 	const char *scheme;
 	head *(*open)(const char *rest, GError **error);
 } schemes[] = {
 	{ "sim", head_open_sim },
 	{ "replay", head_open_replay },
-	{ "tim", head_open_device },
-	{ "scip", head_open_device },
-	{ "ld", head_open_device },
-	{ "rplidar", head_open_device },
+	{ "tim", NULL },
+	{ "scip", NULL },
+	{ "ld", NULL },
+	{ "rplidar", NULL },
 };
 
 head *head_open(const char *uri, GError **error)
 {
 	const char *colon = strchr(uri, ':');
-	for (size_t i = 0; colon && i < G_N_ELEMENTS(schemes); i++)
-		if (strlen(schemes[i].scheme) == (size_t)(colon - uri) &&
-			strncmp(uri, schemes[i].scheme, colon - uri) == 0)
+	for (size_t i = 0; colon && i < G_N_ELEMENTS(schemes); i++) {
+		if (strlen(schemes[i].scheme) != (size_t)(colon - uri) ||
+			!g_str_has_prefix(uri, schemes[i].scheme))
+			continue;
+		if (schemes[i].open)
 			return schemes[i].open(colon + 1, error);
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+			"device '%s': this build has no USB, serial, camera and stage backends; "
+			"use sim:SCENE or replay:FILE",
+			uri);
+		return NULL;
+	}
 	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
 		"device '%s': is none of sim:SCENE, replay:FILE, tim:, scip:PORT, ld:PORT, "
 		"rplidar:PORT",

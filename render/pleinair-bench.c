@@ -29,8 +29,9 @@ int main(int argc, char **argv)
 		return status;
 	if (argc > 2 || (argc == 2 && !g_str_equal(argv[1], "acquire")))
 		return cli_misuse(COMMAND, "there is no bench '%s': acquire", argv[argc - 1]);
-	if (!(seconds >= 1 && seconds <= 3600) || beams < 100 || beams > 9000)
-		return cli_misuse(COMMAND, "seconds go from 1 to 3600, beams from 100 to 9000");
+	if (!(seconds >= 1 && seconds <= 3600) || beams < 100 || beams > 9000 || beams % 6 != 1)
+		return cli_misuse(
+			COMMAND, "seconds go from 1 to 3600, beams from 103 to 8995 in steps of 6");
 	struct bench_acquire_options options = {
 		.seconds = seconds, .beams = (uint32_t)beams, .json = json
 	};

@@ -15,13 +15,15 @@
  *     split :N       from here on, bytes come in pieces of N (default 7)
  *     merge xN       N telegrams come together with the one after
  *     jump :N        the scan counter jumps by N (default 5) though nothing is lost; CoLa only
- *     error          the device reports a hardware error until it is reset (SCIP) or rebooted
- * (CoLa) unplug :S      the lidar is gone in the middle of a telegram, and there again after S
- * seconds (default 2) power          the link closes stagefault     the drive stops by itself slip
- * :N        the motor loses N steps (default 16; negative gains) badframe xN    N frames with the
- * error flag and damaged pixels frameloss :N   N exposures (default 1) never come cameragone the
- * camera is unplugged for good codes xN :B    in N revolutions, a stretch of B beams (default 100)
- * holds error codes */
+ *     error          a hardware error until the device is reset (SCIP) or rebooted (CoLa)
+ *     unplug :S      the lidar is gone in the middle of a telegram, back after S seconds (default 2)
+ *     power          the link closes
+ *     stagefault     the drive stops by itself
+ *     slip :N        the motor loses N steps (default 16; negative gains)
+ *     badframe xN    N frames with the error flag and damaged pixels
+ *     frameloss :N   N exposures (default 1) never come
+ *     cameragone     the camera is unplugged for good
+ *     codes xN :B    in N revolutions, a stretch of B beams (default 100) holds error codes */
 #include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>

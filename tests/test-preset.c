@@ -53,7 +53,7 @@ static const struct scene {
 	{ "/preset/draft-cola", "draft", "hall?seed=4&lidar=cola&camera=none&home_deg=180",
 		/* A beam of CoLa takes half as much again on the wire, and the prediction is not
 		 * told the protocol. */
-		0.35 },
+		0.25 },
 	{ "/preset/draft-near-home", "draft", "hall?seed=4&ares=800&camera=48x80&home_deg=20" },
 	{ "/preset/draft-far-from-home", "draft",
 		"hall?seed=4&ares=800&camera=48x80&home_deg=340" },
