@@ -136,9 +136,13 @@ static bool receive(struct sim_head *s, int timeout_ms, bool *ret_got, GError **
 {
 	uint8_t bytes[65536];
 	struct pollfd p = { .fd = s->fd, .events = POLLIN };
-	int ready = poll(&p, 1, timeout_ms);
+	int ready;
+	/* A signal (Ctrl-C, or going on after Ctrl-Z) is no silence of the simulator. */
+	do
+		ready = poll(&p, 1, timeout_ms);
+	while (ready < 0 && errno == EINTR);
 	*ret_got = false;
-	if (ready == 0 || (ready < 0 && errno == EINTR))
+	if (ready == 0)
 		return true;
 	ssize_t n = recv(s->fd, bytes, sizeof bytes, 0);
 	if (n <= 0)
