@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define SESSION_BRACKETS_MAX 1000
+
 struct replay_head {
 	head base;
 	wire lidar;
@@ -179,6 +181,34 @@ static const struct head_ops replay_ops = {
 	.now_ns = replay_now_ns, .wait = replay_wait, .close = replay_close
 };
 
+/* JsonParser calls itself for each level, as deep as the text goes. */
+static bool is_nested_too_deeply(const char *text, size_t length)
+{
+	int opened = 0; /* at most as deep as that, whatever closes */
+	for (size_t i = 0; i < length && opened <= SESSION_BRACKETS_MAX; i++)
+		opened += text[i] == '{' || text[i] == '[';
+	return opened > SESSION_BRACKETS_MAX;
+}
+
+/* Takes protocol and calibration from a session's header; false: it has none. */
+static bool read_session(struct replay_head *r, const struct record_entry *e)
+{
+	g_autoptr(JsonParser) parser = json_parser_new();
+	if (is_nested_too_deeply(e->payload, e->length) ||
+		!json_parser_load_from_data(parser, e->payload, e->length, NULL))
+		return false;
+	JsonNode *root = json_parser_get_root(parser);
+	JsonObject *o = root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : NULL;
+	JsonNode *protocol = o ? json_object_get_member(o, "protocol") : NULL,
+		 *calibration = o ? json_object_get_member(o, "calibration") : NULL;
+	if (!calibration || !protocol || !JSON_NODE_HOLDS_VALUE(protocol) ||
+		json_node_get_value_type(protocol) != G_TYPE_STRING)
+		return false;
+	r->base.lidar_protocol = json_node_dup_string(protocol);
+	r->base.calibration = json_to_string(calibration, FALSE);
+	return true;
+}
+
 /* Leaves r->next on the entry after the wanted session's header and fills in what the header says.
  */
 static bool find_session(struct replay_head *r, const char *path, uint32_t wanted, GError **error)
@@ -189,19 +219,8 @@ static bool find_session(struct replay_head *r, const char *path, uint32_t wante
 	while ((result = record_next(r->reader, &e, error)) == RECORD_ENTRY) {
 		if (e.kind != RECORD_SESSION || ++session < wanted)
 			continue;
-		g_autoptr(JsonParser) parser = json_parser_new();
-		JsonObject *o = NULL;
-		if (json_parser_load_from_data(parser, e.payload, e.length, NULL) &&
-			json_parser_get_root(parser) &&
-			JSON_NODE_HOLDS_OBJECT(json_parser_get_root(parser)))
-			o = json_node_get_object(json_parser_get_root(parser));
-		if (!o || !json_object_has_member(o, "calibration") ||
-			!json_object_has_member(o, "protocol"))
+		if (!read_session(r, &e))
 			break;
-		r->base.lidar_protocol =
-			g_strdup(json_object_get_string_member_with_default(o, "protocol", ""));
-		r->base.calibration =
-			json_to_string(json_object_get_member(o, "calibration"), FALSE);
 		r->now_ns = e.time_ns;
 		return advance(r, error);
 	}
