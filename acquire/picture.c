@@ -120,6 +120,7 @@ static bool write_png(
 		return true;
 	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path,
 		g_strerror(errno));
+	remove(beside);
 	return false;
 }
 
