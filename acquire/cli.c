@@ -1,4 +1,5 @@
 #include "acquire/cli.h"
+#include <errno.h>
 #include <locale.h>
 #include <math.h>
 #include <signal.h>
@@ -13,6 +14,14 @@
 #define PACE_MEMORY_S    10.0
 #define BAR_CELLS        24
 #define LINE_COLUMNS_MIN 50
+
+int cli_done(const char *command)
+{
+	if (fflush(stdout) == 0 && !ferror(stdout))
+		return CLI_DONE;
+	g_printerr("pleinair %s: the result cannot be written: %s\n", command, g_strerror(errno));
+	return CLI_FAILED;
+}
 
 int cli_fail(const char *command, const GError *error)
 {
@@ -38,6 +47,7 @@ bool cli_parse(const char *command, const char *parameters, const char *summary,
 	g_autoptr(GOptionContext) context = g_option_context_new(parameters);
 	g_autofree char *name = g_strdup_printf("pleinair %s", command);
 	g_set_prgname(name);
+	signal(SIGXFSZ, SIG_IGN); /* a limit on the size of files is an error like a full disk */
 	setlocale(LC_ALL, "");
 	setlocale(LC_NUMERIC, "C"); /* in URIs and JSON a point is a point */
 	g_option_context_add_main_entries(context, entries, NULL);

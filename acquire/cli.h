@@ -10,6 +10,9 @@
 
 enum { CLI_DONE = 0, CLI_FAILED = 1, CLI_WRONG_USAGE = 2 };
 
+/* Brings out what was printed and returns CLI_DONE; when stdout cannot take it (a full disk, a
+ * closed pipe), says so and returns CLI_FAILED. */
+int cli_done(const char *command);
 /* Says the error and returns CLI_FAILED. */
 int cli_fail(const char *command, const GError *error);
 /* Says what is wrong with the usage and where help is; returns CLI_WRONG_USAGE. */
@@ -40,7 +43,7 @@ void cli_bar_end(struct cli_bar *bar);
 char *cli_duration(double seconds);
 
 /* From now on SIGINT and SIGTERM only set what cli_interrupted tells; a second one ends the
- * program. */
+ * program. A closed pipe becomes an error of the write. */
 void cli_catch_interrupts(void);
 bool cli_interrupted(void);
 

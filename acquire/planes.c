@@ -1,4 +1,5 @@
 #include "acquire/planes.h"
+#include "firmware-io/files.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -139,30 +140,55 @@ static bool sync_file(const char *path, GError **error)
 	return good;
 }
 
-static bool save_plane(const panorama *p, enum plane plane, const char *folder, GError **error)
+static char *plane_path(const char *folder, enum plane plane)
 {
-	g_autofree char *path = g_build_filename(folder, planes_names[plane], NULL);
+	return g_build_filename(folder, planes_names[plane], NULL);
+}
+
+/* Where a plane is written before it takes the old one's place. */
+static char *fresh_path(const char *folder, enum plane plane)
+{
+	g_autofree char *name = g_strdup_printf(".%s.new", planes_names[plane]);
+	return g_build_filename(folder, name, NULL);
+}
+
+static bool write_fresh(const panorama *p, enum plane plane, const char *folder, GError **error)
+{
+	g_autofree char *path = plane_path(folder, plane), *fresh = fresh_path(folder, plane);
 	catch_complaints();
-	TIFF *t = TIFFOpen(path, "w");
+	TIFF *t = TIFFOpen(fresh, "w");
 	if (!t)
 		return fail(error, path, "cannot be written");
 	describe(t, p, plane);
 	bool good = write_strips(t, p, plane) && TIFFFlush(t);
 	TIFFClose(t);
 	/* TIFFClose has no result; what it complains of was not written either. */
-	return good && !*last_complaint ? sync_file(path, error)
+	return good && !*last_complaint ? sync_file(fresh, error)
 					: fail(error, path, "cannot be written");
 }
 
-/* Colour that was saved before must not stay beside a panorama that has none. */
+static bool rename_fresh(const char *folder, int count, GError **error)
+{
+	for (int i = 0; i < count; i++) {
+		g_autofree char *path = plane_path(folder, i), *fresh = fresh_path(folder, i);
+		if (rename(fresh, path) < 0)
+			return files_fail(error, path, "write");
+	}
+	return true;
+}
+
+static void remove_fresh(const char *folder)
+{
+	for (int i = 0; i < PLANES; i++) {
+		g_autofree char *fresh = fresh_path(folder, i);
+		unlink(fresh);
+	}
+}
+
 static bool remove_colour(const char *folder, GError **error)
 {
-	g_autofree char *path = g_build_filename(folder, planes_names[COLOUR], NULL);
-	if (unlink(path) == 0 || errno == ENOENT || errno == ENOTDIR)
-		return true;
-	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", path,
-		g_strerror(errno));
-	return false;
+	g_autofree char *path = plane_path(folder, COLOUR);
+	return unlink(path) == 0 || errno == ENOENT || files_fail(error, path, "remove");
 }
 
 bool planes_save(const panorama *p, const char *folder, GError **error)
@@ -172,7 +198,7 @@ bool planes_save(const panorama *p, const char *folder, GError **error)
 	int count = p->rgb ? PLANES : COLOUR;
 #pragma omp parallel for schedule(dynamic, 1)
 	for (int i = 0; i < count; i++)
-		save_plane(p, i, folder, &errors[i]);
+		write_fresh(p, i, folder, &errors[i]);
 	for (int i = 0; i < count; i++) {
 		if (good && errors[i]) {
 			g_propagate_error(error, g_steal_pointer(&errors[i]));
@@ -180,14 +206,19 @@ bool planes_save(const panorama *p, const char *folder, GError **error)
 		}
 		g_clear_error(&errors[i]);
 	}
-	return good && (p->rgb || remove_colour(folder, error));
+	good = good && rename_fresh(folder, count, error) &&
+	       (p->rgb || remove_colour(folder, error)) && files_sync_folder(folder, error);
+	if (!good)
+		remove_fresh(folder);
+	return good;
 }
 
 static bool has_layout(TIFF *t, const panorama *p, enum plane plane)
 {
 	const struct layout *l = &layouts[plane];
 	uint32_t width = 0, height = 0, strip = 0;
-	uint16_t bits = 0, samples = 0, format = SAMPLEFORMAT_UINT, planar = PLANARCONFIG_CONTIG;
+	uint16_t bits = 0, samples = 0, format = SAMPLEFORMAT_UINT, planar = PLANARCONFIG_CONTIG,
+		 compression = COMPRESSION_NONE;
 	TIFFGetField(t, TIFFTAG_IMAGEWIDTH, &width);
 	TIFFGetField(t, TIFFTAG_IMAGELENGTH, &height);
 	TIFFGetFieldDefaulted(t, TIFFTAG_BITSPERSAMPLE, &bits);
@@ -195,9 +226,11 @@ static bool has_layout(TIFF *t, const panorama *p, enum plane plane)
 	TIFFGetFieldDefaulted(t, TIFFTAG_SAMPLEFORMAT, &format);
 	TIFFGetFieldDefaulted(t, TIFFTAG_PLANARCONFIG, &planar);
 	TIFFGetFieldDefaulted(t, TIFFTAG_ROWSPERSTRIP, &strip);
+	TIFFGetFieldDefaulted(t, TIFFTAG_COMPRESSION, &compression);
 	return width == p->desc.columns && height == p->desc.rows && bits == l->bits &&
 	       samples == l->samples && format == l->format && planar == PLANARCONFIG_CONTIG &&
-	       !TIFFIsTiled(t) && strip == ROWS_PER_STRIP;
+	       compression == COMPRESSION_ADOBE_DEFLATE && !TIFFIsTiled(t) &&
+	       strip == ROWS_PER_STRIP;
 }
 
 static bool read_strips(TIFF *t, panorama *p, enum plane plane)
@@ -216,11 +249,16 @@ static bool read_strips(TIFF *t, panorama *p, enum plane plane)
 
 static bool load_plane(panorama *p, enum plane plane, const char *folder, GError **error)
 {
-	g_autofree char *path = g_build_filename(folder, planes_names[plane], NULL);
+	g_autofree char *path = plane_path(folder, plane);
+	int fd = files_open_plain(path, NULL, error);
+	if (fd < 0)
+		return false;
 	catch_complaints();
-	TIFF *t = TIFFOpen(path, "r");
-	if (!t)
+	TIFF *t = TIFFFdOpen(fd, path, "r");
+	if (!t) {
+		close(fd);
 		return fail(error, path, "cannot be read");
+	}
 	bool fits = has_layout(t, p, plane), good = fits && read_strips(t, p, plane);
 	TIFFClose(t);
 	if (!fits)
@@ -233,15 +271,15 @@ static bool load_plane(panorama *p, enum plane plane, const char *folder, GError
 static bool check_cells(const panorama *p, const char *folder, GError **error)
 {
 	for (size_t i = 0; i < (size_t)p->desc.columns * p->desc.rows; i++) {
-		bool has_range = p->range_m[i] > 0 && p->range_m[i] < PANORAMA_RANGE_MAX_M;
+		bool has_range = p->range_m[i] > 0 && p->range_m[i] < 1e6f;
 		bool wants_range = p->cell[i] == CELL_MEASURED || p->cell[i] == CELL_FILLED;
 		if (p->cell[i] <= CELL_NO_RETURN && has_range == wants_range &&
 			(has_range || p->range_m[i] == 0))
 			continue;
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
-			"%s/%s: row %zu, column %zu: range %g and cell %u contradict each other",
-			folder, planes_names[CELL], i / p->desc.columns, i % p->desc.columns,
-			(double)p->range_m[i], p->cell[i]);
+			"%s%c%s: row %zu, column %zu: range %g contradicts %u in %s", folder,
+			G_DIR_SEPARATOR, planes_names[RANGE], i / p->desc.columns,
+			i % p->desc.columns, (double)p->range_m[i], p->cell[i], planes_names[CELL]);
 		return false;
 	}
 	return true;
@@ -250,7 +288,7 @@ static bool check_cells(const panorama *p, const char *folder, GError **error)
 panorama *planes_load(const char *folder, const struct panorama_desc *desc, GError **error)
 {
 	g_autoptr(panorama) p = panorama_new(desc, error);
-	g_autofree char *colour = g_build_filename(folder, planes_names[COLOUR], NULL);
+	g_autofree char *colour = plane_path(folder, COLOUR);
 	if (!p)
 		return NULL;
 	if (g_file_test(colour, G_FILE_TEST_EXISTS))

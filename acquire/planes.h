@@ -16,7 +16,8 @@
 /* File names, NULL-terminated; colour.tiff last. */
 extern const char *const planes_names[];
 
-/* Writes into the folder and syncs; false leaves what it wrote. */
+/* Writes all planes under other names and syncs, then gives them theirs: when the disk is full, the
+ * planes that were there stay. A colour.tiff of before goes when there is no colour now. */
 bool planes_save(const panorama *p, const char *folder, GError **error);
 
 /* Checks that every plane has the grid's size and type. desc comes from scan.json. */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define JSON_BRACKETS_MAX 1000
+#define SESSION_BRACKETS_MAX 1000
 
 struct replay_head {
 	head base;
@@ -184,6 +184,11 @@ static int replay_camera_read(camera *c, struct camera_frame_info *ret_info,
 	const uint8_t **ret_pixels, size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error)
 {
 	struct replay_head *r = (struct replay_head *)c->head;
+	if (is_due(r, RECORD_CAMERA_GONE)) {
+		if (advance(r, error))
+			g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "the camera was unplugged");
+		return -1;
+	}
 	if (!is_due(r, RECORD_FRAME) || r->next.length < sizeof *ret_info)
 		return 0;
 	memcpy(ret_info, r->next.payload, sizeof *ret_info);
@@ -207,28 +212,32 @@ static const struct head_ops replay_ops = {
 	.now_ns = replay_now_ns, .wait = replay_wait, .close = replay_close
 };
 
-/* What nests, json-glib recurses into: a header of a million brackets would end the stack. Counting
- * those that open needs no eye for strings and comments. */
-static bool is_flat(const char *text, size_t length)
+/* JsonParser calls itself for each level, as deep as the text goes. */
+static bool is_nested_too_deeply(const char *text, size_t length)
 {
-	size_t opened = 0;
-	for (size_t i = 0; i < length; i++)
-		opened += text[i] == '[' || text[i] == '{';
-	return opened <= JSON_BRACKETS_MAX;
+	int opened = 0; /* at most as deep as that, whatever closes */
+	for (size_t i = 0; i < length && opened <= SESSION_BRACKETS_MAX; i++)
+		opened += text[i] == '{' || text[i] == '[';
+	return opened > SESSION_BRACKETS_MAX;
 }
 
-static JsonObject *parse_header(JsonParser *parser, const struct record_entry *e)
+/* Takes protocol and calibration from a session's header; false: it has none. */
+static bool read_session(struct replay_head *r, const struct record_entry *e)
 {
-	if (!is_flat(e->payload, e->length) ||
+	g_autoptr(JsonParser) parser = json_parser_new();
+	if (is_nested_too_deeply(e->payload, e->length) ||
 		!json_parser_load_from_data(parser, e->payload, e->length, NULL))
-		return NULL;
+		return false;
 	JsonNode *root = json_parser_get_root(parser);
 	JsonObject *o = root && JSON_NODE_HOLDS_OBJECT(root) ? json_node_get_object(root) : NULL;
-	JsonNode *protocol = o ? json_object_get_member(o, "protocol") : NULL;
-	bool good = protocol && JSON_NODE_HOLDS_VALUE(protocol) &&
-		    json_node_get_value_type(protocol) == G_TYPE_STRING &&
-		    json_object_has_member(o, "calibration");
-	return good ? o : NULL;
+	JsonNode *protocol = o ? json_object_get_member(o, "protocol") : NULL,
+		 *calibration = o ? json_object_get_member(o, "calibration") : NULL;
+	if (!calibration || !protocol || !JSON_NODE_HOLDS_VALUE(protocol) ||
+		json_node_get_value_type(protocol) != G_TYPE_STRING)
+		return false;
+	r->base.lidar_protocol = json_node_dup_string(protocol);
+	r->base.calibration = json_to_string(calibration, FALSE);
+	return true;
 }
 
 /* Leaves r->next on the entry after the wanted session's header and fills in what the header says.
@@ -241,13 +250,8 @@ static bool find_session(struct replay_head *r, const char *path, uint32_t wante
 	while ((result = record_next(r->reader, &e, error)) == RECORD_ENTRY) {
 		if (e.kind != RECORD_SESSION || ++session < wanted)
 			continue;
-		g_autoptr(JsonParser) parser = json_parser_new();
-		JsonObject *o = parse_header(parser, &e);
-		if (!o)
+		if (!read_session(r, &e))
 			break;
-		r->base.lidar_protocol = g_strdup(json_object_get_string_member(o, "protocol"));
-		r->base.calibration =
-			json_to_string(json_object_get_member(o, "calibration"), FALSE);
 		r->now_ns = e.time_ns;
 		return advance(r, error);
 	}

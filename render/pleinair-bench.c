@@ -35,5 +35,5 @@ int main(int argc, char **argv)
 	struct bench_acquire_options options = {
 		.seconds = seconds, .beams = (uint32_t)beams, .json = json
 	};
-	return bench_acquire(&options, &error) ? CLI_DONE : cli_fail(COMMAND, error);
+	return bench_acquire(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
