@@ -79,7 +79,8 @@ static char *configured_device(void)
 static void print_result(const site *s, const struct scan_result *r)
 {
 	double cells = (double)r->columns * r->rows;
-	g_autofree char *folder = site_scan_path(s, r->number);
+	g_autofree char *path = site_scan_path(s, r->number),
+			*folder = g_filename_display_name(path);
 	if (!json) {
 		printf("%s: %u x %u, %.1f %% measured, %.1f %% without return, %u photos\n", folder,
 			r->columns, r->rows, 100 * r->counts.measured / cells,
@@ -108,6 +109,16 @@ static void print_result(const site *s, const struct scan_result *r)
 	cli_print_json(o);
 }
 
+static void print_discarded(uint32_t number)
+{
+	JsonObject *o = json_object_new();
+	if (number)
+		json_object_set_int_member(o, "discarded", number);
+	else
+		json_object_set_null_member(o, "discarded");
+	cli_print_json(o);
+}
+
 static int discard_partial(site *s)
 {
 	uint32_t number;
@@ -115,11 +126,31 @@ static int discard_partial(site *s)
 	if (!site_find_partial(s, &number, &error) ||
 		(number && !site_discard_partial(s, number, &error)))
 		return cli_fail(COMMAND, error);
-	if (number)
+	if (json)
+		print_discarded(number);
+	else if (number)
 		printf("scan %04u was discarded\n", number);
 	else
 		printf("there is no partial scan\n");
-	return CLI_DONE;
+	return cli_done(COMMAND);
+}
+
+/* After a scan that did not come to its end: what can be done now. */
+static void say_how_to_go_on(const site *s, uint32_t partial)
+{
+	g_printerr("pleinair scan: scan %04u is kept as far as it got: 'pleinair scan %s "
+		   "--resume' goes on with it, "
+		   "'--discard' removes it\n",
+		partial, site_path(s));
+}
+
+/* A partial scan that stayed as it was because its record is damaged. */
+static int refuse_damaged(const site *s, const GError *error)
+{
+	g_printerr("pleinair scan: %s; 'pleinair scan %s --resume --salvage' goes on without what "
+		   "is damaged\n",
+		error->message, site_path(s));
+	return CLI_FAILED;
 }
 
 static int record(site *s, head *h, const struct preset *preset)
@@ -140,14 +171,15 @@ static int record(site *s, head *h, const struct preset *preset)
 	cli_bar_end(&w.bar);
 	if (good) {
 		print_result(s, &result);
-		return CLI_DONE;
+		return cli_done(COMMAND);
 	}
+	if (resume && !partial && g_error_matches(error, RECORD_ERROR, RECORD_ERROR_DAMAGED))
+		return refuse_damaged(s, error);
 	cli_fail(COMMAND, error);
 	if (partial)
-		g_printerr("pleinair scan: scan %04u is kept as far as it got: 'pleinair scan %s "
-			   "--resume' goes on with it, "
-			   "'--discard' removes it\n",
-			partial, site_path(s));
+		say_how_to_go_on(s, partial);
+	else
+		site_discard_new(s);
 	return CLI_FAILED;
 }
 
@@ -162,8 +194,10 @@ int main(int argc, char **argv)
 		    "  pleinair scan oak --resume\n",
 		    entries, &argc, &argv, &status))
 		return status;
-	if (argc != 2)
-		return cli_misuse(COMMAND, argc < 2 ? "which site?" : "one site at a time");
+	if (argc != 2 || !*argv[1])
+		return cli_misuse(COMMAND, argc <= 2 ? "which site?" : "one site at a time");
+	if (discard && (resume || salvage))
+		return cli_misuse(COMMAND, "--discard goes alone");
 	if (salvage && !resume)
 		return cli_misuse(COMMAND, "--salvage goes with --resume");
 	const struct preset *preset = preset_find(preset_name ? preset_name : "standard");
@@ -180,8 +214,8 @@ int main(int argc, char **argv)
 	if (error)
 		return cli_fail(COMMAND, error);
 	/* Only a new scan makes a site. */
-	g_autoptr(site) existing = resume || discard ? site_open(argv[1], &error) : NULL;
-	g_autoptr(site) s = error ? NULL : site_open_for_writing(argv[1], &error);
+	g_autoptr(site) s = resume || discard ? site_open_existing(argv[1], &error)
+					      : site_open_for_writing(argv[1], &error);
 	if (!s)
 		return cli_fail(COMMAND, error);
 	if (discard)

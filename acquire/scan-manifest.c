@@ -1,6 +1,7 @@
 #include "acquire/scan-manifest.h"
 #include "acquire/planes.h"
 #include "acquire/scan.h"
+#include "firmware-io/files.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -8,7 +9,20 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define DEGREE (G_PI / 180)
+#define DEGREE             (G_PI / 180)
+#define GRID_TOLERANCE_RAD 1e-9
+
+static bool refuse(GError **error, const manifest *m, const char *format, ...) G_GNUC_PRINTF(3, 4);
+
+static bool refuse(GError **error, const manifest *m, const char *format, ...)
+{
+	va_list arguments;
+	va_start(arguments, format);
+	g_autofree char *what = g_strdup_vprintf(format, arguments);
+	va_end(arguments);
+	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: %s", manifest_path(m), what);
+	return false;
+}
 
 static char *now_text(void)
 {
@@ -95,9 +109,13 @@ static void set_counts(manifest *m, const panorama *p)
 
 static char *hash_file(const char *path, int64_t *ret_bytes, GError **error)
 {
-	g_autoptr(GMappedFile) file = g_mapped_file_new(path, FALSE, error);
-	if (!file)
+	int fd = files_open_plain(path, NULL, error);
+	if (fd < 0)
 		return NULL;
+	g_autoptr(GMappedFile) file = g_mapped_file_new_from_fd(fd, FALSE, error);
+	close(fd);
+	if (!file)
+		return g_prefix_error(error, "%s: ", path), NULL;
 	*ret_bytes = (int64_t)g_mapped_file_get_length(file);
 	return g_compute_checksum_for_data(G_CHECKSUM_SHA256,
 		(const guchar *)g_mapped_file_get_contents(file), g_mapped_file_get_length(file));
@@ -154,7 +172,9 @@ bool scan_manifest_finish(manifest *m, const char *folder, const panorama *p,
 	set_report(m, d);
 	set_counts(m, p);
 	manifest_set_string(m, "calibration_serial", d->calibration.serial);
-	manifest_set_string(m, "finished", finished);
+	/* Developing again does not change when the scan was made. */
+	if (!manifest_has(m, "finished"))
+		manifest_set_string(m, "finished", finished);
 	manifest_set_string(m, "state", "complete");
 	return set_files(m, folder, error);
 }
@@ -166,9 +186,27 @@ const struct preset *scan_manifest_preset(const manifest *m, GError **error)
 	const char *name = manifest_get_string(m, "preset", error);
 	const struct preset *p = name ? preset_find(name) : NULL;
 	if (name && !p)
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: there is no preset '%s'",
-			manifest_path(m), name);
+		refuse(error, m, "there is no preset '%s'", name);
 	return p;
+}
+
+/* Nothing sums up scan.json itself, but the preset says what its grid must be. */
+static bool fits_preset(const manifest *m, const struct panorama_desc *grid, GError **error)
+{
+	const char *name = manifest_get_string(m, "preset", error);
+	const struct preset *p = name ? preset_find(name) : NULL;
+	if (!p)
+		return name;
+	struct panorama_desc wanted = panorama_desc_for(p->columns, p->rows);
+	if (grid->columns == wanted.columns && grid->rows == wanted.rows &&
+		fabs(grid->elevation_min_rad - wanted.elevation_min_rad) < GRID_TOLERANCE_RAD &&
+		fabs(grid->elevation_max_rad - wanted.elevation_max_rad) < GRID_TOLERANCE_RAD)
+		return true;
+	return refuse(error, m,
+		"'panorama' is a grid of %u x %u from %g to %g degrees; that of preset '%s' is "
+		"another",
+		grid->columns, grid->rows, grid->elevation_min_rad / DEGREE,
+		grid->elevation_max_rad / DEGREE, name);
 }
 
 bool scan_manifest_grid(const manifest *m, struct panorama_desc *ret, GError **error)
@@ -180,31 +218,58 @@ bool scan_manifest_grid(const manifest *m, struct panorama_desc *ret, GError **e
 		!manifest_get_number(m, "panorama.elevation_min_deg", -90.1, 90, &low, error) ||
 		!manifest_get_number(m, "panorama.elevation_max_deg", -90, 90.1, &high, error))
 		return false;
-	if (high <= low || columns * rows > PANORAMA_CELLS_MAX) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
-			"%s: 'panorama' describes a grid that cannot be", manifest_path(m));
-		return false;
-	}
+	if (high <= low || columns * rows > PANORAMA_CELLS_MAX)
+		return refuse(error, m, "'panorama' describes a grid that cannot be");
 	*ret = (struct panorama_desc){ columns, rows, low * DEGREE, high * DEGREE };
-	return true;
+	return fits_preset(m, ret, error);
 }
 
-static bool verify_file(const manifest *m, const char *folder, const char *name, GError **error)
+/* The object that says what NAME in the folder is like. */
+static JsonObject *file_entry(const manifest *m, const char *name, GError **error)
+{
+	JsonNode *files = manifest_get_node(m, "files");
+	JsonNode *node = files && JSON_NODE_HOLDS_OBJECT(files)
+				 ? json_object_get_member(json_node_get_object(files), name)
+				 : NULL;
+	if (node && JSON_NODE_HOLDS_OBJECT(node))
+		return json_node_get_object(node);
+	refuse(error, m, "'files' does not tell size and SHA-256 of %s", name);
+	return NULL;
+}
+
+/* -1 when it is none; the getters of JsonObject complain on the log where a value is of another
+ * kind. */
+static int64_t wanted_bytes(JsonObject *entry)
+{
+	JsonNode *node = json_object_get_member(entry, "bytes");
+	return node && JSON_NODE_HOLDS_VALUE(node) && json_node_get_value_type(node) == G_TYPE_INT64
+		       ? json_node_get_int(node)
+		       : -1;
+}
+
+static const char *wanted_sum(JsonObject *entry)
+{
+	JsonNode *node = json_object_get_member(entry, "sha256");
+	return node && JSON_NODE_HOLDS_VALUE(node) &&
+			       json_node_get_value_type(node) == G_TYPE_STRING
+		       ? json_node_get_string(node)
+		       : "";
+}
+
+bool scan_manifest_verify_file(
+	const manifest *m, const char *folder, const char *name, GError **error)
 {
 	g_autofree char *path = g_build_filename(folder, name, NULL);
-	JsonObject *files = json_node_get_object(manifest_get_node(m, "files"));
-	JsonNode *node = json_object_get_member(files, name);
-	JsonObject *o = JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
-	int64_t bytes = 0,
-		wanted = o ? json_object_get_int_member_with_default(o, "bytes", -1) : -1;
-	g_autofree char *sum = hash_file(path, &bytes, error);
+	JsonObject *entry = file_entry(m, name, error);
+	int64_t bytes = 0;
+	g_autofree char *sum = entry ? hash_file(path, &bytes, error) : NULL;
 	if (!sum)
 		return false;
-	if (bytes != wanted)
+	if (bytes != wanted_bytes(entry))
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
 			"%s: has %" G_GINT64_FORMAT " bytes, scan.json says %" G_GINT64_FORMAT,
-			path, bytes, wanted);
-	else if (g_strcmp0(sum, json_object_get_string_member_with_default(o, "sha256", "")) != 0)
+			path, bytes, wanted_bytes(entry));
+	else if (strcmp(sum, wanted_sum(entry)) != 0)
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
 			"%s: is not as it was written: its SHA-256 differs from that in scan.json",
 			path);
@@ -213,22 +278,48 @@ static bool verify_file(const manifest *m, const char *folder, const char *name,
 	return false;
 }
 
+/* raw.rec and all planes must be listed; colour.tiff where there is colour. */
+static bool check_names(const manifest *m, const char *folder, GError **error)
+{
+	JsonNode *files = manifest_get_node(m, "files");
+	if (!files || !JSON_NODE_HOLDS_OBJECT(files))
+		return refuse(error, m, "'files' is missing");
+	if (!file_entry(m, "raw.rec", error))
+		return false;
+	for (const char *const *name = planes_names; *name; name++) {
+		bool optional = !name[1];
+		g_autofree char *path = g_build_filename(folder, *name, NULL);
+		if ((!optional || g_file_test(path, G_FILE_TEST_EXISTS)) &&
+			!file_entry(m, *name, error))
+			return false;
+	}
+	return true;
+}
+
+bool scan_manifest_verify_planes(const manifest *m, const char *folder, GError **error)
+{
+	if (!check_names(m, folder, error))
+		return false;
+	JsonObject *files = json_node_get_object(manifest_get_node(m, "files"));
+	for (const char *const *name = planes_names; *name; name++)
+		if (json_object_has_member(files, *name) &&
+			!scan_manifest_verify_file(m, folder, *name, error))
+			return false;
+	return true;
+}
+
 bool scan_manifest_verify(const manifest *m, const char *folder, GError **error)
 {
-	JsonNode *node = manifest_get_node(m, "files");
-	if (!node || !JSON_NODE_HOLDS_OBJECT(node)) {
-		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL, "%s: 'files' is missing",
-			manifest_path(m));
+	if (!check_names(m, folder, error))
 		return false;
-	}
-	g_autoptr(GList) names = json_object_get_members(json_node_get_object(node));
-	for (GList *name = names; name; name = name->next)
-		if (strchr(name->data, '/') || !verify_file(m, folder, name->data, error)) {
-			if (error && !*error)
-				g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
-					"%s: 'files' names a path: %s", manifest_path(m),
-					(char *)name->data);
+	JsonObject *files = json_node_get_object(manifest_get_node(m, "files"));
+	g_autoptr(GList) names = json_object_get_members(files);
+	for (GList *name = names; name; name = name->next) {
+		const char *text = name->data;
+		if (!*text || *text == '.' || strchr(text, '/'))
+			return refuse(error, m, "'files' names no file of the scan: '%s'", text);
+		if (!scan_manifest_verify_file(m, folder, name->data, error))
 			return false;
-		}
+	}
 	return true;
 }

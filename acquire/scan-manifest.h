@@ -17,10 +17,14 @@ bool scan_manifest_finish(manifest *scan, const char *folder, const panorama *p,
 char *scan_session_text(const char *device, const head *h);
 
 const struct preset *scan_manifest_preset(const manifest *scan, GError **error);
-/* The grid, checked. */
+/* The grid, checked: also against the preset, where this program knows it. */
 bool scan_manifest_grid(const manifest *scan, struct panorama_desc *ret, GError **error);
-/* Sizes and SHA-256 of the files in folder against what is written; a file more is no error, one
- * less is. */
+/* Size and SHA-256 of one file in folder against what is written. */
+bool scan_manifest_verify_file(
+	const manifest *scan, const char *folder, const char *name, GError **error);
+/* The same for the planes; all must be listed, colour.tiff where it is there. */
+bool scan_manifest_verify_planes(const manifest *scan, const char *folder, GError **error);
+/* The same for all that is listed; a file more is no error, one less is. */
 bool scan_manifest_verify(const manifest *scan, const char *folder, GError **error);
 
 #endif

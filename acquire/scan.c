@@ -1,6 +1,7 @@
 #include "acquire/scan.h"
 #include "acquire/planes.h"
 #include "acquire/scan-manifest.h"
+#include "firmware-io/files.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -21,6 +22,7 @@ struct recording {
 	manifest *scan;
 	uint32_t number;
 	char *folder, *raw;
+	bool recalled; /* what was recorded before is good to go on with */
 };
 
 bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error)
@@ -34,10 +36,12 @@ bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error)
 	uint64_t free_bytes = (uint64_t)v.f_bavail * v.f_frsize;
 	if (free_bytes >= need_bytes && free_bytes - need_bytes >= SPARE_BYTES)
 		return true;
-	g_autofree char *need = g_format_size(need_bytes), *have = g_format_size(free_bytes);
+	g_autofree char *need = g_format_size(need_bytes), *have = g_format_size(free_bytes),
+			*spare = g_format_size(SPARE_BYTES);
 	g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_NOSPC,
-		"%s: there is not enough space: the scan needs %s, %s are free", folder, need,
-		have);
+		"%s: there is not enough space: the scan needs %s, and %s must stay free, but "
+		"there are %s",
+		folder, need, spare, have);
 	return false;
 }
 
@@ -96,8 +100,12 @@ static bool begin_resumed(struct recording *r, GError **error)
 			"%s: there is no partial scan to resume", site_path(r->site));
 		return false;
 	}
+	/* What developing will need is asked for now: after the scan it would be too late. */
+	struct panorama_desc grid;
 	name_paths(r);
-	r->preset = load_manifest(r, error) ? scan_manifest_preset(r->scan, error) : NULL;
+	r->preset = load_manifest(r, error) && scan_manifest_grid(r->scan, &grid, error)
+			    ? scan_manifest_preset(r->scan, error)
+			    : NULL;
 	return r->preset != NULL;
 }
 
@@ -111,15 +119,10 @@ char *scan_partial_device(const site *s, GError **error)
 	return copy;
 }
 
-/* Copies what is whole into a new record that takes the damaged one's place; that stays beside it.
- */
-static bool salvage_record(struct recording *r, GError **error)
+static bool copy_whole(const char *from, const char *to, GError **error)
 {
-	g_autofree char *fresh = g_strconcat(r->raw, ".new", NULL),
-			*damaged = g_strconcat(r->raw, ".damaged", NULL);
-	unlink(fresh);
-	g_autoptr(record_reader) reader = record_open(r->raw, error);
-	g_autoptr(record_writer) writer = reader ? record_create(fresh, error) : NULL;
+	g_autoptr(record_reader) reader = record_open(from, error);
+	g_autoptr(record_writer) writer = reader ? record_create(to, error) : NULL;
 	struct record_entry e;
 	if (!writer)
 		return false;
@@ -132,12 +135,51 @@ static bool salvage_record(struct recording *r, GError **error)
 		if (!record_write(writer, e.kind, e.time_ns, e.payload, e.length, NULL, 0, error))
 			return false;
 	}
-	if (!record_close(g_steal_pointer(&writer), error))
-		return false;
-	if (rename(r->raw, damaged) == 0 && rename(fresh, r->raw) == 0)
+	return record_close(g_steal_pointer(&writer), error);
+}
+
+static bool is_damaged(const char *path)
+{
+	g_autoptr(record_reader) reader = record_open(path, NULL);
+	enum record_result got = RECORD_ENTRY;
+	struct record_entry e;
+	while (reader && got == RECORD_ENTRY)
+		got = record_next(reader, &e, NULL);
+	return got == RECORD_BAD;
+}
+
+/* raw.rec.damaged, or the first of raw.rec.damaged.2 and so on that is not there; caller frees. */
+static char *name_for_damaged(const char *raw)
+{
+	char *name = g_strconcat(raw, ".damaged", NULL);
+	for (int i = 2; g_file_test(name, G_FILE_TEST_EXISTS); i++) {
+		g_free(name);
+		name = g_strdup_printf("%s.damaged.%d", raw, i);
+	}
+	return name;
+}
+
+/* There is a raw.rec at any moment, where the file system has links. */
+static bool put_aside(const char *raw, const char *damaged, GError **error)
+{
+	return link(raw, damaged) == 0 || rename(raw, damaged) == 0 ||
+	       files_fail(error, raw, "rename it");
+}
+
+/* A new record of what is whole takes the damaged one's place; that stays beside it. */
+static bool salvage_record(struct recording *r, GError **error)
+{
+	g_autofree char *fresh = g_strconcat(r->raw, ".new", NULL),
+			*damaged = name_for_damaged(r->raw);
+	if (!is_damaged(r->raw))
 		return true;
-	g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", r->raw,
-		g_strerror(errno));
+	unlink(fresh);
+	if (copy_whole(r->raw, fresh, error) && put_aside(r->raw, damaged, error)) {
+		if (rename(fresh, r->raw) == 0)
+			return files_sync_folder(r->folder, error);
+		files_fail(error, r->raw, "write");
+	}
+	unlink(fresh);
 	return false;
 }
 
@@ -158,6 +200,7 @@ static bool open_record(struct recording *r, GError **error)
 	bool exists = g_file_test(r->raw, G_FILE_TEST_EXISTS);
 	if (exists && ((r->options->salvage && !salvage_record(r, error)) || !recall(r, error)))
 		return false;
+	r->recalled = true;
 	r->record = exists ? record_append_to(r->raw, NULL, error) : record_create(r->raw, error);
 	return r->record != NULL;
 }
@@ -237,7 +280,7 @@ static bool run_it(struct recording *r, GError **error)
 /* A scan that never got as far as its first turn is no scan: nothing is kept of it. */
 static bool is_worth_keeping(struct recording *r)
 {
-	return r->options->resume || (r->run && run_missing_columns(r->run) < r->preset->columns);
+	return r->run && run_missing_columns(r->run) < r->preset->columns;
 }
 
 static bool record_into(struct recording *r, struct scan_result *result, GError **error)
@@ -268,35 +311,54 @@ bool scan_record(site *s, const struct scan_options *options, struct scan_result
 	bool begun = open_head(&r, error) &&
 		     (options->resume ? begin_resumed(&r, error) : begin_new(&r, error));
 	bool good = begun && record_into(&r, &result, error);
-	if (begun && !good) {
-		if (is_worth_keeping(&r))
-			*ret_partial = r.number;
-		else
-			site_discard_partial(s, r.number, NULL);
-	}
+	if (begun && !good && (options->resume || is_worth_keeping(&r)))
+		*ret_partial = r.recalled ? r.number : 0;
+	else if (begun && !good)
+		site_discard_partial(s, r.number, NULL);
 	recording_clear(&r);
 	if (good)
 		*ret_result = result;
 	return good;
 }
 
-panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error)
+/* Of a finished scan. NULL with an error; caller frees both. */
+static manifest *load_finished(const site *s, uint32_t number, char **ret_folder,
+	struct panorama_desc *ret, GError **error)
 {
 	g_autofree char *folder = site_scan_path(s, number),
 			*path = g_build_filename(folder, "scan.json", NULL);
-	struct panorama_desc desc;
 	g_autoptr(manifest) scan = manifest_load(path, SCAN_SCHEMA, error);
-	if (!scan || !scan_manifest_grid(scan, &desc, error) ||
-		(verify && !scan_manifest_verify(scan, folder, error)))
+	if (!scan || !scan_manifest_grid(scan, ret, error))
+		return NULL;
+	*ret_folder = g_steal_pointer(&folder);
+	return g_steal_pointer(&scan);
+}
+
+panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error)
+{
+	g_autofree char *folder = NULL;
+	struct panorama_desc desc;
+	g_autoptr(manifest) scan = load_finished(s, number, &folder, &desc, error);
+	if (!scan || !(verify ? scan_manifest_verify(scan, folder, error)
+			      : scan_manifest_verify_planes(scan, folder, error)))
 		return NULL;
 	return planes_load(folder, &desc, error);
 }
 
+bool scan_check_record(const site *s, uint32_t number, GError **error)
+{
+	g_autofree char *folder = NULL;
+	struct panorama_desc desc;
+	g_autoptr(manifest) scan = load_finished(s, number, &folder, &desc, error);
+	return scan && scan_manifest_verify_file(scan, folder, "raw.rec", error);
+}
+
 bool scan_develop_again(site *s, uint32_t number, GError **error)
 {
-	g_autofree char *folder = site_scan_path(s, number),
-			*path = g_build_filename(folder, "scan.json", NULL);
+	g_autofree char *folder = NULL;
+	struct panorama_desc desc;
 	struct scan_result result;
-	g_autoptr(manifest) scan = manifest_load(path, SCAN_SCHEMA, error);
-	return scan && develop_into(folder, scan, &result, error);
+	g_autoptr(manifest) scan = load_finished(s, number, &folder, &desc, error);
+	return scan && scan_manifest_verify_file(scan, folder, "raw.rec", error) &&
+	       develop_into(folder, scan, &result, error);
 }

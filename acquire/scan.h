@@ -14,8 +14,9 @@ struct scan_options {
 	head *head; /* instead of opening device: taken over; device is then only its name */
 	const struct preset *preset; /* of a resumed scan: NULL, it keeps its own */
 	bool resume;                 /* go on with the partial scan */
-	bool salvage; /* resume although entries in the middle of the record are damaged: without
-			 them */
+	/* Resume although entries in the middle of the record are damaged: without them. The
+	 * record as it was stays beside it as raw.rec.damaged. */
+	bool salvage;
 	double wait_for_lidar_s; /* 0: 60 */
 	/* As run_options has it. predicted: called once, before the stage moves, with what the
 	 * lidar that is connected will take. */
@@ -36,7 +37,8 @@ struct scan_result {
 };
 
 /* Records one scan into the site and develops it. false: nothing was begun, or a partial scan was
- * kept (*ret_partial, its number, else 0). */
+ * kept that can be gone on with (*ret_partial, its number, else 0). A partial scan whose record or
+ * manifest is damaged stays untouched; RECORD_ERROR_DAMAGED says that salvage may help. */
 bool scan_record(site *s, const struct scan_options *options, struct scan_result *ret_result,
 	uint32_t *ret_partial, GError **error);
 
@@ -46,11 +48,14 @@ char *scan_partial_device(const site *s, GError **error);
 /* Fails with a sentence when the file system of the folder has less than need_bytes free. */
 bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error);
 
-/* Reads a finished scan: its manifest, then its planes. With verify, sizes and SHA-256 of all files
- * first. */
-panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error);
-/* Develops the panorama of a finished scan again from its record and replaces planes and manifest.
+/* Reads a finished scan: its manifest, then its planes, each checked by size and SHA-256 (a flipped
+ * bit does not always hinder the decoder). With verify, all its files are checked, also the record.
  */
+panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error);
+/* Whether the record of a finished scan is as it was written, by size and SHA-256. */
+bool scan_check_record(const site *s, uint32_t number, GError **error);
+/* Develops the panorama of a finished scan again from its record, which is checked first, and
+ * replaces planes and manifest. */
 bool scan_develop_again(site *s, uint32_t number, GError **error);
 
 #endif

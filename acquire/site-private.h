@@ -18,6 +18,7 @@ struct site {
 	manifest *m;
 	/* Of the folder itself; -1 for readers. The kernel lets the lock go with the process. */
 	int lock_fd;
+	bool made, made_folder; /* by this opening */
 };
 
 /* G_IO_ERROR "site oak: WHAT"; returns false. */

@@ -187,12 +187,31 @@ static bool remove_remains(const site *s, GError **error)
 site *site_open_for_writing(const char *path, GError **error)
 {
 	g_autoptr(site) s = site_new(path);
+	s->made_folder = access(path, F_OK) && errno == ENOENT;
 	if (!files_make_folder(path, error) || !take_lock(s, error) || !check_writable(s, error))
 		return NULL;
-	if (!has_manifest(s) && !make_site(s, error))
+	s->made = !has_manifest(s);
+	if (s->made && !make_site(s, error))
 		return NULL;
 	if (!load_manifest(s, error) || !files_make_folder(s->scans_path, error) ||
 		!remove_remains(s, error))
 		return NULL;
 	return g_steal_pointer(&s);
+}
+
+site *site_open_existing(const char *path, GError **error)
+{
+	g_autoptr(site) as_it_is = site_open(path, error);
+	return as_it_is ? site_open_for_writing(path, error) : NULL;
+}
+
+void site_discard_new(site *s)
+{
+	g_autofree char *path = manifest_file(s);
+	/* A folder that holds anything does not go. */
+	if (!s->made || rmdir(s->scans_path))
+		return;
+	unlink(path);
+	if (s->made_folder)
+		rmdir(s->path);
 }

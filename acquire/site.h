@@ -30,6 +30,11 @@ site *site_open(const char *path, GError **error);
  * is changed then. What a killed maker of this site left counts as empty, and so does the
  * lost+found of a fresh disk. */
 site *site_open_for_writing(const char *path, GError **error);
+/* The same for a site that must be there: nothing is made. */
+site *site_open_existing(const char *path, GError **error);
+/* Removes a site that site_open_for_writing has just made, when it is still empty: for the first
+ * scan that came to nothing. Else it stays. The site can only be freed then. */
+void site_discard_new(site *s);
 void site_free(site *s); /* NULL is fine; lets the lock go */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(site, site_free)
 
