@@ -204,7 +204,8 @@ int main(int argc, char **argv)
 	if (!preset)
 		return cli_misuse(
 			COMMAND, "there is no preset '%s': draft, standard or fine", preset_name);
-	if (!device)
+	/* A scan that is resumed has its own. */
+	if (!device && !resume && !discard)
 		device = configured_device();
 	if (!device && !resume && !discard)
 		return cli_misuse(

@@ -33,9 +33,10 @@ check-format:
 
 tests: $(tests) $(fuzzers)
 
-# Each program prints TAP; prove runs them side by side, each with a time limit, and sums up.
+# Each program prints TAP; prove runs them side by side, each with a time limit, and sums up. The longest go first.
+long_tests := $(addprefix $(BUILD)/tests/,test-scan-kill test-commands-damage test-preset test-scan-faults)
 check-tests: all tests
-	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(tests) $(fuzzers)
+	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(long_tests) $(filter-out $(long_tests),$(tests)) $(fuzzers)
 
 check-sanitized: check-asan
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
