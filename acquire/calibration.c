@@ -136,7 +136,9 @@ static bool parse_camera(const manifest *m, struct camera_calibration *c, GError
 		!get_numbers(m, "camera.translation_m", c->translation_m, 3, 10, error) ||
 		!manifest_get_number(m, "camera.clock_hz", 1, 1e9, &c->clock_hz, error) ||
 		!manifest_get_int(m, "camera.clock_bits", 8, CLOCK_BITS_MAX, &bits, error) ||
-		!manifest_get_number(m, "camera.readout_us", 0, 1e6, &c->readout_us, error))
+		!manifest_get_number(m, "camera.readout_us", 0, 1e6, &c->readout_us, error) ||
+		(manifest_has(m, "camera.delay_us") &&
+			!manifest_get_number(m, "camera.delay_us", 0, 1e6, &c->delay_us, error)))
 		return false;
 	if (width % 2 || height % 2) {
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,

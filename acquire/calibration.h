@@ -39,6 +39,7 @@ struct camera_calibration {
 	double clock_hz;
 	uint32_t clock_bits;
 	double readout_us;
+	double delay_us; /* least time from the end of an exposure to its frame's arrival; 0 when not given */
 };
 
 struct calibration {

@@ -20,6 +20,7 @@ struct run {
 	panorama *preview;
 	photos *photos;
 	bool streaming, metering, recalling, controls_known;
+	bool steady; /* the stage goes slowly enough for a photo to tell where it was taken */
 	uint64_t device_errors; /* up to the last start */
 	uint32_t suspects, recoveries;
 	char *doing;
@@ -116,7 +117,7 @@ static bool serve_camera(run *r, GError **error)
 	if (r->metering)
 		return r->controls_known || photos_meter(r->photos, now_ns, error);
 	stage_track *track = stream_stage(r->pump.stream);
-	return !stage_track_is_homed(track) || !stage_track_is_moving(track) ||
+	return !r->steady || !stage_track_is_homed(track) || !stage_track_is_moving(track) ||
 	       photos_watch(r->photos, stage_track_angle_rad(track, now_ns), now_ns, error);
 }
 
@@ -221,6 +222,7 @@ static struct stage_move move_to(const run *r, double angle_rad, double rate_rad
 static bool go(run *r, double angle_rad, double rate_rad_s, GError **error)
 {
 	struct stage_move move = move_to(r, angle_rad, rate_rad_s);
+	r->steady = rate_rad_s <= fmax(r->pace.photo_rad_s, r->pace.scan_rad_s);
 	return pump_move(&r->pump, &move, error);
 }
 

@@ -248,8 +248,10 @@ static struct session *session_new(const struct record_entry *e, GError **error)
 	s.stage_clock = device_clock_new(&(struct device_clock_desc){
 		.ticks_hz = st->clock_hz, .wrap_bits = st->clock_bits });
 	if (s.calibration.has_camera)
-		s.camera_clock = device_clock_new(&(struct device_clock_desc){
-			.ticks_hz = ca->clock_hz, .wrap_bits = ca->clock_bits });
+		s.camera_clock =
+			device_clock_new(&(struct device_clock_desc){ .ticks_hz = ca->clock_hz,
+				.wrap_bits = ca->clock_bits,
+				.delay_ns = (int64_t)(ca->delay_us * 1000) });
 	s.lidar_clocks = g_ptr_array_new_with_free_func((GDestroyNotify)device_clock_free);
 	s.stage_events = g_array_new(FALSE, FALSE, sizeof(struct timed_event));
 	s.track = stage_track_new(st->steps_per_turn, st->index_slots);
@@ -335,7 +337,9 @@ static void take_frame(stream *s, const struct record_entry *e)
 	memcpy(&info, e->payload, sizeof info);
 	int64_t ticks = device_clock_unwrap(s->session->camera_clock, info.ticks, e->time_ns);
 	if (s->learning || s->mode == STREAM_LIVE)
-		device_clock_add_arrival(s->session->camera_clock, ticks, e->time_ns);
+		/* The stamp is the start of the exposure, and a frame cannot leave before its end. */
+		device_clock_add_arrival(s->session->camera_clock, ticks,
+			e->time_ns - info.controls.exposure_100us * INT64_C(100000));
 	if (s->learning)
 		return;
 	const struct camera_calibration *c = &s->session->calibration.camera;

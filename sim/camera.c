@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#define TRANSFER_NS INT64_C(30000000)
 #define BUFFERS_MAX 64
 #define CURVE_SIZE  4096
 #define EDGE        0.2f /* contrast of neighbours that are looked at closer */
@@ -126,6 +125,11 @@ bool camera_control(camera *c, const struct link_camera_controls *controls)
 	return true;
 }
 
+int64_t camera_transfer_ns(const sim_options *o)
+{
+	return MIN(INT64_C(30000000), (int64_t)(5e8 / o->fps));
+}
+
 static int64_t start_ns(const camera *c, uint32_t exposure)
 {
 	return c->first_ns + llrint(c->period_ns * exposure);
@@ -189,7 +193,7 @@ static void start_exposure(camera *c)
 	c->current = g_new0(struct exposure, 1);
 	*c->current = (struct exposure){ .start_ns = at_ns,
 		.middle_ns = at_ns + exposure_ns / 2,
-		.due_ns = at_ns + exposure_ns + MIN(TRANSFER_NS, (int64_t)(c->period_ns / 2)),
+		.due_ns = at_ns + exposure_ns + camera_transfer_ns(c->setup.options),
 		.frame = { .ticks_us = device_clock_ticks(&c->clock, at_ns),
 			.sequence = c->next,
 			.flags = c->bad_left > 0 ? LINK_FRAME_ERROR : 0,

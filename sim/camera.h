@@ -43,6 +43,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(camera, camera_free)
 const struct lens *camera_lens(const camera *c);
 bool camera_control(
 	camera *c, const struct link_camera_controls *controls); /* false: out of range */
+/* From the end of an exposure to the arrival of its frame. */
+int64_t camera_transfer_ns(const sim_options *o);
 void camera_lend(camera *c, int64_t now_ns);
 
 /* When an exposure starts that finds a buffer, or a frame is due; INT64_MAX otherwise. In real time

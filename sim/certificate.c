@@ -10,7 +10,7 @@ static void append_number(GString *json, const char *before, double number)
 	g_string_append(json, g_ascii_dtostr(text, sizeof text, number));
 }
 
-static void append_camera(GString *json, const struct lens *lens)
+static void append_camera(GString *json, const sim_options *o, const struct lens *lens)
 {
 	const struct camera_mount mount = camera_mount();
 
@@ -31,7 +31,10 @@ static void append_camera(GString *json, const struct lens *lens)
 	append_number(json, "],\"translation_m\":[", mount.translation_m[0]);
 	append_number(json, ",", mount.translation_m[1]);
 	append_number(json, ",", mount.translation_m[2]);
-	g_string_append(json, "],\"clock_hz\":1000000,\"clock_bits\":32,\"readout_us\":0}");
+	g_string_append_printf(json,
+		"],\"clock_hz\":1000000,\"clock_bits\":32,\"readout_us\":0,\"delay_us\":"
+		"%" G_GINT64_FORMAT "}",
+		camera_transfer_ns(o) / 1000);
 }
 
 char *certificate_json(const sim_options *o, const struct lens *lens)
@@ -48,7 +51,7 @@ char *certificate_json(const sim_options *o, const struct lens *lens)
 			      "\"clock_bits\":32},"
 			      "\"camera\":");
 	if (lens)
-		append_camera(json, lens);
+		append_camera(json, o, lens);
 	else
 		g_string_append(json, "null");
 	g_string_append_c(json, '}');
