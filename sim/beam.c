@@ -61,9 +61,18 @@ static double dot(const float a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* A pane met head-on answers itself, met at a slant lets half of the light through and back, and met
+ * beyond this mirrors so much away that nothing is heard. */
+#define GLASS_MIRRORS_BEYOND (50 * M_PI / 180)
+
 /* What one surface does to the beam; true when its way ends here. */
 static bool meet(const struct surface *s, double cosine, double *through, struct beam_touch *touch)
 {
+	if (s->optics == WORLD_GLASS && cosine < cos(GLASS_MIRRORS_BEYOND)) {
+		touch->strength = 0;
+		touch->outcome = ECHO_MIRRORED;
+		return true;
+	}
 	if (s->optics == WORLD_GLASS && cosine < cos(8 * M_PI / 180)) {
 		*through *= 0.5;
 		return false;
