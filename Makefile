@@ -6,6 +6,7 @@ MAKEFLAGS += --no-builtin-rules
 BUILD ?= build
 PREFIX ?= /usr/local
 CFLAGS ?= -O3 -g
+CXXFLAGS ?= $(CFLAGS)
 SANITIZE ?=
 # V=1 shows the commands.
 q := $(if $(V),,@)
@@ -15,21 +16,27 @@ modules := sim firmware-io acquire process render
 # Packages are needed before pkg-config can say anything, so `make deps` must work without them.
 packages :=
 pkgs :=
+cxx_pkgs :=
 programs :=
 pages :=
 include $(addsuffix /module.mk,$(modules)) tests/module.mk
 PKG_CFLAGS := $(shell pkg-config --cflags $(pkgs) 2>/dev/null)
 PKG_LIBS := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
+# The C++ libraries are named by the bridges alone (*_pcl.cpp, *_cv.cpp); their headers are not held to our warnings.
+CXX_PKG_CFLAGS = $(shell pkg-config --cflags $(cxx_pkgs) 2>/dev/null | sed 's/-I/-isystem /g')
+CXX_PKG_LIBS := $(shell pkg-config --libs $(cxx_pkgs) 2>/dev/null)
 
 house_cflags := -std=gnu17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -Wno-missing-field-initializers \
 	-Wshadow -Wstrict-prototypes -Wmissing-prototypes -fno-math-errno -fno-trapping-math -fopenmp -MMD -MP $(PKG_CFLAGS)
+house_cxxflags = -std=c++17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -fopenmp -MMD -MP $(PKG_CFLAGS) \
+	$(CXX_PKG_CFLAGS)
 sanitize_flags := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -fno-sanitize-recover=all)
-link_libs := $(PKG_LIBS) -lembree3 -lm -pthread
+link_libs := $(PKG_LIBS) $(CXX_PKG_LIBS) -lembree3 -lm -pthread -lstdc++
 
-# Every .c of a folder is in its library but for the programs' mains, which are listed in module.mk.
-sources = $(sort $(wildcard $(1)/*.c))
+# Every .c and .cpp of a folder is in its library but for the programs' mains, which are listed in module.mk.
+sources = $(sort $(wildcard $(1)/*.c $(1)/*.cpp))
 mains := $(foreach p,$(programs),$(p).c)
-objects = $(patsubst %.c,$(BUILD)/%.o,$(filter-out $(mains),$(call sources,$(1))))
+objects = $(patsubst %,$(BUILD)/%.o,$(basename $(filter-out $(mains),$(call sources,$(1)))))
 lib_of = $(if $(call objects,$(1)),$(BUILD)/lib$(1).a)
 # A program links its own folder and what stands left of it; the simulator stands alone.
 libs_of_sim := $(call lib_of,sim)
@@ -48,6 +55,11 @@ $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(call say,CC)
 	$(q)$(CC) $(house_cflags) $(CFLAGS) $(sanitize_flags) -c -o $@ $<
+
+$(BUILD)/%.o: %.cpp
+	@mkdir -p $(@D)
+	$(call say,CXX)
+	$(q)$(CXX) $(house_cxxflags) $(CXXFLAGS) $(sanitize_flags) -c -o $@ $<
 
 define library
 $(BUILD)/lib$(1).a: $(call objects,$(1))

@@ -1,1 +1,3 @@
-# Registration, geometry, segments, features, model: nothing yet.
+# Import, registration, geometry, model; PCL behind C headers.
+packages += g++ libpcl-dev libeigen3-dev
+cxx_pkgs += eigen3 pcl_common pcl_io pcl_features pcl_filters pcl_registration pcl_search pcl_kdtree pcl_sample_consensus

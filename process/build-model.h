@@ -1,0 +1,24 @@
+#ifndef PROCESS_BUILD_MODEL_H
+#define PROCESS_BUILD_MODEL_H
+/* Builds SITE/model/points.model from the placed scans and their geometry, in bounded memory. Where scans overlap, the sample
+ * that was measured best stays: by range and incidence; filled cells never count. What each scan gives is kept beside the model
+ * (SITE/model/parts/), so that a site with one scan more builds only what changed. */
+#include "acquire/site.h"
+#include "process/scan-graph.h"
+
+struct build_options {
+	uint64_t memory_bytes; /* 0: 1 GiB; about what the process may take at most for this */
+	bool (*progress)(double fraction, const char *doing, gpointer user_data); /* returns false to stop */
+	gpointer user_data;
+};
+struct build_result {
+	uint64_t points, redundant; /* in the model; left out because another scan has them better */
+	uint32_t scans, scans_rebuilt;
+	double seconds;
+};
+/* G_IO_ERROR_CANCELLED when progress stopped it; what was done so far is used the next time. */
+bool build_model(
+	site *s, const scan_graph *g, const struct build_options *options, struct build_result *ret, GError **error);
+bool build_model_is_due(const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
+
+#endif

@@ -1,0 +1,34 @@
+#ifndef PROCESS_PAIR_H
+#define PROCESS_PAIR_H
+/* Two scans, one verdict: coarse candidates, each refined, the best verified against its rivals. */
+#include "process/coarse.h"
+#include "process/fine.h"
+#include "process/verify.h"
+
+/* All that aligning needs of one scan; keeps a reference to the grid, which must live longer. */
+typedef struct pair_scan pair_scan;
+pair_scan *pair_scan_new(const range_grid *g);
+void pair_scan_free(pair_scan *s); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(pair_scan, pair_scan_free)
+
+struct pair_options {
+	/* A pose to start from, as picked pairs or the graph give it; NULL: no idea. Rivals are looked for all the same. */
+	const struct pose *start;
+	bool not_level;
+};
+
+struct pair_result {
+	struct pose pose; /* takes b's scanner frame to a's; the best there is, also when refused */
+	struct fine_result fine;
+	struct verification verification;
+	double coarse_s, fine_s, verify_s; /* CPU time */
+};
+
+/* Always gives a verdict; not accepting is an answer, not an error. */
+void pair_align(const pair_scan *a, const pair_scan *b, const struct pair_options *options, struct pair_result *ret);
+
+/* Only the check of a given pose, which is not refined; rivals are not looked for. ret_map may be NULL. */
+void pair_verify(const pair_scan *a, const pair_scan *b, const struct fine_result *fine, struct verification *ret,
+	struct verify_map *ret_map);
+
+#endif

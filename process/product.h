@@ -1,0 +1,47 @@
+#ifndef PROCESS_PRODUCT_H
+#define PROCESS_PRODUCT_H
+/* Files of what was computed (geometry, model): sections of plain arrays, mapped into memory to read, each with a checksum.
+ * They can be deleted and made again.
+ *
+ *     "PLPRODUC", u32 version of the container, u32 sections, u64 offset of the table, u64 length of the file,
+ *     u32 CRC-32C of the table, u32 CRC-32C of this header up to here; padded to 64 bytes
+ *     sections, each from a multiple of 64 bytes on
+ *     the table: per section char name[24], u32 element_bytes, u32 CRC-32C of the section, u64 offset, u64 elements
+ *
+ * The section "manifest" is JSON text: kind, version of the kind, and what it was made from. A file is written under another
+ * name, synced and renamed, so it is whole or not there. Little-endian. Errors are of G_IO_ERROR and PRODUCT_ERROR, one
+ * sentence that begins with the path. */
+#include <gio/gio.h>
+#include <json-glib/json-glib.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define PRODUCT_ERROR (product_error_quark())
+GQuark product_error_quark(void);
+enum product_error { PRODUCT_ERROR_DAMAGED, PRODUCT_ERROR_KIND, PRODUCT_ERROR_VERSION };
+
+typedef struct product product;
+/* Maps the file and checks header, table and manifest. Refuses another kind and a later version. */
+product *product_open(const char *path, const char *kind, int version, GError **error);
+void product_free(product *p); /* NULL is fine; what sections gave goes with it */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(product, product_free)
+JsonObject *product_manifest(const product *p); /* owned by p */
+/* The array itself, in the mapping; NULL when it is missing or of another element size. */
+const void *product_section(
+	const product *p, const char *name, uint32_t element_bytes, uint64_t *ret_elements, GError **error);
+/* Reads all of the file and compares the checksums. */
+bool product_verify(const product *p, GError **error);
+
+typedef struct product_writer product_writer;
+product_writer *product_writer_new(const char *path, GError **error);
+/* Sections are written one after another; append may be called any number of times. */
+bool product_writer_begin(product_writer *w, const char *name, uint32_t element_bytes, GError **error);
+bool product_writer_append(product_writer *w, const void *elements, uint64_t count, GError **error);
+/* Writes manifest (taken; kind and version are added) and table, syncs, renames. The writer can only be freed then. */
+bool product_writer_finish(
+	product_writer *w, const char *kind, int version, JsonObject *manifest, GError **error);
+void product_writer_free(product_writer *w); /* NULL is fine; removes what was not finished */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(product_writer, product_writer_free)
+
+#endif
