@@ -17,19 +17,20 @@ struct point_record {
 	uint16_t intensity;   /* 0..65535 */
 	uint8_t rgb[3];
 	uint8_t classification; /* as LAS 1.4 numbers them; 0: never classified */
-	uint8_t cell;		/* enum panorama_cell: measured, empty, no return */
-	uint8_t return_number;	/* 1: the first, or the only one */
+	uint8_t cell;           /* enum panorama_cell: measured, empty, no return */
+	uint8_t return_number;  /* 1: the first, or the only one */
 } __attribute__((packed));
 
-#define POINTS_HAVE_INTENSITY	   1u
-#define POINTS_HAVE_COLOUR	   2u
+#define POINTS_HAVE_INTENSITY      1u
+#define POINTS_HAVE_COLOUR         2u
 #define POINTS_HAVE_CLASSIFICATION 4u
 
 typedef struct points points;
 struct points {
 	const struct point_record *record;
-	uint64_t count;		/* of records, cells without a point too */
+	uint64_t count;         /* of records, cells without a point too */
 	uint32_t columns, rows; /* 0: not ordered */
+	uint32_t have;          /* POINTS_HAVE_ */
 };
 /* Checks the header against the file's length. */
 points *points_open(const char *path, GError **error);
@@ -39,7 +40,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(points, points_free)
 typedef struct points_writer points_writer;
 /* columns, rows 0: not ordered. The file appears when it is finished. */
 points_writer *points_writer_new(const char *path, uint32_t columns, uint32_t rows, GError **error);
-bool points_writer_append(points_writer *w, const struct point_record *records, size_t count, GError **error);
+bool points_writer_append(
+	points_writer *w, const struct point_record *records, size_t count, GError **error);
 /* Fails when an ordered scan has not all its cells. */
 bool points_writer_finish(points_writer *w, GError **error);
 void points_writer_free(points_writer *w); /* NULL is fine; removes what was not finished */

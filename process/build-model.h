@@ -8,17 +8,20 @@
 
 struct build_options {
 	uint64_t memory_bytes; /* 0: 1 GiB; about what the process may take at most for this */
-	bool (*progress)(double fraction, const char *doing, gpointer user_data); /* returns false to stop */
+	bool (*progress)(
+		double fraction, const char *doing, gpointer user_data); /* returns false to stop */
 	gpointer user_data;
 };
 struct build_result {
-	uint64_t points, redundant; /* in the model; left out because another scan has them better */
+	uint64_t points,
+		redundant; /* in the model; left out because another scan has them better */
 	uint32_t scans, scans_rebuilt;
 	double seconds;
 };
 /* G_IO_ERROR_CANCELLED when progress stopped it; what was done so far is used the next time. */
-bool build_model(
-	site *s, const scan_graph *g, const struct build_options *options, struct build_result *ret, GError **error);
-bool build_model_is_due(const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
+bool build_model(site *s, const scan_graph *g, const struct build_options *options,
+	struct build_result *ret, GError **error);
+bool build_model_is_due(
+	const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
 
 #endif

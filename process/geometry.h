@@ -7,7 +7,8 @@
 typedef struct geometry geometry;
 struct geometry {
 	uint32_t columns, rows;
-	float *normal_x, *normal_y, *normal_z; /* scanner frame, unit, towards the scanner; 0 0 0: none */
+	float *normal_x, *normal_y,
+		*normal_z; /* scanner frame, unit, towards the scanner; 0 0 0: none */
 	float *plane_error_m; /* root mean square distance of the neighbours from the plane; NAN: none */
 	float *curvature; /* smallest eigenvalue over the sum of all three, 0..1/3; NAN: none */
 };
@@ -16,8 +17,8 @@ void geometry_free(geometry *g); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(geometry, geometry_free)
 
 struct geometry_options {
-	float radius_m;		/* 0: 0.06 m; of the metric window, widened where beams are sparser */
-	float range_noise_m;	/* 0: 0.012; 1 sigma of a range */
+	float radius_m;      /* 0: 0.06 m; of the metric window, widened where beams are sparser */
+	float range_noise_m; /* 0: 0.012; 1 sigma of a range */
 	bool single_thread;
 };
 
@@ -28,12 +29,13 @@ geometry *geometry_estimate(const range_grid *g, const struct geometry_options *
 struct posed_grid {
 	const range_grid *grid;
 	struct pose pose; /* scanner frame to site */
-	const uint32_t *segment; /* leaf of each cell, 0: not known; neighbours of another known leaf are left out; NULL */
+	const uint32_t *
+		segment; /* leaf of each cell, 0: not known; neighbours of another known leaf are left out; NULL */
 };
 /* Of scans[which], with the union of the neighbourhoods in all scans. progress may be NULL; it returns false to stop, and
  * NULL is returned then. */
 geometry *geometry_estimate_union(const struct posed_grid *scans, size_t count, size_t which,
-	const struct geometry_options *options, bool (*progress)(double fraction, gpointer user_data),
-	gpointer user_data);
+	const struct geometry_options *options,
+	bool (*progress)(double fraction, gpointer user_data), gpointer user_data);
 
 #endif

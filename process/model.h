@@ -4,34 +4,34 @@
  * memory. Points stand in chunks of 4096 along a Morton curve through the site, shuffled inside each chunk, so that every
  * prefix of a chunk is a uniform subset of it (DESIGN, "Process" 5). Positions are relative to the chunk's centre, so that
  * they stay exact anywhere. */
-#include "process/product.h"
 #include "process/pose.h"
+#include "process/product.h"
 
-#define MODEL_KIND	   "model"
-#define MODEL_VERSION	   1
+#define MODEL_KIND         "model"
+#define MODEL_VERSION      1
 #define MODEL_CHUNK_POINTS 4096u
 
 /* One point, as the GPU takes it: 32 bytes. */
 struct model_point {
-	float position_m[3];   /* from the chunk's centre */
-	int16_t normal[2];     /* octahedral, snorm; -32768 in both: none */
-	uint8_t rgba[4];       /* sRGB; a: 255 has colour, 0 has none */
+	float position_m[3]; /* from the chunk's centre */
+	int16_t normal[2];   /* octahedral, snorm; -32768 in both: none */
+	uint8_t rgba[4];     /* sRGB; a: 255 has colour, 0 has none */
 	uint16_t intensity;
-	uint16_t scan;	       /* number */
-	uint16_t size;	       /* diameter of its patch, 0.1 mm; saturates */
+	uint16_t scan;          /* number */
+	uint16_t size;          /* diameter of its patch, 0.1 mm; saturates */
 	uint8_t classification; /* as LAS 1.4 numbers them */
-	uint8_t feature;       /* feature degree * 255; 0 until features are computed */
-	uint16_t plane_error;  /* of the plane fit, 0.1 mm; saturates */
-	uint16_t leaf;	       /* of the segment tree; 0 until there is one */
+	uint8_t feature;        /* feature degree * 255; 0 until features are computed */
+	uint16_t plane_error;   /* of the plane fit, 0.1 mm; saturates */
+	uint16_t leaf;          /* of the segment tree; 0 until there is one */
 };
 _Static_assert(sizeof(struct model_point) == 32, "the file's own layout");
 
 struct model_chunk {
 	double centre_m[3];
 	float half_size_m[3]; /* of its box */
-	uint32_t points; /* MODEL_CHUNK_POINTS in all but the last of a leaf */
-	uint64_t first;	 /* index of its first point */
-	uint32_t crc32c; /* of its points */
+	uint32_t points;      /* MODEL_CHUNK_POINTS in all but the last of a leaf */
+	uint64_t first;       /* index of its first point */
+	uint32_t crc32c;      /* of its points */
 	uint32_t leaf;
 	uint32_t reserved[2];
 };
@@ -44,7 +44,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(model, model_free)
 uint64_t model_count(const model *m);
 const struct model_chunk *model_chunks(const model *m, uint64_t *ret_count);
 const struct model_point *model_points(const model *m); /* all, by chunk_first */
-bool model_verify(const model *m, GError **error); /* all checksums, chunk by chunk */
+bool model_verify(const model *m, GError **error);      /* all checksums, chunk by chunk */
 
 void model_pack_normal(const float normal[3], int16_t ret[2]);
 void model_unpack_normal(const int16_t packed[2], float ret[3]);

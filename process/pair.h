@@ -25,10 +25,11 @@ struct pair_result {
 };
 
 /* Always gives a verdict; not accepting is an answer, not an error. */
-void pair_align(const pair_scan *a, const pair_scan *b, const struct pair_options *options, struct pair_result *ret);
+void pair_align(const pair_scan *a, const pair_scan *b, const struct pair_options *options,
+	struct pair_result *ret);
 
 /* Only the check of a given pose, which is not refined; rivals are not looked for. ret_map may be NULL. */
-void pair_verify(const pair_scan *a, const pair_scan *b, const struct fine_result *fine, struct verification *ret,
-	struct verify_map *ret_map);
+void pair_verify(const pair_scan *a, const pair_scan *b, const struct fine_result *fine,
+	struct verification *ret, struct verify_map *ret_map);
 
 #endif

@@ -10,10 +10,10 @@ struct pick {
 	double a_m[3], b_m[3]; /* the same point in each scan's frame */
 };
 struct picks_fit {
-	struct pose pose; /* takes b to a */
-	double rms_m;	  /* of the pairs that are no blunders */
+	struct pose pose;   /* takes b to a */
+	double rms_m;       /* of the pairs that are no blunders */
 	double *residual_m; /* of each pair; caller frees */
-	bool *blunder;	  /* pairs that do not fit the rest, left out of the pose; caller frees */
+	bool *blunder;      /* pairs that do not fit the rest, left out of the pose; caller frees */
 	size_t blunders;
 };
 void picks_fit_clear(struct picks_fit *fit);
@@ -21,7 +21,7 @@ void picks_fit_clear(struct picks_fit *fit);
 #define PICKS_ERROR (picks_error_quark())
 GQuark picks_error_quark(void);
 enum picks_error {
-	PICKS_ERROR_FEW,       /* fewer than three */
+	PICKS_ERROR_FEW,        /* fewer than three */
 	PICKS_ERROR_DEGENERATE, /* on a line, or all at one place */
 	PICKS_ERROR_DISAGREE,   /* no three agree with each other */
 };

@@ -12,14 +12,17 @@ struct pose {
 
 #define POSE_IDENTITY ((struct pose){ { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, { 0, 0, 0 } })
 
-void pose_apply(const struct pose *p, const double point_m[3], double ret_m[3]); /* may be in place */
-void pose_rotate(const struct pose *p, const double direction[3], double ret[3]); /* may be in place */
-struct pose pose_compose(const struct pose *second, const struct pose *first); /* first, then second */
+void pose_apply(
+	const struct pose *p, const double point_m[3], double ret_m[3]); /* may be in place */
+void pose_rotate(
+	const struct pose *p, const double direction[3], double ret[3]); /* may be in place */
+struct pose pose_compose(
+	const struct pose *second, const struct pose *first); /* first, then second */
 struct pose pose_inverse(const struct pose *p);
 /* The motion from one pose to the other, inverse(from) then to: how they differ. */
 struct pose pose_between(const struct pose *from, const struct pose *to);
-double pose_angle_rad(const struct pose *p);   /* of its rotation, exact also near 0 */
-double pose_distance_m(const struct pose *p);  /* of its translation */
+double pose_angle_rad(const struct pose *p);  /* of its rotation, exact also near 0 */
+double pose_distance_m(const struct pose *p); /* of its translation */
 /* Heading of the rotation about z, clockwise seen from above, -pi..pi. */
 double pose_yaw_rad(const struct pose *p);
 struct pose pose_from_yaw(double yaw_rad, const double translation_m[3]);

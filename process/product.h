@@ -28,15 +28,16 @@ void product_free(product *p); /* NULL is fine; what sections gave goes with it 
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(product, product_free)
 JsonObject *product_manifest(const product *p); /* owned by p */
 /* The array itself, in the mapping; NULL when it is missing or of another element size. */
-const void *product_section(
-	const product *p, const char *name, uint32_t element_bytes, uint64_t *ret_elements, GError **error);
+const void *product_section(const product *p, const char *name, uint32_t element_bytes,
+	uint64_t *ret_elements, GError **error);
 /* Reads all of the file and compares the checksums. */
 bool product_verify(const product *p, GError **error);
 
 typedef struct product_writer product_writer;
 product_writer *product_writer_new(const char *path, GError **error);
 /* Sections are written one after another; append may be called any number of times. */
-bool product_writer_begin(product_writer *w, const char *name, uint32_t element_bytes, GError **error);
+bool product_writer_begin(
+	product_writer *w, const char *name, uint32_t element_bytes, GError **error);
 bool product_writer_append(product_writer *w, const void *elements, uint64_t count, GError **error);
 /* Writes manifest (taken; kind and version are added) and table, syncs, renames. The writer can only be freed then. */
 bool product_writer_finish(

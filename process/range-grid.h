@@ -19,9 +19,9 @@
 struct range_lattice {
 	uint32_t columns, rows;
 	double column_rad, row_rad;
-	double azimuth_min_rad; /* left edge of column 0; azimuth clockwise from +y */
+	double azimuth_min_rad;   /* left edge of column 0; azimuth clockwise from +y */
 	double elevation_max_rad; /* upper edge of row 0 */
-	bool wraps; /* the last column is beside the first: a full turn */
+	bool wraps;               /* the last column is beside the first: a full turn */
 	/* Index of the grid's cell whose point, or whose look into the void, is nearest the lattice cell's centre;
 	 * RANGE_GRID_NONE where the scan did not look. NULL for a panorama: the same index. */
 	uint32_t *cell;
@@ -31,13 +31,14 @@ typedef struct range_grid range_grid;
 struct range_grid {
 	uint32_t columns, rows;
 	bool wraps; /* the last column is beside the first */
-	double column_rad, row_rad; /* angle between neighbours, at the horizon; the median of an uneven grid */
+	double column_rad,
+		row_rad; /* angle between neighbours, at the horizon; the median of an uneven grid */
 	/* Planes of rows * columns, row by row, row 0 the highest, columns clockwise, 64-byte aligned. */
 	float *x_m, *y_m, *z_m; /* in the scanner frame; 0 where there is no point */
-	float *range_m;		/* 0: no point */
-	uint8_t *cell;		/* enum panorama_cell; only CELL_MEASURED has a point */
-	uint16_t *intensity;	/* 0 where there is none */
-	uint8_t *rgb;		/* 3 bytes a cell; NULL: no colour */
+	float *range_m;         /* 0: no point */
+	uint8_t *cell;          /* enum panorama_cell; only CELL_MEASURED has a point */
+	uint16_t *intensity;    /* NULL: none */
+	uint8_t *rgb;           /* 3 bytes a cell; NULL: no colour */
 	struct range_lattice lattice;
 };
 
@@ -64,7 +65,8 @@ static inline size_t range_grid_cells(const range_grid *g)
 size_t range_grid_count(const range_grid *g); /* measured cells */
 
 /* The lattice cell of a direction (need not be of unit length), or -1 where the scan did not look. */
-static inline int64_t range_lattice_find(const struct range_lattice *l, double x, double y, double z)
+static inline int64_t range_lattice_find(
+	const struct range_lattice *l, double x, double y, double z)
 {
 	double azimuth = atan2(x, y) - l->azimuth_min_rad;
 	if (azimuth < 0)

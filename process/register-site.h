@@ -11,7 +11,8 @@ struct register_options {
 };
 /* Aligns the pairs whose inputs changed, solves, saves a new revision when anything differs. The edges that a person decided
  * stay as they are. *ret_stopped: by progress. NULL and an error: a scan cannot be read. */
-scan_graph *register_site(site *s, const struct register_options *options, bool *ret_stopped, GError **error);
+scan_graph *register_site(
+	site *s, const struct register_options *options, bool *ret_stopped, GError **error);
 /* Whether register_site would have anything to do; *ret_why: a few words ("scan 3 is new"), caller frees. */
 bool register_site_is_due(const site *s, bool *ret_due, char **ret_why, GError **error);
 

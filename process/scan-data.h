@@ -27,7 +27,7 @@ struct scan_data {
 	uint32_t number;
 	enum scan_kind kind;
 	range_grid *grid; /* NULL for a cloud */
-	points *points;	  /* NULL for a recorded scan */
+	points *points;   /* NULL for a recorded scan */
 	bool has_given_pose;
 	struct pose given_pose; /* scan to site */
 	char *fingerprint; /* SHA-256 over the hashes of its data files: changes when the points do */

@@ -16,8 +16,8 @@
 typedef struct scan_geometry scan_geometry;
 struct scan_geometry {
 	product *file;
-	uint64_t count; /* cells, or points */
-	const int16_t (*normal)[2]; /* -32768 in both: none */
+	uint64_t count;                                        /* cells, or points */
+	const int16_t (*normal)[2];                            /* -32768 in both: none */
 	const float *plane_error_m, *curvature, *point_size_m; /* NAN: none */
 };
 scan_geometry *scan_geometry_open(const site *s, uint32_t number, GError **error);
@@ -25,13 +25,15 @@ void scan_geometry_free(scan_geometry *g); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scan_geometry, scan_geometry_free)
 
 struct geometry_site_options {
-	bool (*progress)(double fraction, const char *doing, gpointer user_data); /* returns false to stop */
+	bool (*progress)(
+		double fraction, const char *doing, gpointer user_data); /* returns false to stop */
 	gpointer user_data;
 };
 /* Makes what is missing or out of date, scan by scan; each is whole on disk when the next begins. G_IO_ERROR_CANCELLED when
  * progress stopped it. */
-bool geometry_site(
-	site *s, const scan_graph *g, const struct geometry_site_options *options, uint32_t *ret_made, GError **error);
-bool geometry_site_is_due(const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
+bool geometry_site(site *s, const scan_graph *g, const struct geometry_site_options *options,
+	uint32_t *ret_made, GError **error);
+bool geometry_site_is_due(
+	const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
 
 #endif

@@ -14,7 +14,7 @@ enum edge_origin {
 	EDGE_GIVEN,  /* both poses came with the imported file */
 };
 enum edge_decision {
-	DECISION_NONE, /* the verdict counts */
+	DECISION_NONE,     /* the verdict counts */
 	DECISION_ACCEPTED, /* a person said so, against or with the verdict */
 	DECISION_REFUSED,
 };
@@ -23,18 +23,19 @@ struct edge {
 	uint32_t a, b; /* numbers of scans, a < b */
 	enum edge_origin origin;
 	enum edge_decision decision;
-	struct pose pose; /* takes b to a */
+	struct pose pose;        /* takes b to a */
 	double covariance[6][6]; /* as fine_result's */
 	struct verification verification;
-	double loop_rad, loop_m; /* after the graph was solved: how far this edge is from the poses */
-	bool outlier;	/* disagrees with the loops that it closes; weighed down */
-	char *inputs;	/* fingerprints of both scans and the version of the method: what it was computed from */
+	double loop_rad,
+		loop_m; /* after the graph was solved: how far this edge is from the poses */
+	bool outlier;   /* disagrees with the loops that it closes; weighed down */
+	char *inputs; /* fingerprints of both scans and the version of the method: what it was computed from */
 };
 bool edge_is_used(const struct edge *e); /* accepted by verdict or by a person, and no outlier */
 
 struct placed_scan {
 	uint32_t number;
-	uint32_t group; /* 1..: scans of one group are tied together; 0: not placed */
+	uint32_t group;   /* 1..: scans of one group are tied together; 0: not placed */
 	struct pose pose; /* scan to site; identity when not placed */
 	double deviation_m, deviation_rad; /* 1 sigma, relative to the first of the group */
 };
@@ -42,10 +43,10 @@ struct placed_scan {
 typedef struct scan_graph scan_graph;
 struct scan_graph {
 	uint32_t revision, parent; /* number of the file; of the one it was made from, 0: none */
-	char *change;	/* what was done, a sentence */
-	char *time;	/* UTC */
-	GArray *edges;	/* of struct edge, sorted by a, b */
-	GArray *scans;	/* of struct placed_scan, sorted by number */
+	char *change;              /* what was done, a sentence */
+	char *time;                /* UTC */
+	GArray *edges;             /* of struct edge, sorted by a, b */
+	GArray *scans;             /* of struct placed_scan, sorted by number */
 };
 
 scan_graph *scan_graph_new(void);
@@ -58,7 +59,8 @@ scan_graph *scan_graph_undo(const site *s, GError **error);
 void scan_graph_free(scan_graph *g); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scan_graph, scan_graph_free)
 
-struct edge *scan_graph_edge(const scan_graph *g, uint32_t a, uint32_t b); /* in any order; NULL: none */
+struct edge *scan_graph_edge(
+	const scan_graph *g, uint32_t a, uint32_t b); /* in any order; NULL: none */
 struct placed_scan *scan_graph_scan(const scan_graph *g, uint32_t number);
 /* Takes edge's strings; replaces one of the same pair. */
 void scan_graph_set_edge(scan_graph *g, const struct edge *edge);

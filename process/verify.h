@@ -10,10 +10,10 @@
 
 enum verdict {
 	VERDICT_ACCEPTED,
-	VERDICT_NO_OVERLAP,  /* the scans share too little to tell */
-	VERDICT_CONFLICT,    /* surfaces stand where the other scan saw through */
-	VERDICT_SLIDING,     /* what they share leaves a direction open: a long corridor, one wall */
-	VERDICT_AMBIGUOUS,   /* another pose fits about as well */
+	VERDICT_NO_OVERLAP, /* the scans share too little to tell */
+	VERDICT_CONFLICT,   /* surfaces stand where the other scan saw through */
+	VERDICT_SLIDING,    /* what they share leaves a direction open: a long corridor, one wall */
+	VERDICT_AMBIGUOUS,  /* another pose fits about as well */
 	VERDICT_NO_SOLUTION, /* nothing fitted at all */
 	VERDICT_IMPRECISE,   /* fits, but not as closely as it must */
 	VERDICTS
@@ -25,9 +25,10 @@ struct verification {
 	char reason[200]; /* one sentence for people, with figures */
 	/* Sums over both ways, each point weighted by the solid angle that it covers, in sr. */
 	double agree_sr, occluded_sr, conflict_sr, outside_sr;
-	double overlap; /* agree over all that both could see, 0..1 */
+	double overlap;   /* agree over all that both could see, 0..1 */
 	double agreement; /* agree / (agree + conflict) */
-	double rms_m, under_6mm; /* of the agreeing points' distance from the other's surface: rms, share under 6 mm */
+	double rms_m,
+		under_6mm; /* of the agreeing points' distance from the other's surface: rms, share under 6 mm */
 	double balance; /* how evenly the agreeing surfaces hold the three directions: smallest eigenvalue of the mean of
 			   normal * normal^T, times 3, 0..1 */
 	double deviation_m, deviation_rad; /* 1 sigma of the pose in its worst direction */
@@ -38,8 +39,8 @@ struct verification {
 enum verify_cell { VERIFY_NONE, VERIFY_AGREE, VERIFY_OCCLUDED, VERIFY_CONFLICT, VERIFY_OUTSIDE };
 struct verify_map {
 	uint32_t columns, rows; /* of b's grid */
-	uint8_t *cell;	     /* enum verify_cell */
-	float *distance_m;   /* from a's surface, signed; of agreeing cells, else 0 */
+	uint8_t *cell;          /* enum verify_cell */
+	float *distance_m;      /* from a's surface, signed; of agreeing cells, else 0 */
 };
 void verify_map_clear(struct verify_map *m);
 

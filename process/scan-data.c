@@ -1,0 +1,221 @@
+#include "process/scan-data.h"
+#include "acquire/scan.h"
+#include <string.h>
+
+void scan_data_free(scan_data *d)
+{
+	if (!d)
+		return;
+	range_grid_free(d->grid);
+	points_free(d->points);
+	g_free(d->fingerprint);
+	g_free(d);
+}
+
+static manifest *load_manifest(const char *folder, GError **error)
+{
+	g_autofree char *path = g_build_filename(folder, "scan.json", NULL);
+	return manifest_load(path, SCAN_SCHEMA, error);
+}
+
+static bool is_imported(const manifest *m)
+{
+	return manifest_has(m, "kind") && g_strcmp0(manifest_get_string(m, "kind", NULL), "imported") == 0;
+}
+
+static bool refuse(GError **error, const manifest *m, const char *what)
+{
+	g_set_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE, "%s: %s", manifest_path(m), what);
+	return false;
+}
+
+/* Numbers of a JSON array, which must be count of them, all finite. */
+static bool read_numbers(JsonNode *node, size_t count, double *ret)
+{
+	JsonArray *array = node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
+	if (!array || json_array_get_length(array) != count)
+		return false;
+	for (unsigned i = 0; i < count; i++) {
+		JsonNode *element = json_array_get_element(array, i);
+		GType type = JSON_NODE_HOLDS_VALUE(element) ? json_node_get_value_type(element) : 0;
+		if (type != G_TYPE_INT64 && type != G_TYPE_DOUBLE)
+			return false;
+		ret[i] = json_node_get_double(element);
+		if (!isfinite(ret[i]))
+			return false;
+	}
+	return true;
+}
+
+static bool read_rotation(JsonNode *node, double ret[3][3])
+{
+	JsonArray *rows = node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
+	if (!rows || json_array_get_length(rows) != 3)
+		return false;
+	for (unsigned i = 0; i < 3; i++)
+		if (!read_numbers(json_array_get_element(rows, i), 3, ret[i]))
+			return false;
+	return true;
+}
+
+/* From the file's coordinates to the site's. */
+static bool take_origin_off(const site *s, struct pose *pose, GError **error)
+{
+	double origin_m[3];
+	JsonNode *node = manifest_get_node(site_manifest(s), "origin_m");
+	if (!node)
+		return true;
+	if (!read_numbers(node, 3, origin_m))
+		return refuse(error, site_manifest(s), "'origin_m' is not three numbers");
+	for (int i = 0; i < 3; i++)
+		pose->translation_m[i] -= origin_m[i];
+	return true;
+}
+
+static bool read_given_pose(scan_data *d, const site *s, const manifest *m, GError **error)
+{
+	if (!manifest_has(m, "given_pose"))
+		return true;
+	d->has_given_pose = true;
+	if (!read_rotation(manifest_get_node(m, "given_pose.rotation"), d->given_pose.rotation) ||
+		!read_numbers(manifest_get_node(m, "given_pose.translation_m"), 3,
+			d->given_pose.translation_m) ||
+		!pose_is_rigid(&d->given_pose, 1e-4))
+		return refuse(error, m, "'given_pose' is no rotation with a translation");
+	pose_orthonormalise(&d->given_pose);
+	return take_origin_off(s, &d->given_pose, error);
+}
+
+/* raw.rec does not count: the points do. */
+static bool is_points_file(const char *name)
+{
+	return g_str_has_suffix(name, ".tiff") || g_str_has_suffix(name, ".ply");
+}
+
+static int by_name(gconstpointer a, gconstpointer b)
+{
+	return strcmp(a, b);
+}
+
+static const char *hash_of(JsonNode *file)
+{
+	JsonNode *hash = JSON_NODE_HOLDS_OBJECT(file)
+				 ? json_object_get_member(json_node_get_object(file), "sha256")
+				 : NULL;
+	return hash && JSON_NODE_HOLDS_VALUE(hash) ? json_node_get_string(hash) : NULL;
+}
+
+static char *fingerprint_of(const manifest *m, GError **error)
+{
+	JsonNode *node = manifest_get_node(m, "files");
+	JsonObject *files = node && JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
+	if (!files) {
+		refuse(error, m, "'files' is missing");
+		return NULL;
+	}
+	g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+	g_autoptr(GList) names = g_list_sort(json_object_get_members(files), by_name);
+	for (GList *name = names; name; name = name->next) {
+		if (!is_points_file(name->data))
+			continue;
+		const char *hash = hash_of(json_object_get_member(files, name->data));
+		if (!hash) {
+			refuse(error, m, "'files' has an entry without its sha256");
+			return NULL;
+		}
+		g_checksum_update(sum, name->data, -1);
+		g_checksum_update(sum, (const guchar *)hash, -1);
+	}
+	return g_strdup(g_checksum_get_string(sum));
+}
+
+static bool read_kind(scan_data *d, const manifest *m, GError **error)
+{
+	int64_t columns, rows;
+	d->kind = SCAN_RECORDED;
+	if (!is_imported(m))
+		return true;
+	if (!manifest_get_int(m, "points.columns", 0, PANORAMA_COLUMNS_MAX, &columns, error) ||
+		!manifest_get_int(m, "points.rows", 0, G_MAXINT32, &rows, error))
+		return false;
+	d->kind = columns && rows ? SCAN_ORDERED : SCAN_CLOUD;
+	return true;
+}
+
+static scan_data *peek(const site *s, uint32_t number, manifest **ret_manifest, GError **error)
+{
+	g_autoptr(scan_data) d = g_new0(scan_data, 1);
+	g_autofree char *folder = site_scan_path(s, number);
+	g_autoptr(manifest) m = load_manifest(folder, error);
+	d->number = number;
+	if (!m || !read_kind(d, m, error) || !read_given_pose(d, s, m, error) ||
+		!(d->fingerprint = fingerprint_of(m, error)))
+		return NULL;
+	*ret_manifest = g_steal_pointer(&m);
+	return g_steal_pointer(&d);
+}
+
+scan_data *scan_data_peek(const site *s, uint32_t number, GError **error)
+{
+	g_autoptr(manifest) m = NULL;
+	return peek(s, number, &m, error);
+}
+
+/* ---- with the points ---- */
+
+static range_grid *grid_of_points(const points *p, GError **error)
+{
+	size_t n = p->count;
+	g_autofree double *x = g_new(double, n), *y = g_new(double, n), *z = g_new(double, n);
+	g_autofree uint8_t *cell = g_new(uint8_t, n), *rgb = g_new(uint8_t, 3 * n);
+	g_autofree uint16_t *intensity = g_new(uint16_t, n);
+	for (size_t i = 0; i < n; i++) {
+		const struct point_record *r = &p->record[i];
+		x[i] = r->x_m;
+		y[i] = r->y_m;
+		z[i] = r->z_m;
+		cell[i] = r->cell;
+		intensity[i] = r->intensity;
+		memcpy(rgb + 3 * i, r->rgb, 3);
+	}
+	struct range_grid_desc desc = { p->columns, p->rows, x, y, z, cell,
+		p->have & POINTS_HAVE_INTENSITY ? intensity : NULL,
+		p->have & POINTS_HAVE_COLOUR ? rgb : NULL };
+	return range_grid_new(&desc, error);
+}
+
+static bool load_points(scan_data *d, const char *folder, const manifest *m, GError **error)
+{
+	g_autofree char *path = g_build_filename(folder, "points.ply", NULL);
+	d->points = points_open(path, error);
+	if (!d->points)
+		return false;
+	bool ordered = d->points->columns && d->points->rows;
+	if (ordered != (d->kind == SCAN_ORDERED))
+		return refuse(error, m, "'points' tells of another grid than points.ply has");
+	if (!ordered)
+		return true;
+	d->grid = grid_of_points(d->points, error);
+	if (!d->grid)
+		g_prefix_error(error, "%s: ", path);
+	return d->grid;
+}
+
+static bool load_panorama(scan_data *d, const site *s, GError **error)
+{
+	g_autoptr(panorama) p = scan_load(s, d->number, false, error);
+	if (p)
+		d->grid = range_grid_from_panorama(p);
+	return p;
+}
+
+scan_data *scan_data_load(const site *s, uint32_t number, GError **error)
+{
+	g_autoptr(manifest) m = NULL;
+	g_autoptr(scan_data) d = peek(s, number, &m, error);
+	g_autofree char *folder = site_scan_path(s, number);
+	if (!d || !(d->kind == SCAN_RECORDED ? load_panorama(d, s, error)
+					     : load_points(d, folder, m, error)))
+		return NULL;
+	return g_steal_pointer(&d);
+}
