@@ -110,14 +110,14 @@ static void rotation_from_vector(const double w[3], matrix ret)
 }
 
 /* Near half a turn the skew part vanishes; the axis then comes from the symmetric part. */
-static void axis_of_half_turn(const matrix r, double ret[3])
+static void axis_near_half_turn(const matrix r, double cosine, double ret[3])
 {
 	int i = 0;
 	for (int j = 1; j < 3; j++)
 		if (r[j][j] > r[i][i])
 			i = j;
 	for (int j = 0; j < 3; j++)
-		ret[j] = (r[i][j] + r[j][i]) / 2 + (i == j);
+		ret[j] = (r[i][j] + r[j][i]) / 2 - (i == j) * cosine;
 	double n = length(ret);
 	for (int j = 0; j < 3; j++)
 		ret[j] /= n;
@@ -134,7 +134,7 @@ static void vector_from_rotation(const struct pose *p, double ret[3])
 			ret[i] = skew[i] * scale;
 		return;
 	}
-	axis_of_half_turn(p->rotation, ret);
+	axis_near_half_turn(p->rotation, cos(angle), ret);
 	double along = ret[0] * skew[0] + ret[1] * skew[1] + ret[2] * skew[2];
 	for (int i = 0; i < 3; i++)
 		ret[i] *= along < 0 ? -angle : angle;
