@@ -1,16 +1,25 @@
 #include "process/coarse-view.h"
+#include <stdlib.h>
 #include <string.h>
 
 /* Cells that normals are gathered from, and that two by two make a cell of the view. */
-#define FINE_RAD    (0.48 * G_PI / 180)
-#define BLOCK_RAD   (0.8 * G_PI / 180) /* grids this coarse are not thinned further */
-#define REACH_M     0.15f              /* between the samples of a normal's window */
-#define REACH_CELLS 8
-#define GATE_M      0.25f
-#define GATE_SHARE  0.04f /* of the range: surfaces seen at a slant */
-#define PLANE_RMS_M 0.04f
-#define PLANE_SHARE 0.002f
-#define SUPPORT_MIN 8
+#define FINE_RAD        (0.48 * G_PI / 180)
+#define BLOCK_RAD       (0.8 * G_PI / 180) /* grids this coarse are not thinned further */
+#define SPACINGS        2000
+#define SPACING_MIN_RAD 1e-6f
+#define REACH_M         0.15f /* between the samples of a normal's window */
+#define REACH_CELLS     8
+#define GATE_M          0.25f
+#define GATE_SHARE      0.04f /* of the range: surfaces seen at a slant */
+#define PLANE_RMS_M     0.04f
+#define PLANE_SHARE     0.002f
+#define SUPPORT_MIN     8
+
+static int by_float(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
 
 /* Every step-th cell of the grid in both directions. */
 struct thinned {
@@ -20,6 +29,27 @@ struct thinned {
 	float (*point)[4]; /* x, y, z, range; range 0: nothing, -1: nobody looked */
 };
 
+/* Median angle between cells that are `step` apart. An uneven grid's own spacing is of azimuths and elevations, which tell
+ * nothing of a scan that lies on its side. */
+static double spacing_of(const range_grid *g, size_t step)
+{
+	size_t n = range_grid_cells(g), stride = n / SPACINGS + 1, count = 0;
+	g_autofree float *spacing = g_new(float, SPACINGS + 1);
+	for (size_t i = 0; i + step < n && count < SPACINGS; i += stride) {
+		size_t k = i + step;
+		if (!(g->range_m[i] > 0 && g->range_m[k] > 0))
+			continue;
+		float d[3] = { g->x_m[i] / g->range_m[i] - g->x_m[k] / g->range_m[k],
+			g->y_m[i] / g->range_m[i] - g->y_m[k] / g->range_m[k],
+			g->z_m[i] / g->range_m[i] - g->z_m[k] / g->range_m[k] };
+		float angle = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+		if (angle > SPACING_MIN_RAD)
+			spacing[count++] = angle;
+	}
+	qsort(spacing, count, sizeof *spacing, by_float);
+	return count ? spacing[count / 2] : 2 * FINE_RAD;
+}
+
 static uint32_t step_for(double cell_rad)
 {
 	return cell_rad > 0 && cell_rad < FINE_RAD ? (uint32_t)(FINE_RAD / cell_rad + 0.5) : 1;
@@ -27,13 +57,16 @@ static uint32_t step_for(double cell_rad)
 
 static struct thinned thin(const range_grid *g)
 {
-	struct thinned t = { .step_column = step_for(g->column_rad),
-		.step_row = step_for(g->row_rad),
+	bool even = !g->lattice.cell;
+	double column_rad = even ? g->column_rad : spacing_of(g, 1);
+	double row_rad = even ? g->row_rad : spacing_of(g, g->columns);
+	struct thinned t = { .step_column = step_for(column_rad),
+		.step_row = step_for(row_rad),
 		.wraps = g->wraps };
 	t.columns = (g->columns + t.step_column - 1) / t.step_column;
 	t.rows = (g->rows + t.step_row - 1) / t.step_row;
-	t.column_rad = (float)(g->column_rad * t.step_column);
-	t.row_rad = (float)(g->row_rad * t.step_row);
+	t.column_rad = (float)(column_rad * t.step_column);
+	t.row_rad = (float)(row_rad * t.step_row);
 	t.point = g_malloc_n((size_t)t.columns * t.rows, sizeof *t.point);
 	for (uint32_t r = 0; r < t.rows; r++)
 		for (uint32_t c = 0; c < t.columns; c++) {
@@ -173,33 +206,85 @@ static void make_cells(struct coarse_view *v, const struct thinned *t, int down,
 				cell_of_block(t, r * down, c * across, down, across);
 }
 
-static void make_lattice(struct coarse_view *v, const range_grid *g, uint32_t down, uint32_t across)
+static void size_lattice(struct coarse_view *v, double azimuth_span, double elevation_span,
+	double column_rad, double row_rad)
+{
+	v->lattice_columns = (uint32_t)fmax(1, ceil(azimuth_span / column_rad - 1e-6));
+	v->lattice_rows = (uint32_t)fmax(1, ceil(elevation_span / row_rad - 1e-6));
+	v->columns_per_rad = (float)(1 / column_rad);
+	v->rows_per_rad = (float)(1 / row_rad);
+	v->lattice = g_new(uint32_t, (size_t)v->lattice_columns * v->lattice_rows);
+}
+
+/* Of a panorama: the lattice is the grid. */
+static void lay_even(struct coarse_view *v, const range_grid *g, uint32_t down, uint32_t across)
 {
 	const struct range_lattice *l = &g->lattice;
 	double column_rad = fmax(2 * FINE_RAD, l->column_rad),
 	       row_rad = fmax(2 * FINE_RAD, l->row_rad);
-	v->lattice_columns =
-		(uint32_t)fmax(1, ceil(l->columns * l->column_rad / column_rad - 1e-6));
-	v->lattice_rows = (uint32_t)fmax(1, ceil(l->rows * l->row_rad / row_rad - 1e-6));
-	v->columns_per_rad = (float)(1 / column_rad);
-	v->rows_per_rad = (float)(1 / row_rad);
+	size_lattice(v, l->columns * l->column_rad, l->rows * l->row_rad, column_rad, row_rad);
 	v->azimuth_min_rad = (float)l->azimuth_min_rad;
 	v->elevation_max_rad = (float)l->elevation_max_rad;
-	v->lattice = g_new(uint32_t, (size_t)v->lattice_columns * v->lattice_rows);
 	for (uint32_t r = 0; r < v->lattice_rows; r++)
 		for (uint32_t c = 0; c < v->lattice_columns; c++) {
-			uint32_t from_row =
-				MIN((uint32_t)((r + 0.5) * row_rad / l->row_rad), l->rows - 1);
-			uint32_t from_column = MIN(
-				(uint32_t)((c + 0.5) * column_rad / l->column_rad), l->columns - 1);
-			size_t at = (size_t)from_row * l->columns + from_column;
-			size_t i = l->cell ? l->cell[at] : at;
+			uint32_t row = (uint32_t)((r + 0.5) * row_rad / l->row_rad);
+			uint32_t column = (uint32_t)((c + 0.5) * column_rad / l->column_rad);
 			v->lattice[(size_t)r * v->lattice_columns + c] =
-				i == RANGE_GRID_NONE
-					? RANGE_GRID_NONE
-					: (uint32_t)(i / g->columns / down * v->columns +
-						     i % g->columns / across);
+				MIN(row, l->rows - 1) / down * v->columns +
+				MIN(column, l->columns - 1) / across;
 		}
+}
+
+static uint32_t *lattice_at(struct coarse_view *v, const float p[3])
+{
+	float azimuth = coarse_atan2(p[0], p[1]);
+	azimuth += azimuth < 0 ? (float)(2 * G_PI) : 0;
+	float level = sqrtf(p[0] * p[0] + p[1] * p[1]);
+	float row = (v->elevation_max_rad - coarse_atan2(p[2], level)) * v->rows_per_rad;
+	uint32_t r = (uint32_t)CLAMP(row, 0, (float)(v->lattice_rows - 1));
+	uint32_t c = (uint32_t)(azimuth * v->columns_per_rad);
+	return &v->lattice[r * v->lattice_columns + MIN(c, v->lattice_columns - 1)];
+}
+
+/* Takes what is beside a hole, further to the sides where columns crowd towards the poles. */
+static uint32_t beside_hole(
+	const struct coarse_view *v, const uint32_t *lattice, uint32_t row, uint32_t column)
+{
+	uint32_t n = v->lattice_columns;
+	double elevation = v->elevation_max_rad - (row + 0.5) / v->rows_per_rad;
+	uint32_t reach = (uint32_t)fmin(ceil(1 / fmax(cos(elevation), 1e-3)), n / 2);
+	for (uint32_t k = 1; k <= reach; k++)
+		for (int side = -1; side <= 1; side += 2) {
+			uint32_t at = lattice[row * n + (column + n + side * (int)k) % n];
+			if (at != RANGE_GRID_NONE)
+				return at;
+		}
+	if (row > 0 && lattice[(row - 1) * n + column] != RANGE_GRID_NONE)
+		return lattice[(row - 1) * n + column];
+	return row + 1 < v->lattice_rows ? lattice[(row + 1) * n + column] : RANGE_GRID_NONE;
+}
+
+/* Of any other grid: points are entered where they are seen. What looked into the void has no direction there. */
+static void lay_uneven(
+	struct coarse_view *v, const struct thinned *t, uint32_t down, uint32_t across)
+{
+	double cell_rad = fmax(2 * FINE_RAD, fmax(t->column_rad, t->row_rad) * 1.2);
+	size_lattice(v, 2 * G_PI, G_PI, cell_rad, cell_rad);
+	size_t cells = (size_t)v->lattice_columns * v->lattice_rows;
+	v->elevation_max_rad = (float)G_PI_2;
+	memset(v->lattice, 0xff, cells * sizeof *v->lattice);
+	for (uint32_t r = 0; r < t->rows; r++)
+		for (uint32_t c = 0; c < t->columns; c++) {
+			const float *p = t->point[(size_t)r * t->columns + c];
+			if (p[3] > 0)
+				*lattice_at(v, p) = r / down * v->columns + c / across;
+		}
+	g_autofree uint32_t *before = g_memdup2(v->lattice, cells * sizeof *before);
+	for (uint32_t r = 0; r < v->lattice_rows; r++)
+		for (uint32_t c = 0; c < v->lattice_columns; c++)
+			if (before[r * v->lattice_columns + c] == RANGE_GRID_NONE)
+				v->lattice[r * v->lattice_columns + c] =
+					beside_hole(v, before, r, c);
 }
 
 struct coarse_view *coarse_view_new(const range_grid *g)
@@ -208,7 +293,10 @@ struct coarse_view *coarse_view_new(const range_grid *g)
 	struct thinned t = thin(g);
 	int down = t.row_rad < BLOCK_RAD ? 2 : 1, across = t.column_rad < BLOCK_RAD ? 2 : 1;
 	make_cells(v, &t, down, across);
-	make_lattice(v, g, down * t.step_row, across * t.step_column);
+	if (g->lattice.cell)
+		lay_uneven(v, &t, down, across);
+	else
+		lay_even(v, g, down * t.step_row, across * t.step_column);
 	g_free(t.point);
 	return v;
 }
