@@ -9,8 +9,9 @@
 #define DISTANCE_MAX_M    40.0
 #define SHIFTS            1200 /* that the votes propose */
 #define QUICK             160  /* samples that judge them */
-#define LOOKED_AT         80   /* that are refined */
-#define MIDDLE            500  /* samples that refine them */
+#define LOOKED_AT         250  /* that are refined */
+#define CONFLICT          2.0
+#define DOUBT             0.05
 #define UPRIGHTS          3
 #define UNLIKELY          0.3 /* product of both scans' scores, relative to their best */
 #define QUICK_TOLERANCE_M 0.5f
@@ -18,9 +19,19 @@
 #define APART_M           0.5
 #define APART_RAD         (3 * G_PI / 180)
 
-/* Levelled to half a degree; found by walls and ground. */
-static const struct coarse_refining refining_level = { 8, 1.2f, 0.25f, 0.01f };
-static const struct coarse_refining refining_turned = { 12, 1.2f, 0.25f, 0.05f };
+/* How far b may lean from what it was levelled to: by the scanner; by walls and ground. */
+#define TILT_LEVEL_RAD  0.01f
+#define TILT_TURNED_RAD 0.05f
+
+/* Many candidates are looked at with few samples, few with all. */
+static const struct sieve {
+	size_t samples, keep;
+	float tolerance_m;
+	struct coarse_refining refining;
+} sieves[] = {
+	{ 300, 60, 0.25f, { 4, 1.2f, 0.5f } },
+	{ G_MAXSIZE, G_MAXSIZE, TOLERANCE_M, { 5, 0.6f, 0.2f } },
+};
 
 struct coarse_scan {
 	struct coarse_view *view;
@@ -52,7 +63,8 @@ void coarse_scan_free(coarse_scan *s)
 	g_free(s);
 }
 
-/* Both ways. */
+/* Both ways. What was seen through speaks against a pose more firmly than agreement speaks for it: walls agree wherever
+ * they are slid along themselves. */
 static double score_of(const coarse_scan *a, const coarse_scan *b, const struct pose *pose,
 	size_t samples, float tolerance)
 {
@@ -62,8 +74,7 @@ static double score_of(const coarse_scan *a, const coarse_scan *b, const struct 
 	coarse_check(b->view, a->sample, MIN(samples, a->samples), &back, tolerance, &fit);
 	if (!(fit.total > 0))
 		return 0;
-	double judged = fit.agree + fit.conflict;
-	return fit.agree / (judged + 0.1 * fit.total);
+	return fit.agree / (fit.agree + CONFLICT * fit.conflict + DOUBT * fit.total);
 }
 
 static int by_score(const void *a, const void *b)
@@ -157,24 +168,35 @@ static size_t propose_turned(const struct turned *a, const struct turned *b, dou
 	return count;
 }
 
+static void refine(const coarse_scan *a, const coarse_scan *b, const struct sieve *sieve,
+	bool not_level, struct coarse_candidate *c)
+{
+	struct coarse_refining how = sieve->refining;
+	how.tilt_sigma_rad = not_level ? TILT_TURNED_RAD : TILT_LEVEL_RAD;
+	coarse_refine(a->view, b->sample, MIN(b->samples, sieve->samples), &how, &c->pose);
+	pose_orthonormalise(&c->pose);
+	c->score = score_of(a, b, &c->pose, sieve->samples, sieve->tolerance_m);
+}
+
 /* Refines what was proposed, and keeps the best. */
-static size_t choose(const coarse_scan *a, const coarse_scan *b, const struct coarse_refining *how,
+static size_t choose(const coarse_scan *a, const coarse_scan *b, bool not_level,
 	struct coarse_candidate *c, size_t count, size_t max)
 {
-	for (size_t i = 0; i < count; i++) {
-		coarse_refine(a->view, b->sample, MIN(b->samples, MIDDLE), how, &c[i].pose);
-		pose_orthonormalise(&c[i].pose);
-		c[i].score = score_of(a, b, &c[i].pose, G_MAXSIZE, TOLERANCE_M);
+	for (size_t k = 0; k < G_N_ELEMENTS(sieves); k++) {
+		for (size_t i = 0; i < count; i++)
+			refine(a, b, &sieves[k], not_level, &c[i]);
+		qsort(c, count, sizeof *c, by_score);
+		count = keep_distinct(c, count,
+			MIN(sieves[k].keep, k + 1 < G_N_ELEMENTS(sieves) ? G_MAXSIZE : max));
 	}
-	qsort(c, count, sizeof *c, by_score);
-	return keep_distinct(c, count, max);
+	return count;
 }
 
 static size_t align_level(const coarse_scan *a, const coarse_scan *b, double distance_max_m,
 	struct coarse_candidate *c, size_t max)
 {
 	size_t count = propose(a, b, a->plan, b->plan, distance_max_m, c);
-	return choose(a, b, &refining_level, c, count, max);
+	return choose(a, b, false, c, count, max);
 }
 
 static size_t align_turned(const coarse_scan *a, const coarse_scan *b, double distance_max_m,
@@ -182,7 +204,7 @@ static size_t align_turned(const coarse_scan *a, const coarse_scan *b, double di
 {
 	struct turned turned_a = turned_of(a), turned_b = turned_of(b);
 	size_t count = propose_turned(&turned_a, &turned_b, distance_max_m, c);
-	count = choose(&turned_a.scan, &turned_b.scan, &refining_turned, c, count, max);
+	count = choose(&turned_a.scan, &turned_b.scan, true, c, count, max);
 	turned_clear(&turned_a);
 	turned_clear(&turned_b);
 	return count;
