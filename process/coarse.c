@@ -10,8 +10,9 @@
 #define SHIFTS            1200 /* that the votes propose */
 #define QUICK             160  /* samples that judge them */
 #define LOOKED_AT         250  /* that are refined */
-#define CONFLICT          2.0
-#define DOUBT             0.05
+#define SCORE_MIN         0.05 /* below, nothing speaks for a candidate */
+#define CONFLICT          3.0
+#define DOUBT             0.02
 #define UPRIGHTS          3
 #define UNLIKELY          0.3 /* product of both scans' scores, relative to their best */
 #define QUICK_TOLERANCE_M 0.5f
@@ -30,7 +31,7 @@ static const struct sieve {
 	struct coarse_refining refining;
 } sieves[] = {
 	{ 300, 60, 0.25f, { 4, 1.2f, 0.5f } },
-	{ G_MAXSIZE, G_MAXSIZE, TOLERANCE_M, { 5, 0.6f, 0.2f } },
+	{ G_MAXSIZE, 60, TOLERANCE_M, { 5, 0.6f, 0.2f } },
 };
 
 struct coarse_scan {
@@ -108,18 +109,57 @@ static size_t keep_distinct(struct coarse_candidate *c, size_t count, size_t max
 	return kept;
 }
 
-/* What votes and a quick look propose, with two plans; appended and sorted. */
-static size_t propose(const coarse_scan *a, const coarse_scan *b, const struct plan *plan_a,
-	const struct plan *plan_b, double distance_max_m, struct coarse_candidate *ret)
+/* One search: the scans with the samples that it uses, and what is asked for. */
+struct search {
+	const coarse_scan *a, *b;
+	bool not_level;
+	double distance_max_m;
+	size_t max;
+};
+
+/* What votes and a quick look propose, with two plans; sorted. ret has room for SHIFTS. */
+static size_t propose(const struct search *s, const struct plan *plan_a, const struct plan *plan_b,
+	struct coarse_candidate *ret)
 {
 	g_autofree struct plan_shift *shift = g_new(struct plan_shift, SHIFTS);
-	size_t count = plan_match(plan_a, plan_b, distance_max_m, shift, SHIFTS);
+	size_t count = plan_match(plan_a, plan_b, s->distance_max_m, shift, SHIFTS);
 	for (size_t i = 0; i < count; i++) {
 		ret[i].pose = plan_shift_pose(plan_a, plan_b, &shift[i]);
-		ret[i].score = score_of(a, b, &ret[i].pose, QUICK, QUICK_TOLERANCE_M);
+		ret[i].score = score_of(s->a, s->b, &ret[i].pose, QUICK, QUICK_TOLERANCE_M);
 	}
 	qsort(ret, count, sizeof *ret, by_score);
 	return keep_distinct(ret, count, LOOKED_AT);
+}
+
+static void refine(const struct search *s, const struct sieve *sieve, struct coarse_candidate *c)
+{
+	struct coarse_refining how = sieve->refining;
+	how.tilt_sigma_rad = s->not_level ? TILT_TURNED_RAD : TILT_LEVEL_RAD;
+	size_t samples = MIN(s->b->samples, sieve->samples);
+	coarse_refine(s->a->view, s->b->sample, samples, &how, &c->pose);
+	pose_orthonormalise(&c->pose);
+	c->score = score_of(s->a, s->b, &c->pose, sieve->samples, sieve->tolerance_m);
+	if (!(pose_distance_m(&c->pose) <= s->distance_max_m)) /* it was led astray */
+		c->score = 0;
+}
+
+static size_t drop_hopeless(const struct coarse_candidate *c, size_t count)
+{
+	while (count && !(c[count - 1].score > SCORE_MIN))
+		count--;
+	return count;
+}
+
+/* Refines what was proposed, and keeps the best. */
+static size_t choose(const struct search *s, struct coarse_candidate *c, size_t count)
+{
+	for (size_t k = 0; k < G_N_ELEMENTS(sieves); k++) {
+		for (size_t i = 0; i < count; i++)
+			refine(s, &sieves[k], &c[i]);
+		qsort(c, count, sizeof *c, by_score);
+		count = keep_distinct(c, drop_hopeless(c, count), sieves[k].keep);
+	}
+	return MIN(count, s->max);
 }
 
 /* A scan with what may be up in it. Its samples are chosen anew, by the likeliest. */
@@ -152,7 +192,7 @@ static void turned_clear(struct turned *t)
 }
 
 /* Every direction that may be up in a, with every one in b. */
-static size_t propose_turned(const struct turned *a, const struct turned *b, double distance_max_m,
+static size_t propose_turned(const struct search *s, const struct turned *a, const struct turned *b,
 	struct coarse_candidate *ret)
 {
 	size_t count = 0;
@@ -160,64 +200,37 @@ static size_t propose_turned(const struct turned *a, const struct turned *b, dou
 		for (size_t k = 0; k < b->count; k++) {
 			if (a->score[i] * b->score[k] < UNLIKELY)
 				continue;
-			count += propose(&a->scan, &b->scan, a->plan[i], b->plan[k], distance_max_m,
-				ret + count);
+			count += propose(s, a->plan[i], b->plan[k], ret + count);
 			qsort(ret, count, sizeof *ret, by_score);
 			count = keep_distinct(ret, count, LOOKED_AT);
 		}
 	return count;
 }
 
-static void refine(const coarse_scan *a, const coarse_scan *b, const struct sieve *sieve,
-	bool not_level, struct coarse_candidate *c)
+static size_t align_turned(const struct search *asked, struct coarse_candidate *c)
 {
-	struct coarse_refining how = sieve->refining;
-	how.tilt_sigma_rad = not_level ? TILT_TURNED_RAD : TILT_LEVEL_RAD;
-	coarse_refine(a->view, b->sample, MIN(b->samples, sieve->samples), &how, &c->pose);
-	pose_orthonormalise(&c->pose);
-	c->score = score_of(a, b, &c->pose, sieve->samples, sieve->tolerance_m);
-}
-
-/* Refines what was proposed, and keeps the best. */
-static size_t choose(const coarse_scan *a, const coarse_scan *b, bool not_level,
-	struct coarse_candidate *c, size_t count, size_t max)
-{
-	for (size_t k = 0; k < G_N_ELEMENTS(sieves); k++) {
-		for (size_t i = 0; i < count; i++)
-			refine(a, b, &sieves[k], not_level, &c[i]);
-		qsort(c, count, sizeof *c, by_score);
-		count = keep_distinct(c, count,
-			MIN(sieves[k].keep, k + 1 < G_N_ELEMENTS(sieves) ? G_MAXSIZE : max));
-	}
-	return count;
-}
-
-static size_t align_level(const coarse_scan *a, const coarse_scan *b, double distance_max_m,
-	struct coarse_candidate *c, size_t max)
-{
-	size_t count = propose(a, b, a->plan, b->plan, distance_max_m, c);
-	return choose(a, b, false, c, count, max);
-}
-
-static size_t align_turned(const coarse_scan *a, const coarse_scan *b, double distance_max_m,
-	struct coarse_candidate *c, size_t max)
-{
-	struct turned turned_a = turned_of(a), turned_b = turned_of(b);
-	size_t count = propose_turned(&turned_a, &turned_b, distance_max_m, c);
-	count = choose(&turned_a.scan, &turned_b.scan, true, c, count, max);
-	turned_clear(&turned_a);
-	turned_clear(&turned_b);
+	struct turned a = turned_of(asked->a), b = turned_of(asked->b);
+	struct search s = *asked;
+	s.a = &a.scan;
+	s.b = &b.scan;
+	size_t count = choose(&s, c, propose_turned(&s, &a, &b, c));
+	turned_clear(&a);
+	turned_clear(&b);
 	return count;
 }
 
 size_t coarse_align(const coarse_scan *a, const coarse_scan *b,
 	const struct coarse_options *options, struct coarse_candidate *ret, size_t max)
 {
-	double distance_max_m =
-		options && options->distance_max_m > 0 ? options->distance_max_m : DISTANCE_MAX_M;
+	struct search s = { a, b, false, DISTANCE_MAX_M, max };
+	if (options) {
+		s.not_level = options->not_level;
+		s.distance_max_m =
+			options->distance_max_m > 0 ? options->distance_max_m : DISTANCE_MAX_M;
+	}
 	g_autofree struct coarse_candidate *c = g_new(struct coarse_candidate, SHIFTS + LOOKED_AT);
-	size_t count = (options && options->not_level ? align_turned : align_level)(
-		a, b, distance_max_m, c, MIN(max, LOOKED_AT));
+	size_t count =
+		s.not_level ? align_turned(&s, c) : choose(&s, c, propose(&s, a->plan, b->plan, c));
 	memcpy(ret, c, count * sizeof *c);
 	return count;
 }
