@@ -7,10 +7,11 @@
 #include <string.h>
 
 #define DISTANCE_MAX_M    40.0
-#define SHIFTS            1200 /* that the votes propose */
-#define QUICK             160  /* samples that judge them */
-#define LOOKED_AT         250  /* that are refined */
-#define SCORE_MIN         0.05 /* below, nothing speaks for a candidate */
+#define SHIFTS            1200  /* that the votes propose */
+#define QUICK             160   /* samples that judge them */
+#define LOOKED_AT         250   /* that are refined */
+#define TILT_TURNED_RAD   0.05f /* levelled by walls and ground */
+#define SCORE_MIN         0.05  /* below, nothing speaks for a candidate */
 #define CONFLICT          3.0
 #define DOUBT             0.02
 #define UPRIGHTS          3
@@ -20,18 +21,15 @@
 #define APART_M           0.5
 #define APART_RAD         (3 * G_PI / 180)
 
-/* How far b may lean from what it was levelled to: by the scanner; by walls and ground. */
-#define TILT_LEVEL_RAD  0.01f
-#define TILT_TURNED_RAD 0.05f
-
-/* Many candidates are looked at with few samples, few with all. */
+/* Many candidates are looked at with few samples, few with all. At first b hardly leans from what it was levelled to, so that
+ * a poor start is not led into the ground. */
 static const struct sieve {
 	size_t samples, keep;
 	float tolerance_m;
 	struct coarse_refining refining;
 } sieves[] = {
-	{ 300, 60, 0.25f, { 4, 1.2f, 0.5f } },
-	{ G_MAXSIZE, 60, TOLERANCE_M, { 5, 0.6f, 0.2f } },
+	{ 300, 60, 0.25f, { 4, 1.2f, 0.5f, 0.02f } },
+	{ G_MAXSIZE, 60, TOLERANCE_M, { 5, 0.6f, 0.2f, 0.05f } },
 };
 
 struct coarse_scan {
@@ -134,7 +132,8 @@ static size_t propose(const struct search *s, const struct plan *plan_a, const s
 static void refine(const struct search *s, const struct sieve *sieve, struct coarse_candidate *c)
 {
 	struct coarse_refining how = sieve->refining;
-	how.tilt_sigma_rad = s->not_level ? TILT_TURNED_RAD : TILT_LEVEL_RAD;
+	if (s->not_level)
+		how.tilt_sigma_rad = TILT_TURNED_RAD;
 	size_t samples = MIN(s->b->samples, sieve->samples);
 	coarse_refine(s->a->view, s->b->sample, samples, &how, &c->pose);
 	pose_orthonormalise(&c->pose);
