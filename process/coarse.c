@@ -24,12 +24,13 @@
 /* Many candidates are looked at with few samples, few with all. At first b hardly leans from what it was levelled to, so that
  * a poor start is not led into the ground. */
 static const struct sieve {
-	size_t samples, keep;
+	size_t refined_with, judged_with; /* samples */
+	size_t keep;
 	float tolerance_m;
 	struct coarse_refining refining;
 } sieves[] = {
-	{ 300, 60, 0.25f, { 4, 1.2f, 0.5f, 0.02f } },
-	{ G_MAXSIZE, 60, TOLERANCE_M, { 5, 0.6f, 0.2f, 0.05f } },
+	{ 300, 300, 40, 0.25f, { 4, 1.2f, 0.5f, 0.02f } },
+	{ 900, G_MAXSIZE, 40, TOLERANCE_M, { 5, 0.6f, 0.2f, 0.05f } },
 };
 
 struct coarse_scan {
@@ -134,10 +135,10 @@ static void refine(const struct search *s, const struct sieve *sieve, struct coa
 	struct coarse_refining how = sieve->refining;
 	if (s->not_level)
 		how.tilt_sigma_rad = TILT_TURNED_RAD;
-	size_t samples = MIN(s->b->samples, sieve->samples);
+	size_t samples = MIN(s->b->samples, sieve->refined_with);
 	coarse_refine(s->a->view, s->b->sample, samples, &how, &c->pose);
 	pose_orthonormalise(&c->pose);
-	c->score = score_of(s->a, s->b, &c->pose, sieve->samples, sieve->tolerance_m);
+	c->score = score_of(s->a, s->b, &c->pose, sieve->judged_with, sieve->tolerance_m);
 	if (!(pose_distance_m(&c->pose) <= s->distance_max_m)) /* it was led astray */
 		c->score = 0;
 }
