@@ -47,13 +47,12 @@ struct import_scan {
 	enum import_order order;
 	uint64_t count; /* of records to come: columns * rows, for a cloud at most so many */
 	uint32_t have;  /* POINTS_HAVE_ */
-	/* Of a grid: where the scanner stood and looked, if the file says it. Of a cloud: its own rotation, if any. */
-	bool has_pose;
-	/* The frame of the records to the coordinates of the file, but for origin_m. */
-	struct pose pose;
-	/* Whole metres; coordinates of the file = pose * record + origin_m. Readers of map coordinates choose it near their
-	 * points, so that what is left loses nothing. */
+	/* Whole metres, taken off every record: the numbers of the file are record + origin_m. 0 0 0 but for map coordinates;
+	 * then near the points, so that the difference is exact. */
 	double origin_m[3];
+	/* Takes the numbers of the file to its common coordinates, if it says how; for a grid this is where the scanner stood. */
+	bool has_pose;
+	struct pose pose;
 	uint64_t left_out; /* points that the file marks as not to be used (withheld, not finite) */
 };
 
