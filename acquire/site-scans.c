@@ -240,8 +240,11 @@ bool site_add_staged(site *s, const GPtrArray *folders, GError **error)
 		return false;
 	for (guint i = 0; i < folders->len; i++) {
 		g_autofree char *whole = path_of_staged(s, folders->pdata[i]);
-		if (!files_rename_new(folders->pdata[i], whole, error))
-			return take_back(s, folders, i), false;
+		if (!files_rename_new(folders->pdata[i], whole, error)) {
+			/* It may have been renamed and not synced. */
+			bool moved = access(folders->pdata[i], F_OK) != 0;
+			return take_back(s, folders, i + moved), false;
+		}
 	}
 	return true;
 }

@@ -31,6 +31,7 @@ struct ptx {
 	uint32_t scans;
 	uint64_t cells_left;
 	bool has_points, is_map;
+	int fields; /* of a cell's line, all alike where there are points; 0: none seen yet */
 	struct import_scan scan;
 };
 
@@ -109,7 +110,7 @@ static bool read_numbers(struct ptx *r, int count, double *ret, const char *what
 	if (!next_line(r, &at, error))
 		return false;
 	if (!at)
-		return r->line++, refuse(error, r, "the file ends where %s must stand", what);
+		return r->line++, refuse(error, r, "the file ends, and %s must stand here", what);
 	for (int i = 0; i < count; i++) {
 		at = skip_blanks(at);
 		if (!import_number(&at, &ret[i]) || !ends_field(*at))
@@ -144,7 +145,7 @@ static bool read_sizes(struct ptx *r, const char *first, GError **error)
 	if (!second)
 		return r->line++,
 		       refuse(error, r,
-			       "the file ends where the other size of the grid must stand");
+			       "the file ends, and the other size of the grid must stand here");
 	if (!read_size(r, second, &s->rows, error))
 		return false;
 	uint64_t left = import_source_size(r->file) - (r->offset - (r->filled - r->at));
@@ -231,6 +232,7 @@ static bool read_head(struct ptx *r, const char *first, GError **error)
 	double unused[3];
 	r->scan = (struct import_scan){ .order = IMPORT_BY_CONTENT };
 	r->has_points = r->is_map = false;
+	r->fields = 0;
 	if (!read_sizes(r, first, error))
 		return false;
 	for (int i = 0; i < 4; i++)
@@ -292,7 +294,17 @@ static void look_at_first(struct ptx *r, const double xyz[3])
 		r->scan.origin_m[i] = rint(xyz[i]);
 }
 
-static bool place(struct ptx *r, const double v[4], struct point_record *p, GError **error)
+/* One line shorter than the others was cut. */
+static bool check_fields(struct ptx *r, int fields, GError **error)
+{
+	if (!r->fields)
+		r->fields = fields;
+	return r->fields == fields ||
+	       refuse(error, r, "has %d numbers, and the points before have %d", fields, r->fields);
+}
+
+static bool place(
+	struct ptx *r, const double v[4], int fields, struct point_record *p, GError **error)
 {
 	p->return_number = 1;
 	p->cell = v[0] != 0 || v[1] != 0 || v[2] != 0 ? CELL_MEASURED : CELL_EMPTY;
@@ -305,6 +317,8 @@ static bool place(struct ptx *r, const double v[4], struct point_record *p, GErr
 			return refuse(error, r, "%g m is too far to be a point", v[i]);
 	if (!(v[3] >= 0 && v[3] <= 1))
 		return refuse(error, r, "an intensity of %g is not 0 to 1", v[3]);
+	if (!check_fields(r, fields, error))
+		return false;
 	if (!r->has_points)
 		look_at_first(r, v);
 	p->x_m = v[0] - r->scan.origin_m[0];
@@ -333,12 +347,12 @@ static bool read_cell(struct ptx *r, struct point_record *p, GError **error)
 				"a cell is x y z intensity, or x y z intensity red green blue");
 	}
 	*p = (struct point_record){ 0 };
-	if (!ends_line(r, at) && !(read_colour(r, &at, p, error) && ends_line(r, at))) {
-		if (!error || !*error)
-			refuse(error, r, "a cell has no more than seven numbers");
+	int fields = ends_line(r, at) ? 4 : 7;
+	if (fields == 7 && !read_colour(r, &at, p, error))
 		return false;
-	}
-	return place(r, v, p, error);
+	if (!ends_line(r, at))
+		return refuse(error, r, "a cell has no more than seven numbers");
+	return place(r, v, fields, p, error);
 }
 
 static bool ptx_read(import_reader *reader, struct point_record *into, size_t max,
