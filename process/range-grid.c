@@ -6,7 +6,7 @@
 /* Of a sample: medians need no more. */
 #define SPACING_SAMPLES 20000u
 /* Angles between neighbours below this are repeats of one beam. */
-#define SPACING_MIN_RAD 1e-6
+#define SPACING_MIN_RAD   1e-6
 #define LATTICE_CELLS_MAX (1u << 28)
 
 static void *plane(size_t count, size_t bytes)
@@ -77,8 +77,8 @@ static void angle_table_clear(struct angle_table *t)
 
 /* A beam is less than a cell from the centre of its cell, so the addition theorem with two terms of the series is exact to a
  * billionth. */
-static void place_row(range_grid *g, const panorama *p, uint32_t row, const struct angle_table *azimuth,
-	float sine, float cosine)
+static void place_row(range_grid *g, const panorama *p, uint32_t row,
+	const struct angle_table *azimuth, float sine, float cosine)
 {
 	size_t from = (size_t)row * g->columns;
 	const float across = (float)(p->column_rad / PANORAMA_OFFSET_ONE),
@@ -103,8 +103,8 @@ range_grid *range_grid_from_panorama(const panorama *p)
 	range_grid *g = grid_of_size(columns, rows, true, p->rgb);
 	size_t n = range_grid_cells(g);
 	struct angle_table azimuth = angle_table_new(columns, p->column_rad / 2, p->column_rad);
-	struct angle_table elevation = angle_table_new(
-		rows, p->desc.elevation_max_rad - p->row_rad / 2, -p->row_rad);
+	struct angle_table elevation =
+		angle_table_new(rows, p->desc.elevation_max_rad - p->row_rad / 2, -p->row_rad);
 	for (uint32_t r = 0; r < rows; r++)
 		place_row(g, p, r, &azimuth, elevation.sine[r], elevation.cosine[r]);
 	angle_table_clear(&azimuth);
@@ -150,7 +150,8 @@ static int by_value(const void *a, const void *b)
 }
 
 /* Median angle between cells that are `step` apart; 0: there are none. */
-static double median_spacing(const range_grid *g, size_t step, double (*angle)(const range_grid *, size_t))
+static double median_spacing(
+	const range_grid *g, size_t step, double (*angle)(const range_grid *, size_t))
 {
 	size_t n = range_grid_cells(g), stride = n / SPACING_SAMPLES + 1, count = 0;
 	g_autofree double *spacing = g_new(double, SPACING_SAMPLES + 1);

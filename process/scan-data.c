@@ -20,7 +20,8 @@ static manifest *load_manifest(const char *folder, GError **error)
 
 static bool is_imported(const manifest *m)
 {
-	return manifest_has(m, "kind") && g_strcmp0(manifest_get_string(m, "kind", NULL), "imported") == 0;
+	return manifest_has(m, "kind") &&
+	       g_strcmp0(manifest_get_string(m, "kind", NULL), "imported") == 0;
 }
 
 static bool refuse(GError **error, const manifest *m, const char *what)
@@ -108,7 +109,8 @@ static const char *hash_of(JsonNode *file)
 static char *fingerprint_of(const manifest *m, GError **error)
 {
 	JsonNode *node = manifest_get_node(m, "files");
-	JsonObject *files = node && JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
+	JsonObject *files =
+		node && JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
 	if (!files) {
 		refuse(error, m, "'files' is missing");
 		return NULL;

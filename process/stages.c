@@ -1,0 +1,117 @@
+#include "process/stages.h"
+#include "process/build-model.h"
+#include "process/register-site.h"
+#include "process/scan-geometry.h"
+#include <string.h>
+
+static bool set_stopped(GError **error)
+{
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped");
+	return false;
+}
+
+/* ---- registration ---- */
+
+static char *placed_summary(const scan_graph *g, JsonObject *figures)
+{
+	uint32_t placed = 0, groups = 0, used = 0, refused = 0;
+	for (guint i = 0; i < g->scans->len; i++) {
+		const struct placed_scan *p = &g_array_index(g->scans, struct placed_scan, i);
+		placed += p->group > 0;
+		groups = MAX(groups, p->group);
+	}
+	for (guint i = 0; i < g->edges->len; i++) {
+		bool is_used = edge_is_used(&g_array_index(g->edges, struct edge, i));
+		used += is_used;
+		refused += !is_used;
+	}
+	json_object_set_int_member(figures, "scans", g->scans->len);
+	json_object_set_int_member(figures, "placed", placed);
+	json_object_set_int_member(figures, "groups", groups);
+	json_object_set_int_member(figures, "pairs_accepted", used);
+	json_object_set_int_member(figures, "pairs_refused", refused);
+	g_autofree char *parts =
+		groups > 1 ? g_strdup_printf(" in %u parts that nothing ties together", groups)
+			   : g_strdup("");
+	return g_strdup_printf("%u of %u scans are placed%s, by %u pairs; %u pairs were refused",
+		placed, g->scans->len, parts, used, refused);
+}
+
+static bool run_register(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct register_options options = { .progress = progress->update,
+		.user_data = progress->user_data };
+	bool stopped = false;
+	g_autoptr(scan_graph) g = register_site(s, &options, &stopped, error);
+	if (!g)
+		return false;
+	if (stopped)
+		return set_stopped(error);
+	*ret_summary = placed_summary(g, figures);
+	return true;
+}
+
+/* ---- geometry ---- */
+
+static bool geometry_is_due(const site *s, bool *ret_due, char **ret_why, GError **error)
+{
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	return g && geometry_site_is_due(s, g, ret_due, ret_why, error);
+}
+
+static bool run_geometry(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct geometry_site_options options = { .progress = progress->update,
+		.user_data = progress->user_data };
+	uint32_t made = 0;
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	if (!g || !geometry_site(s, g, &options, &made, error))
+		return false;
+	json_object_set_int_member(figures, "scans_made", made);
+	*ret_summary = g_strdup_printf("normals of %u scan%s", made, made == 1 ? "" : "s");
+	return true;
+}
+
+/* ---- model ---- */
+
+static bool model_is_due(const site *s, bool *ret_due, char **ret_why, GError **error)
+{
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	return g && build_model_is_due(s, g, ret_due, ret_why, error);
+}
+
+static bool run_model(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct build_options options = { .progress = progress->update,
+		.user_data = progress->user_data };
+	struct build_result result = { 0 };
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	if (!g || !build_model(s, g, &options, &result, error))
+		return false;
+	json_object_set_int_member(figures, "points", (gint64)result.points);
+	json_object_set_int_member(figures, "redundant", (gint64)result.redundant);
+	json_object_set_int_member(figures, "scans", result.scans);
+	json_object_set_int_member(figures, "scans_rebuilt", result.scans_rebuilt);
+	*ret_summary = g_strdup_printf("%.2f million points; %.2f million were seen better from "
+				       "elsewhere",
+		(double)result.points / 1e6, (double)result.redundant / 1e6);
+	return true;
+}
+
+const struct stage stages[] = {
+	{ "register", "registration", register_site_is_due, run_register },
+	{ "geometry", "geometry", geometry_is_due, run_geometry },
+	{ "model", "model", model_is_due, run_model },
+	{ NULL },
+};
+
+const struct stage *stage_find(const char *name)
+{
+	for (const struct stage *stage = stages; stage->name; stage++)
+		if (strcmp(stage->name, name) == 0)
+			return stage;
+	return NULL;
+}
