@@ -3,7 +3,7 @@
 seconds=$1 cflags=$2 libs=$3
 shift 3
 mkdir -p build-fuzz
-sources=$(ls firmware-io/*.c acquire/*.c | grep -v '/pleinair')
+sources=$(ls firmware-io/*.c acquire/*.c process/*.c | grep -v '/pleinair')
 for target; do
 	name=$(basename "$target" .c)
 	corpus=tests/corpus/${name#fuzz-}
