@@ -71,6 +71,8 @@ static void set_lidar(manifest *m, const struct develop_result *d)
 	manifest_set_int(m, "lidar.beams", d->lidar.beams);
 	manifest_set_number(m, "lidar.beam_step_deg", fabs(d->lidar.angle_step_rad) / DEGREE);
 	manifest_set_number(m, "lidar.clock_drift_ppm", d->report.drift_ppm);
+	if (d->delay_known)
+		manifest_set_number(m, "lidar.delay_us", 1e6 * d->delay.delay_s);
 }
 
 static void set_report(manifest *m, const struct develop_result *d)
