@@ -2,6 +2,7 @@
 #include "acquire/planes.h"
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
+#include "firmware-io/sha256.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -119,8 +120,7 @@ static char *hash_file(const char *path, int64_t *ret_bytes, GError **error)
 	if (!file)
 		return g_prefix_error(error, "%s: ", path), NULL;
 	*ret_bytes = (int64_t)g_mapped_file_get_length(file);
-	return g_compute_checksum_for_data(G_CHECKSUM_SHA256,
-		(const guchar *)g_mapped_file_get_contents(file), g_mapped_file_get_length(file));
+	return sha256_of(g_mapped_file_get_contents(file), g_mapped_file_get_length(file));
 }
 
 /* raw.rec, then the planes that are there. */
