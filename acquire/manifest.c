@@ -235,6 +235,22 @@ void manifest_set_node(manifest *m, const char *key, JsonNode *value)
 	json_object_set_member(object, *name, value);
 }
 
+void manifest_remove(manifest *m, const char *key)
+{
+	g_assert(*key);
+	g_auto(GStrv) names = g_strsplit(key, ".", -1);
+	JsonObject *object = json_node_get_object(m->root);
+	char **name = names;
+	for (; name[1]; name++) {
+		JsonNode *node = json_object_get_member(object, *name);
+		if (!node || !JSON_NODE_HOLDS_OBJECT(node))
+			return;
+		object = json_node_get_object(node);
+	}
+	if (json_object_has_member(object, *name))
+		json_object_remove_member(object, *name);
+}
+
 void manifest_set_int(manifest *m, const char *key, int64_t value)
 {
 	manifest_set_node(m, key, json_node_init_int(json_node_alloc(), value));

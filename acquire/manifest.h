@@ -58,6 +58,7 @@ void manifest_set_int(manifest *m, const char *key, int64_t value);
 void manifest_set_number(manifest *m, const char *key, double value);
 void manifest_set_string(manifest *m, const char *key, const char *value);
 void manifest_set_node(manifest *m, const char *key, JsonNode *value); /* takes value */
+void manifest_remove(manifest *m, const char *key);                    /* if it is there */
 char *manifest_to_text(const manifest *m); /* indented, ends in a newline; caller frees */
 
 #endif

@@ -1,5 +1,6 @@
 /* pleinair panoramas SITE: the scans as pictures, and a page that shows them. */
 #include "acquire/cli.h"
+#include "acquire/imported.h"
 #include "acquire/page.h"
 #include "acquire/picture.h"
 #include "acquire/scan.h"
@@ -32,30 +33,52 @@ struct showing {
 	GArray *numbers; /* of uint32_t */
 	const char *folder;
 	page *html;
+	uint32_t passed_over; /* clouds */
 };
 
+/* Imported scans have no record. */
 static bool check_record(struct showing *w, uint32_t number, GError **error)
 {
-	return scan_check_record(w->site, number, error);
+	bool imported;
+	return imported_is(w->site, number, &imported, error) &&
+	       (imported || scan_check_record(w->site, number, error));
 }
 
 static bool develop_again(struct showing *w, uint32_t number, GError **error)
 {
-	return scan_develop_again(w->site, number, error);
+	bool imported;
+	return imported_is(w->site, number, &imported, error) &&
+	       (imported || scan_develop_again(w->site, number, error));
+}
+
+/* *ret is NULL for a scan that has no grid to draw. */
+static bool load_scan(
+	struct showing *w, uint32_t number, bool check, panorama **ret, GError **error)
+{
+	bool imported;
+	*ret = NULL;
+	if (!imported_is(w->site, number, &imported, error))
+		return false;
+	if (imported)
+		return imported_panorama(w->site, number, ret, error);
+	*ret = scan_load(w->site, number, check, error);
+	return *ret;
 }
 
 static bool check_planes(struct showing *w, uint32_t number, GError **error)
 {
-	g_autoptr(panorama) p = scan_load(w->site, number, verify, error);
-	return p != NULL;
+	g_autoptr(panorama) p = NULL;
+	return load_scan(w, number, verify, &p, error);
 }
 
 /* All pictures of one scan; the page gets their names. */
 static bool draw(struct showing *w, uint32_t number, GError **error)
 {
-	g_autoptr(panorama) p = scan_load(w->site, number, false, error);
-	if (!p)
+	g_autoptr(panorama) p = NULL;
+	if (!load_scan(w, number, false, &p, error))
 		return false;
+	if (!p)
+		return w->passed_over++, true;
 	page_begin_scan(w->html, number, p);
 	for (int kind = 0; kind < PICTURES; kind++) {
 		g_autofree char *name = g_strdup_printf("%04u-%s.png", number, picture_names[kind]);
@@ -125,15 +148,19 @@ static GArray *choose_scans(const site *s, GError **error)
 	return NULL;
 }
 
-static void print_result(const page *html, const char *index)
+static void print_result(const page *html, uint32_t passed_over, const char *index)
 {
 	if (!json) {
+		if (passed_over)
+			printf("%u %s without a grid: no picture\n", passed_over,
+				passed_over == 1 ? "scan" : "scans");
 		printf("%u %s: %s\n", page_scans(html), page_scans(html) == 1 ? "scan" : "scans",
 			index);
 		return;
 	}
 	JsonObject *o = json_object_new();
 	json_object_set_int_member(o, "scans", page_scans(html));
+	json_object_set_int_member(o, "without_picture", passed_over);
 	g_autofree char *text = g_filename_display_name(index);
 	json_object_set_string_member(o, "page", text);
 	cli_print_json(o);
@@ -167,6 +194,6 @@ int main(int argc, char **argv)
 	struct showing w = { .site = s, .numbers = numbers, .folder = folder, .html = html };
 	if (!show_scans(&w, &error) || !page_save(html, index, &error))
 		return cli_fail(COMMAND, error);
-	print_result(html, index);
+	print_result(html, w.passed_over, index);
 	return cli_done(COMMAND);
 }

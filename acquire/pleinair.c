@@ -14,6 +14,7 @@ static const struct {
 	const char *name, *summary;
 } commands[] = {
 	{ "scan", "record one scan into a site" },
+	{ "import", "import scans of other scanners into a site" },
 	{ "panoramas", "write a site's panoramas as pictures and a page" },
 	{ "bench", "measure speed and memory" },
 };

@@ -3,7 +3,8 @@
 /* The points of an imported scan on disk: points.ply, a binary PLY that any point program opens, mapped into memory to read.
  * Coordinates are doubles, exactly those of the file that was imported less an origin of whole metres, which stands in
  * scan.json. An ordered scan keeps its grid: all cells are there, row by row (row 0 the highest, columns clockwise, turned so
- * when it was imported), and obj_info num_cols and num_rows tell its size.
+ * when it was imported), and obj_info num_cols and num_rows tell its size. It has colour, say, when any of its points has one
+ * that is not black. Nothing is synced: whoever puts the file into a site does that.
  *
  * Errors are of G_IO_ERROR, one sentence that begins with the path. */
 #include <gio/gio.h>

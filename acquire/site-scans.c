@@ -197,3 +197,54 @@ bool site_discard_partial(site *s, uint32_t number, GError **error)
 	return files_remove_tree(discarded, error) && files_rename_new(partial, discarded, error) &&
 	       files_remove_tree(discarded, error);
 }
+
+/* ---- scans that come whole ---- */
+
+char *site_stage_scan(site *s, uint32_t *ret_number, GError **error)
+{
+	g_assert(s->lock_fd >= 0);
+	uint32_t number;
+	if (!next_number(s, &number, error))
+		return NULL;
+	g_autofree char *name = g_strdup_printf(".%04u.new.XXXXXX", number);
+	g_autofree char *path = site_path_in_scans(s, name);
+	if (!g_mkdtemp_full(path, 0777))
+		return files_fail(error, path, "make the folder"), NULL;
+	*ret_number = number;
+	return g_steal_pointer(&path);
+}
+
+static char *path_of_staged(const site *s, const char *folder)
+{
+	g_autofree char *name = g_path_get_basename(folder);
+	return site_scan_path(s, site_read_scan_name(name).number);
+}
+
+static void take_back(const site *s, const GPtrArray *folders, guint count)
+{
+	for (guint i = 0; i < count; i++) {
+		g_autofree char *whole = path_of_staged(s, folders->pdata[i]);
+		g_autoptr(GError) why = NULL;
+		if (!files_rename_new(whole, folders->pdata[i], &why))
+			g_message("%s", why->message);
+	}
+}
+
+bool site_add_staged(site *s, const GPtrArray *folders, GError **error)
+{
+	g_assert(s->lock_fd >= 0);
+	for (guint i = 0; i < folders->len; i++)
+		if (!check_scan(folders->pdata[i], error))
+			return false;
+	if (folders->len && !sync_all_in(folders->pdata[0], error))
+		return false;
+	for (guint i = 0; i < folders->len; i++) {
+		g_autofree char *whole = path_of_staged(s, folders->pdata[i]);
+		if (!files_rename_new(folders->pdata[i], whole, error)) {
+			/* It may have been renamed and not synced. */
+			bool moved = access(folders->pdata[i], F_OK) != 0;
+			return take_back(s, folders, i + moved), false;
+		}
+	}
+	return true;
+}

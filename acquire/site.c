@@ -91,6 +91,24 @@ static bool has_manifest(const site *s)
 	return lstat(path, &st) == 0;
 }
 
+bool site_set(site *s, const char *key, JsonNode *value, GError **error)
+{
+	g_assert(s->lock_fd >= 0);
+	JsonNode *before = manifest_get_node(s->m, key);
+	g_autoptr(JsonNode) kept = before ? json_node_copy(before) : NULL;
+	if (value)
+		manifest_set_node(s->m, key, value);
+	else
+		manifest_remove(s->m, key);
+	if (manifest_save(s->m, error))
+		return true;
+	if (kept)
+		manifest_set_node(s->m, key, g_steal_pointer(&kept));
+	else
+		manifest_remove(s->m, key);
+	return false;
+}
+
 site *site_open(const char *path, GError **error)
 {
 	g_autoptr(site) s = site_new(path);

@@ -63,4 +63,15 @@ bool site_finish_scan(site *s, uint32_t number, GError **error);
 /* Removes a partial scan with all that is in it. */
 bool site_discard_partial(site *s, uint32_t number, GError **error);
 
+/* For scans that are worth nothing before they are whole, as imported ones: an empty folder
+ * scans/.0003.new.XXXXXX, which no reader sees and the next writer removes. A partial scan is not
+ * in its way. *ret_number is the number that it will have; caller frees the path. */
+char *site_stage_scan(site *s, uint32_t *ret_number, GError **error);
+/* Syncs what is in the staged folders (paths) and gives them their numbers: all of them, or, when
+ * that cannot be done, none. */
+bool site_add_staged(site *s, const GPtrArray *folders, GError **error);
+/* Sets a key of site.json and replaces the file; NULL removes the key. Takes value. When it fails,
+ * both are as they were. */
+bool site_set(site *s, const char *key, JsonNode *value, GError **error);
+
 #endif

@@ -1,0 +1,83 @@
+#ifndef TESTS_FUZZ_IMPORT_H
+#define TESTS_FUZZ_IMPORT_H
+/* Any bytes given to a reader: it ends, keeps its promises, and never says that a file is bad without a sentence. */
+#include "acquire/panorama.h"
+#include "process/import-grid.h"
+#include "process/import.h"
+#include <math.h>
+#include <string.h>
+
+#define FUZZ_BLOCK 100
+
+static inline bool fuzz_record_at(
+	gpointer user_data, uint64_t first, size_t count, struct point_record *into, GError **error)
+{
+	const GArray *all = user_data;
+	(void)error;
+	g_assert_cmpuint(first + count, <=, all->len);
+	memcpy(into, &g_array_index(all, struct point_record, first), count * sizeof *into);
+	return true;
+}
+
+static inline void fuzz_check_record(const struct point_record *r)
+{
+	g_assert_true(isfinite(r->x_m) && isfinite(r->y_m) && isfinite(r->z_m));
+	g_assert_true(r->cell == CELL_MEASURED || (r->x_m == 0 && r->y_m == 0 && r->z_m == 0));
+}
+
+static inline void fuzz_grid(const struct import_scan *scan, GArray *all)
+{
+	struct grid_records records = { fuzz_record_at, all };
+	struct grid_layout l;
+	if (!scan->columns)
+		return;
+	g_assert_cmpuint(all->len, ==, scan->count);
+	g_assert_true(grid_layout_find(&records, scan->order, scan->columns, scan->rows, &l, NULL));
+	g_assert_cmpuint((uint64_t)l.columns * l.rows, ==, scan->count);
+}
+
+/* false: the file is bad. */
+static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
+	const struct import_scan *scan, GError **error)
+{
+	struct point_record block[FUZZ_BLOCK];
+	g_autoptr(GArray) all = g_array_new(false, false, sizeof *block);
+	for (size_t count = 1; count;) {
+		if (!f->read(r, block, FUZZ_BLOCK, &count, error))
+			return false;
+		g_assert_cmpuint(count, <=, FUZZ_BLOCK);
+		for (size_t i = 0; i < count; i++)
+			fuzz_check_record(&block[i]);
+		g_array_append_vals(all, block, (guint)count);
+		double fraction = f->fraction(r);
+		g_assert_true(fraction >= 0 && fraction <= 1);
+	}
+	g_assert_cmpuint(all->len, <=, scan->count);
+	for (int i = 0; i < 3; i++)
+		g_assert_cmpfloat(scan->origin_m[i], ==, rint(scan->origin_m[i]));
+	g_assert_true(pose_is_rigid(&scan->pose, 1e-9) || !scan->has_pose);
+	fuzz_grid(scan, all);
+	return true;
+}
+
+static inline void fuzz_import(const struct import_format *f, const uint8_t *data, size_t size)
+{
+	g_autoptr(import_source) file = import_source_from_bytes(data, size, "x");
+	g_autoptr(GError) error = NULL;
+	import_reader *r = f->open(file, &error);
+	const struct import_scan *scan;
+	enum import_result got = r ? IMPORT_SCAN : IMPORT_BAD;
+	while (r && (got = f->next_scan(r, &scan, &error)) == IMPORT_SCAN)
+		if (!fuzz_scan(f, r, scan, &error)) {
+			got = IMPORT_BAD;
+			break;
+		}
+	g_assert_true((got == IMPORT_BAD) == (error != NULL));
+	if (error)
+		g_assert_true(g_str_has_prefix(error->message, "x: "));
+	if (r)
+		f->close(r);
+	f->probe(data, MIN(size, IMPORT_PROBE_BYTES));
+}
+
+#endif

@@ -1,0 +1,594 @@
+/* PTX into a site: every cell where it belongs and every number as it stands in the text; what is damaged is refused with
+ * its line, and leaves the site as it was. */
+#include "process/import-number.h"
+#include "tests/import-made.h"
+#include "tests/support.h"
+#include <stdlib.h>
+
+#define SCENE "hall?seed=3&ares=360&camera=none&divergence_mrad=0"
+
+/* ---- numbers ---- */
+
+static void assert_number(const char *text)
+{
+	g_autofree char *line = g_strconcat(text, " 1\n", NULL);
+	const char *at = line;
+	double value, wanted = g_ascii_strtod(text, NULL);
+	g_assert_true(import_number(&at, &value));
+	if (memcmp(&value, &wanted, sizeof value) != 0)
+		g_test_message("%s reads as %.17g", text, value);
+	g_assert_cmpmem(&value, sizeof value, &wanted, sizeof wanted);
+	g_assert_cmpint(at - line, ==, (int)strlen(text));
+}
+
+static void test_numbers(void)
+{
+	static const char *const texts[] = { "0", "-0", "+1.5", ".25", "7.", "-11.3862",
+		"637012.240000", "1e22", "1e23", "123456789012345678901234567890",
+		"9007199254740993", "0.1e-20", "2.2250738585072011e-308", "4.9e-324",
+		"1.7976931348623157e308", "1e-400", "0.000000000000000000000000000000123456789",
+		"179769313486231570000e288", "6929495644600919.5",
+		"3.14159265358979323846264338327950288419716939937510" };
+	for (size_t i = 0; i < G_N_ELEMENTS(texts); i++)
+		assert_number(texts[i]);
+	g_autoptr(GRand) rand = g_rand_new_with_seed(7);
+	for (int i = 0; i < 200000; i++) {
+		char text[64], format[8];
+		double value =
+			g_rand_double_range(rand, -1, 1) * pow(10, g_rand_int_range(rand, -12, 13));
+		g_snprintf(format, sizeof format, "%%.%d%c", g_rand_int_range(rand, 0, 19),
+			"fge"[g_rand_int_range(rand, 0, 3)]);
+		g_ascii_formatd(text, sizeof text, format, value);
+		assert_number(text);
+	}
+}
+
+static void test_no_numbers(void)
+{
+	static const char *const texts[] = { "", "-", ".", "e5", "nan", "inf", "-inf", "1e999",
+		"-1e400", "x", "+-1", " 1" };
+	for (size_t i = 0; i < G_N_ELEMENTS(texts); i++) {
+		const char *at = texts[i];
+		double value;
+		g_assert_false(import_number(&at, &value));
+		g_assert_true(at == texts[i]);
+	}
+	uint64_t whole;
+	const char *most = "18446744073709551615", *more = "18446744073709551616", *minus = "-1";
+	g_assert_true(import_integer(&most, &whole));
+	g_assert_cmpuint(whole, ==, UINT64_MAX);
+	g_assert_false(import_integer(&more, &whole));
+	g_assert_false(import_integer(&minus, &whole));
+}
+
+/* ---- a simulated scan as every kind of file ---- */
+
+struct variant {
+	const char *path;
+	bool rows_first, row_by_row, upwards, anticlockwise, colour, crlf;
+};
+static const struct variant variants[] = {
+	{ "usual", .upwards = true, .colour = true },
+	{ "downwards", .colour = false },
+	{ "anticlockwise", .upwards = true, .anticlockwise = true, .colour = true },
+	{ "downwards-anticlockwise", .anticlockwise = true },
+	{ "rows-first-by-row", .rows_first = true, .row_by_row = true, .colour = true },
+	{ "rows-first-by-row-upwards", .rows_first = true, .row_by_row = true, .upwards = true,
+		.anticlockwise = true },
+	{ "rows-first-by-column", .rows_first = true, .upwards = true, .colour = true },
+	{ "columns-first-by-row", .row_by_row = true, .crlf = true },
+};
+
+/* Every third row and column of a simulated scan. */
+struct cells {
+	uint32_t columns, rows;
+	struct point_record *record;
+};
+
+static struct cells *simulated_cells(void)
+{
+	static struct cells *made;
+	g_autoptr(GError) error = NULL;
+	struct scan_options options = { .device = "sim:" SCENE, .preset = preset_find("draft") };
+	struct scan_result result;
+	uint32_t partial;
+	g_autofree char *folder = simulated_folder();
+	if (made)
+		return made;
+	simulated_scan(folder, SCENE, &options, NULL, NULL, &result, &partial, &error);
+	g_assert_no_error(error);
+	g_autoptr(site) s = site_open(folder, &error);
+	g_autoptr(panorama) p = scan_load(s, result.number, false, &error);
+	g_assert_no_error(error);
+	made = g_new0(struct cells, 1);
+	made->columns = p->desc.columns / 3;
+	made->rows = p->desc.rows / 3;
+	made->record = g_new0(struct point_record, (size_t)made->columns * made->rows);
+	for (uint32_t i = 0; i < made->rows * made->columns; i++) {
+		uint32_t row = i / made->columns * 3, column = i % made->columns * 3;
+		struct point_record *r = &made->record[i];
+		double at_m[3];
+		r->return_number = 1;
+		if (p->cell[panorama_index(p, row, column)] != CELL_MEASURED)
+			continue;
+		panorama_point(p, row, column, at_m);
+		r->cell = CELL_MEASURED;
+		r->x_m = at_m[0];
+		r->y_m = at_m[1];
+		r->z_m = at_m[2];
+		r->intensity = p->intensity[panorama_index(p, row, column)];
+		r->rgb[0] = (uint8_t)(1 + i % 255);
+		r->rgb[1] = (uint8_t)(i / 7);
+	}
+	return made;
+}
+
+static void add_head(GString *text, uint32_t first, uint32_t second, const char *transform)
+{
+	g_string_append_printf(text, "%u\n%u\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n%s", first, second,
+		transform ? transform : "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+}
+
+static void add_cell(GString *text, const struct point_record *r, bool colour)
+{
+	if (r->cell == CELL_MEASURED)
+		g_string_append_printf(text, "%.17g %.17g %.17g %.7f", r->x_m, r->y_m, r->z_m,
+			r->intensity / 65535.0);
+	else
+		g_string_append(text, "0 0 0 0.500000");
+	if (colour)
+		g_string_append_printf(text, " %u %u %u", r->rgb[0], r->rgb[1], r->rgb[2]);
+	g_string_append_c(text, '\n');
+}
+
+static GString *ptx_of(const struct cells *c, const struct variant *v)
+{
+	GString *text = g_string_new(NULL);
+	add_head(text, v->rows_first ? c->rows : c->columns, v->rows_first ? c->columns : c->rows,
+		NULL);
+	uint32_t outer = v->row_by_row ? c->rows : c->columns;
+	uint32_t inner = v->row_by_row ? c->columns : c->rows;
+	for (uint32_t i = 0; i < outer; i++)
+		for (uint32_t j = 0; j < inner; j++) {
+			uint32_t row = v->row_by_row ? i : j, column = v->row_by_row ? j : i;
+			row = v->upwards ? c->rows - 1 - row : row;
+			column = v->anticlockwise ? c->columns - 1 - column : column;
+			add_cell(text, &c->record[(size_t)row * c->columns + column], v->colour);
+		}
+	if (v->crlf)
+		g_string_replace(text, "\n", "\r\n", 0);
+	return text;
+}
+
+static void test_variant(gconstpointer data)
+{
+	const struct variant *v = data;
+	const struct cells *c = simulated_cells();
+	g_autoptr(GString) text = ptx_of(c, v);
+	struct place at = place_new();
+	g_autofree char *path = place_write(&at, "hall.ptx", text->str, text->len);
+	g_autoptr(GArray) scans = place_import(&at, path);
+	const struct imported *i = &g_array_index(scans, struct imported, 0);
+	g_autoptr(points) p = place_points(&at, 1);
+	g_autoptr(manifest) m = place_manifest(&at, 1);
+	g_assert_cmpuint(p->columns, ==, c->columns);
+	g_assert_cmpuint(p->rows, ==, c->rows);
+	g_assert_cmpuint(p->have, ==, POINTS_HAVE_INTENSITY | (v->colour ? POINTS_HAVE_COLOUR : 0));
+	uint64_t measured = 0;
+	for (size_t k = 0; k < p->count; k++) {
+		struct point_record wanted = c->record[k];
+		measured += wanted.cell == CELL_MEASURED;
+		if (!v->colour)
+			memset(wanted.rgb, 0, 3);
+		g_assert_cmpmem(&p->record[k], sizeof wanted, &wanted, sizeof wanted);
+	}
+	g_assert_cmpuint(measured, >, 1000);
+	g_assert_cmpuint(measured, <, p->count); /* there are holes in it */
+	g_assert_cmpuint(i->points, ==, measured);
+	manifest_assert_string(m, "source.grid.first", v->rows_first ? "rows" : "columns");
+	manifest_assert_string(
+		m, "source.grid.order", v->row_by_row ? "row by row" : "column by column");
+	manifest_assert_string(m, "source.grid.rows_run", v->upwards ? "up" : "down");
+	manifest_assert_string(
+		m, "source.grid.columns_run", v->anticlockwise ? "anticlockwise" : "clockwise");
+	manifest_assert_string(m, "source.grid.told_by", "points");
+	g_assert_false(manifest_has(m, "given_pose"));
+	place_clear(&at);
+}
+
+/* Half of the cells gone: the layout is still told. */
+static void test_sparse(void)
+{
+	const struct cells *c = simulated_cells();
+	struct cells few = { c->columns, c->rows,
+		g_memdup2(c->record, (size_t)c->columns * c->rows * 32) };
+	g_autoptr(GRand) rand = g_rand_new_with_seed(5);
+	for (uint32_t i = 0; i < few.columns * few.rows; i++)
+		if (g_rand_boolean(rand))
+			few.record[i] = (struct point_record){ .return_number = 1 };
+	struct place at = place_new();
+	g_autoptr(GString) text = ptx_of(&few, &variants[5]);
+	g_autofree char *path = place_write(&at, "hall.ptx", text->str, text->len);
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_autoptr(points) p = place_points(&at, 1);
+	g_assert_cmpuint(p->columns, ==, c->columns);
+	for (size_t k = 0; k < p->count; k++)
+		g_assert_cmpfloat(p->record[k].x_m, ==, few.record[k].x_m);
+	g_free(few.record);
+	place_clear(&at);
+}
+
+/* What reads sites reads this one. */
+static void test_scan_data(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct place at = place_new();
+	g_autoptr(GString) text = ptx_of(simulated_cells(), &variants[4]);
+	g_autofree char *path = place_write(&at, "hall.ptx", text->str, text->len);
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_autoptr(scan_data) d = scan_data_load(at.site, 1, &error);
+	g_assert_no_error(error);
+	g_assert_cmpint(d->kind, ==, SCAN_ORDERED);
+	g_assert_cmpuint(d->grid->columns, ==, 250);
+	g_assert_false(d->has_given_pose);
+	place_clear(&at);
+}
+
+/* Where points tell nothing, it is as files usually have it, and said so. */
+static void test_assumed(void)
+{
+	struct place at = place_new();
+	const char *text = "1\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+			   "1 2 0.1 0.5\n1 2 0.2 0.5\n0 0 0 0.5\n1 2 0.4 0.5\n";
+	g_autofree char *path = place_write(&at, "one.ptx", text, strlen(text));
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_autoptr(manifest) m = place_manifest(&at, 1);
+	g_autoptr(points) p = place_points(&at, 1);
+	manifest_assert_string(m, "source.grid.told_by", "habit");
+	g_assert_cmpuint(p->columns, ==, 1);
+	g_assert_cmpuint(p->rows, ==, 4);
+	g_assert_cmpfloat(p->record[0].z_m, ==, 0.4); /* the highest first */
+	g_assert_nonnull(strstr(g_array_index(scans, struct imported, 0).grid, "(assumed)"));
+	place_clear(&at);
+}
+
+/* ---- several scans, and where they stand ---- */
+
+#define CELLS    "1 2 0.5 0.5\n1.01 2 0.4 0.25\n0 0 0 0.5\n1.03 2.01 0.4 1\n"
+#define HEAD     "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+#define IDENTITY "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+#define TURNED   "0 1 0 0\n-1 0 0 0\n0 0 1 0\n500010.25 4000020.5 31.125 1\n"
+
+static void test_several(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct place at = place_new();
+	const char *text = HEAD IDENTITY CELLS "\n" HEAD TURNED CELLS HEAD IDENTITY
+					       "1 2 0.5 0.5 1 2 3\n1.01 2 0.4 0.25 1 2 3\n0 0 0 "
+					       "0.5 0 0 0\n1.03 2.01 0.4 1 1 2 3\n \n\n";
+	g_autofree char *path = place_write(&at, "three.ptx", text, strlen(text));
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_assert_cmpuint(scans->len, ==, 3);
+	for (guint i = 0; i < 3; i++) {
+		const struct imported *scan = &g_array_index(scans, struct imported, i);
+		g_autoptr(points) p = place_points(&at, i + 1);
+		g_assert_cmpuint(scan->number, ==, i + 1);
+		g_assert_cmpuint(scan->in_file, ==, i + 1);
+		g_assert_cmpuint(scan->points, ==, 3);
+		g_assert_true(scan->has_pose); /* the identity too, since another has one */
+		g_assert_cmpuint(p->have & POINTS_HAVE_COLOUR, ==, i == 2 ? POINTS_HAVE_COLOUR : 0);
+		g_autoptr(manifest) m = place_manifest(&at, i + 1);
+		int64_t in_file;
+		g_assert_true(manifest_get_int(m, "source.scan", 1, 9, &in_file, NULL));
+		g_assert_cmpint(in_file, ==, i + 1);
+	}
+	g_autoptr(manifest) m = place_manifest(&at, 2);
+	manifest_assert_numbers(m, "given_pose.translation_m", 500010.25, 4000020.5, 31.125);
+	manifest_assert_numbers(site_manifest(at.site), "origin_m", 0, 0, 0); /* of the first */
+	/* x of the scanner goes to y of the file. */
+	g_autoptr(scan_data) d = scan_data_peek(at.site, 2, &error);
+	g_assert_no_error(error);
+	double point_m[3] = { 1, 2, 3 };
+	pose_apply(&d->given_pose, point_m, point_m);
+	g_assert_cmpfloat(point_m[0], ==, 500010.25 - 2);
+	g_assert_cmpfloat(point_m[1], ==, 4000020.5 + 1);
+	place_clear(&at);
+}
+
+/* A number that cannot be given takes those before it back. */
+static void test_rolled_back(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct place at = place_new();
+	g_autoptr(GPtrArray) folders = g_ptr_array_new_with_free_func(g_free);
+	for (uint32_t i = 1; i <= 3; i++) {
+		uint32_t number;
+		char *folder = site_stage_scan(at.site, &number, &error);
+		g_assert_no_error(error);
+		g_assert_cmpuint(number, ==, i);
+		g_ptr_array_add(folders, folder);
+		g_autofree char *json = g_build_filename(folder, "scan.json", NULL);
+		g_assert_true(g_file_set_contents(json, "{}", -1, NULL));
+	}
+	g_autofree char *taken = site_scan_path(at.site, 3);
+	g_assert_cmpint(g_mkdir(taken, 0777), ==, 0);
+	g_autofree char *before = commands_snapshot(at.site_path);
+	g_assert_false(site_add_staged(at.site, folders, &error));
+	g_assert_error(error, G_IO_ERROR, G_IO_ERROR_EXISTS);
+	g_autofree char *after = commands_snapshot(at.site_path);
+	g_assert_cmpstr(before, ==, after);
+	place_clear(&at);
+}
+
+static void test_site_origin(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct place at = place_new();
+	const char *text = HEAD TURNED CELLS, *plain = HEAD IDENTITY CELLS;
+	g_assert_true(site_set(
+		at.site, "remark", json_node_init_string(json_node_alloc(), "kept"), &error));
+	g_autofree char *before = place_write(&at, "plain.ptx", plain, strlen(plain));
+	g_autofree char *path = place_write(&at, "turned.ptx", text, strlen(text));
+	g_autoptr(GArray) first = place_import(&at, before);
+	g_assert_false(manifest_has(site_manifest(at.site), "origin_m"));
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_autoptr(site) s = site_open(at.site_path, &error); /* from the disk */
+	g_assert_no_error(error);
+	manifest_assert_numbers(site_manifest(s), "origin_m", 500010, 4000020, 31);
+	manifest_assert_string(site_manifest(s), "remark", "kept");
+	g_autoptr(scan_data) d = scan_data_peek(s, 2, &error);
+	g_assert_no_error(error);
+	g_assert_true(d->has_given_pose);
+	g_assert_cmpfloat(d->given_pose.translation_m[0], ==, 0.25);
+	g_assert_cmpfloat(d->given_pose.translation_m[2], ==, 0.125);
+	g_autoptr(scan_data) none = scan_data_peek(s, 1, &error);
+	g_assert_false(none->has_given_pose);
+	place_clear(&at);
+}
+
+/* Map coordinates are no scanner's: exact, less whole metres, and not in order. */
+static void test_map(void)
+{
+	struct place at = place_new();
+	const char *text =
+		HEAD IDENTITY "0 0 0 0.5\n637012.240000 849028.310000 431.660000 0.034912\n"
+			      "0 0 0 0.5\n636896.330000 849087.700000 446.390000 0.004395\n";
+	g_autofree char *path = place_write(&at, "map.ptx", text, strlen(text));
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_autoptr(points) p = place_points(&at, 1);
+	g_autoptr(manifest) m = place_manifest(&at, 1);
+	g_assert_cmpuint(p->columns, ==, 0);
+	g_assert_cmpuint(p->count, ==, 2);
+	manifest_assert_numbers(m, "points.origin_m", 637012, 849028, 432);
+	manifest_assert_numbers(m, "given_pose.translation_m", 637012, 849028, 432);
+	g_assert_cmpfloat(p->record[0].x_m + 637012, ==, 637012.24);
+	g_assert_cmpfloat(p->record[1].y_m + 849028, ==, 849087.70);
+	g_assert_cmpfloat(p->record[1].z_m + 432, ==, 446.39);
+	place_clear(&at);
+}
+
+/* ---- what is refused, and where ---- */
+
+static const struct bad {
+	const char *path, *text, *words;
+} bads[] = {
+	{ "empty", "", "is empty" },
+	{ "nothing", "\n\n\n", "no scan" },
+	{ "size-text", "x\n2\n", "line 1: the size" },
+	{ "size-zero", "0\n2\n", "line 1: a grid cannot have 0" },
+	{ "size-negative", "-4\n2\n", "line 1: the size" },
+	{ "size-two", "2 2\n2\n", "line 1: the size" },
+	{ "size-beyond-64-bits", "99999999999999999999\n2\n", "line 1: the size" },
+	{ "size-overflow", "4294967295\n4294967295\n0 0 0\n",
+		"line 1: a grid cannot have 4294967295" },
+	{ "size-huge", "2147483647\n2147483647\n0 0 0\n",
+		"line 2: a grid of 2147483647 x 2147483647" },
+	{ "size-lies", "2\n200\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" IDENTITY CELLS,
+		"line 2: a grid of 2 x 200" },
+	{ "no-second-size", "2\n", "line 2: the file ends" },
+	{ "no-head", "1\n1\n", "line 3: the file ends, and where the scanner" },
+	{ "position", "2\n2\n0 0\n" IDENTITY CELLS, "line 3: where the scanner stood" },
+	{ "axis", "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1 1\n" IDENTITY CELLS, "line 6: an axis" },
+	{ "transform-short", HEAD "1 0 0 0\n0 1 0\n" CELLS CELLS,
+		"line 8: a line of the transform" },
+	{ "transform-scale", HEAD "1 0 0 0\n0 1 0 0\n0 0 2 0\n0 0 0 1\n" CELLS,
+		"line 9: the transform scales by 2" },
+	{ "transform-zero", HEAD "0 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" CELLS,
+		"line 7: the transform scales by 0" },
+	{ "transform-mirror", HEAD "1 0 0 0\n0 -1 0 0\n0 0 1 0\n0 0 0 1\n" CELLS,
+		"line 7: the transform mirrors" },
+	{ "transform-shear", HEAD "1 0 0 0\n0.6 0.8 0 0\n0 0 1 0\n0 0 0 1\n" CELLS,
+		"line 7: the transform shears" },
+	{ "transform-columns", HEAD "1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" CELLS,
+		"line 7: the last number" },
+	{ "transform-w", HEAD "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 2\n" CELLS,
+		"line 10: the last number" },
+	{ "transform-nan", HEAD "1 0 0 0\n0 1 0 0\n0 0 nan 0\n0 0 0 1\n" CELLS, "line 9: a line" },
+	{ "cells-missing", HEAD IDENTITY "1 2 3 0.5\n1 2 3 0.5\n1 2 3 0.5\n",
+		"line 14: the file ends here, and 1 of the 4" },
+	{ "cells-too-many", HEAD IDENTITY CELLS "1 2 3 0.5\n",
+		"line 15: the size of the next grid" },
+	{ "second-scan-cut", HEAD IDENTITY CELLS HEAD IDENTITY "1 2 3 0.5 1 2 3\n0 0 0 0.5 0 0 0\n",
+		"line 27: the file ends here" },
+	{ "third-scan-bad",
+		HEAD IDENTITY CELLS HEAD TURNED CELLS HEAD IDENTITY
+		"1 2 3 0.5\n1 2 3 4 5\n1 2 3 0.5\n1 2 3 0.5\n",
+		"line 40: a cell is" },
+	{ "cell-text", HEAD IDENTITY "1 2 3 0.5\n1 two 3 0.5\n" CELLS, "line 12: a cell is" },
+	{ "cell-comma", HEAD IDENTITY "1,5 2 3 0.5\n" CELLS, "line 11: a cell is" },
+	{ "cell-nan", HEAD IDENTITY "nan nan nan 0.5\n" CELLS, "line 11: a cell is" },
+	{ "cell-overflow", HEAD IDENTITY "1e999 0 0 0.5\n" CELLS, "line 11: a cell is" },
+	{ "cell-far", HEAD IDENTITY "1e12 0 0 0.5\n" CELLS, "line 11: 1e+12 m" },
+	{ "cell-empty-line", HEAD IDENTITY "1 2 3 0.5\n\n" CELLS, "line 12: a cell is" },
+	{ "cell-three", HEAD IDENTITY "1 2 3\n" CELLS CELLS, "line 11: a cell is" },
+	{ "cell-five", HEAD IDENTITY "1 2 3 0.5 7\n" CELLS, "line 11: a cell is" },
+	{ "cell-eight", HEAD IDENTITY "1 2 3 0.5 7 7 7 7\n" CELLS, "line 11: a cell has no more" },
+	{ "cell-colour", HEAD IDENTITY "1 2 3 0.5 7 256 7\n" CELLS, "line 11: a colour of 256" },
+	{ "cell-colour-real", HEAD IDENTITY "1 2 3 0.5 7 0.5 7\n" CELLS, "line 11: a cell is" },
+	{ "cell-intensity", HEAD IDENTITY "1 2 3 1507\n" CELLS, "line 11: an intensity of 1507" },
+	{ "cell-intensity-negative", HEAD IDENTITY "1 2 3 -0.5\n" CELLS,
+		"line 11: an intensity of -0.5" },
+	{ "cell-colour-sometimes", HEAD IDENTITY "1 2 3 0.5 7 7 7\n" CELLS,
+		"line 12: has 4 numbers" },
+	{ "no-points", HEAD IDENTITY "0 0 0 0.5\n0 0 0 0.5\n0 0 0 0.5\n0 0 0 0.5\n", "no point" },
+};
+
+static void test_bad(gconstpointer data)
+{
+	const struct bad *b = data;
+	struct place at = place_new();
+	g_autofree char *good =
+		place_write(&at, "good.ptx", HEAD IDENTITY CELLS, strlen(HEAD IDENTITY CELLS));
+	g_autoptr(GArray) scans = place_import(&at, good);
+	g_autofree char *path = place_write(&at, "bad.ptx", b->text, strlen(b->text));
+	place_assert_refused(&at, path, G_IO_ERROR_INVALID_DATA, b->words);
+	place_clear(&at);
+}
+
+static void test_bytes(void)
+{
+	struct place at = place_new();
+	static const char zero[] = HEAD IDENTITY "1 2 3 0.5\n1 2 3\0 0.5\n" CELLS;
+	g_autofree char *path = place_write(&at, "zero.ptx", zero, sizeof zero - 1);
+	place_assert_refused(&at, path, G_IO_ERROR_INVALID_DATA, "line 12: ");
+	g_autoptr(GString) text = g_string_new(HEAD IDENTITY "1 2 3 0.5");
+	while (text->len < 3000000)
+		g_string_append(text, "0000000000");
+	g_autofree char *endless = place_write(&at, "endless.ptx", text->str, text->len);
+	place_assert_refused(&at, endless, G_IO_ERROR_INVALID_DATA, "line 11: has more than");
+	place_clear(&at);
+}
+
+/* Cut after any byte. What is left is whole only where a scan ends, or its very last number has lost digits, which nobody
+ * can see. */
+static void test_cut(void)
+{
+	struct place at = place_new();
+	const char *one = HEAD IDENTITY
+		"1 2 0.5 0.5 9 9 9\n1 2 0.4 0.5 9 9 9\n0 0 0 0.5 0 0 0\n1 2 0.3 0.5 9 9 9";
+	g_autofree char *two = g_strconcat(one, "\n", one, "\n", NULL);
+	size_t length = strlen(one);
+	for (size_t cut = 1; cut < 2 * length; cut++) {
+		g_autofree char *path = place_write(&at, "cut.ptx", two, cut);
+		if (cut != length && cut != length + 1)
+			place_assert_refused(&at, path, G_IO_ERROR_INVALID_DATA, "line ");
+	}
+	g_autofree char *path = place_write(&at, "cut.ptx", two, 2 * length + 1);
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_assert_cmpuint(scans->len, ==, 2);
+	place_clear(&at);
+}
+
+/* ---- real files ---- */
+
+static void test_pump(void)
+{
+	const char *path = shared_path("data/pump/pump.ptx");
+	if (!path)
+		return g_test_skip("there is no shared/data/pump");
+	struct place at = place_new();
+	g_autoptr(GArray) scans = place_import(&at, path);
+	const struct imported *i = &g_array_index(scans, struct imported, 0);
+	g_autoptr(points) p = place_points(&at, 1);
+	g_assert_cmpuint(i->points, ==, 155201);
+	g_assert_cmpuint(p->columns, ==, 345);
+	g_assert_cmpuint(p->rows, ==, 1074);
+	/* Each cell against the text: columns of the file run upwards. */
+	g_autofree char *text = NULL;
+	g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+	char *at_line = text;
+	for (int i_line = 0; i_line < 10; i_line++)
+		at_line = strchr(at_line, '\n') + 1;
+	for (uint32_t k = 0; k < 345 * 1074; k++) {
+		const struct point_record *r =
+			&p->record[(size_t)(1073 - k % 1074) * 345 + k / 1074];
+		g_assert_cmpfloat(r->x_m, ==, g_ascii_strtod(at_line, &at_line));
+		g_assert_cmpfloat(r->y_m, ==, g_ascii_strtod(at_line, &at_line));
+		g_assert_cmpfloat(r->z_m, ==, g_ascii_strtod(at_line, &at_line));
+		g_ascii_strtod(at_line, &at_line);
+		for (int c = 0; c < 3; c++)
+			g_assert_cmpuint(r->rgb[c], ==, strtoul(at_line, &at_line, 10));
+	}
+	place_clear(&at);
+}
+
+static void test_ouster(void)
+{
+	const char *path = shared_path("data/ouster-os2/os2.ptx");
+	if (!path)
+		return g_test_skip("there is no shared/data/ouster-os2");
+	struct place at = place_new();
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_autoptr(points) p = place_points(&at, 1);
+	g_assert_cmpuint(p->columns, ==, 1024);
+	g_assert_cmpuint(p->rows, ==, 128);
+	g_assert_cmpuint(p->have, ==, POINTS_HAVE_INTENSITY);
+	/* Its beams are fixed: a row has one elevation, and they fall. */
+	double before = G_PI;
+	for (uint32_t row = 8; row < 128; row += 8) {
+		double sum = 0;
+		int count = 0;
+		for (uint32_t c = 0; c < 1024; c++) {
+			const struct point_record *r = &p->record[row * 1024 + c];
+			sum += r->cell == CELL_MEASURED ? atan2(r->z_m, hypot(r->x_m, r->y_m)) : 0;
+			count += r->cell == CELL_MEASURED;
+		}
+		g_assert_cmpint(count, >, 0);
+		g_assert_cmpfloat(sum / count, <, before);
+		before = sum / count;
+	}
+	place_clear(&at);
+}
+
+static void test_conformance(void)
+{
+	struct place at = place_new();
+	const char *colour = shared_path("data/ptx-conformance/1.2-with-color.ptx"),
+		   *complex = shared_path("data/ptx-conformance/complex-transform.ptx"),
+		   *plain = shared_path("data/ptx-conformance/no-color.ptx"),
+		   *scaled = shared_path("data/ptx-conformance/multiple-and-transform.ptx");
+	if (!colour || !complex || !plain || !scaled) {
+		place_clear(&at);
+		return g_test_skip("there is no shared/data/ptx-conformance");
+	}
+	g_autoptr(GArray) a = place_import(&at, colour), b = place_import(&at, complex),
+			  c = place_import(&at, plain);
+	g_assert_cmpuint(g_array_index(a, struct imported, 0).points, ==, 1065);
+	g_assert_cmpuint(g_array_index(b, struct imported, 0).points, ==, 4);
+	g_assert_cmpuint(g_array_index(b, struct imported, 0).columns, ==, 2);
+	g_assert_true(g_array_index(b, struct imported, 0).has_pose);
+	g_assert_cmpfloat(g_array_index(b, struct imported, 0).position_m[0], ==, -3.028748);
+	g_assert_cmpuint(g_array_index(c, struct imported, 0).points, ==, 15);
+	place_assert_refused(
+		&at, scaled, G_IO_ERROR_INVALID_DATA, "line 9: the transform scales by 2");
+	place_clear(&at);
+}
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/import-ptx/numbers", test_numbers);
+	g_test_add_func("/import-ptx/no-numbers", test_no_numbers);
+	for (size_t i = 0; i < G_N_ELEMENTS(variants); i++) {
+		g_autofree char *path =
+			g_strconcat("/import-ptx/simulated/", variants[i].path, NULL);
+		g_test_add_data_func(path, &variants[i], test_variant);
+	}
+	g_test_add_func("/import-ptx/sparse", test_sparse);
+	g_test_add_func("/import-ptx/scan-data", test_scan_data);
+	g_test_add_func("/import-ptx/assumed", test_assumed);
+	g_test_add_func("/import-ptx/several", test_several);
+	g_test_add_func("/import-ptx/rolled-back", test_rolled_back);
+	g_test_add_func("/import-ptx/site-origin", test_site_origin);
+	g_test_add_func("/import-ptx/map", test_map);
+	for (size_t i = 0; i < G_N_ELEMENTS(bads); i++) {
+		g_autofree char *path = g_strconcat("/import-ptx/bad/", bads[i].path, NULL);
+		g_test_add_data_func(path, &bads[i], test_bad);
+	}
+	g_test_add_func("/import-ptx/bytes", test_bytes);
+	g_test_add_func("/import-ptx/cut", test_cut);
+	g_test_add_func("/import-ptx/pump", test_pump);
+	g_test_add_func("/import-ptx/ouster", test_ouster);
+	g_test_add_func("/import-ptx/conformance", test_conformance);
+	return g_test_run();
+}
