@@ -21,13 +21,24 @@ static const struct fine_stage {
 };
 #define STAGES     G_N_ELEMENTS(stages)
 #define FINEST     (STAGES - 1)
-#define NEAR_STAGE 1
 
 #define KERNEL_SCALE 2.5 /* where the weight is a quarter */
 /* A pose where more than this stands where the other scan saw through is not the one that was looked for. From afar more
  * doubt is due: the next bay of a vaulted hall fits with 4 %. */
 #define THROUGH_MAX_COARSE 0.03
 #define THROUGH_MAX_NEAR   0.10
+
+/* Which stages. */
+static const struct {
+	size_t first, last;
+	double through_max;
+} reaches[] = {
+	[FINE_FROM_COARSE] = { 0, FINEST, THROUGH_MAX_COARSE },
+	[FINE_FROM_NEAR] = { 1, FINEST, THROUGH_MAX_NEAR },
+	[FINE_ROUGHLY] = { 0, 2, THROUGH_MAX_COARSE },
+	[FINE_FROM_ROUGH] = { 3, FINEST, THROUGH_MAX_COARSE },
+};
+
 #define PAIRS_MIN          100
 /* What is shared beyond a tile (one plane's points are in the planes of all its neighbours, and in many pairs), as measured:
  * against exact truth the normalised error is 1.4 to 3 without it. */
@@ -92,6 +103,11 @@ void fine_scan_free(fine_scan *s)
 	for (size_t k = 0; k < STAGES; k++)
 		g_free(s->samples[k]);
 	g_free(s);
+}
+
+const pyramid *fine_scan_pyramid(const fine_scan *s)
+{
+	return s->pyramid;
 }
 
 /* ---- steps ---- */
@@ -189,19 +205,19 @@ static size_t count_within(const float *residual, size_t count, double gate)
 	return within;
 }
 
-static bool judge(const fine_scan *a, const fine_scan *b, struct fine_result *ret)
+static bool judge(const fine_scan *a, const fine_scan *b, size_t last, struct fine_result *ret)
 {
-	const struct fine_stage *s = &stages[FINEST];
+	const struct fine_stage *s = &stages[last];
 	struct pairing how = pairing_of(s, s->slack_last_m);
 	struct equations e = { 0 };
 	double scaled[6][6];
 	struct pairs_look look = { 0 };
-	g_autofree float *residual = g_new(float, b->count[FINEST] + 1);
+	g_autofree float *residual = g_new(float, b->count[last] + 1);
 	g_autofree double(*tile)[6] = g_malloc0(PAIRS_TILES * sizeof *tile);
-	pairs_sum(&how, b->samples[FINEST], b->count[FINEST], a->pyramid, &ret->pose, true, &e,
+	pairs_sum(&how, b->samples[last], b->count[last], a->pyramid, &ret->pose, true, &e,
 		residual, &look, tile);
-	size_t within = count_within(residual, b->count[FINEST], KERNEL_SCALE);
-	pairs_sum(&how, a->samples[FINEST], a->count[FINEST], b->pyramid, &ret->pose, false, &e,
+	size_t within = count_within(residual, b->count[last], KERNEL_SCALE);
+	pairs_sum(&how, a->samples[last], a->count[last], b->pyramid, &ret->pose, false, &e,
 		NULL, NULL, tile);
 	equations_mirror(&e);
 	ret->pairs = e.pairs;
@@ -218,12 +234,11 @@ bool fine_align(const fine_scan *a, const fine_scan *b, const struct pose *start
 {
 	*ret = (struct fine_result){ .pose = *start };
 	bool good = true;
-	for (size_t k = reach == FINE_FROM_NEAR ? NEAR_STAGE : 0; k < STAGES && good; k++)
+	size_t last = reaches[reach].last;
+	for (size_t k = reaches[reach].first; k <= last && good; k++)
 		good = run_stage(a, b, k, &ret->pose, ret);
 	pose_orthonormalise(&ret->pose);
-	good = judge(a, b, ret) && good;
-	ret->converged &=
-		good && ret->through_share <=
-				(reach == FINE_FROM_NEAR ? THROUGH_MAX_NEAR : THROUGH_MAX_COARSE);
+	good = judge(a, b, last, ret) && good;
+	ret->converged &= good && last == FINEST && ret->through_share <= reaches[reach].through_max;
 	return good;
 }
