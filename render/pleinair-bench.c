@@ -1,6 +1,8 @@
 /* pleinair bench WHAT: measures speed and memory. */
 #include "acquire/bench-acquire.h"
 #include "acquire/cli.h"
+#include "acquire/preset.h"
+#include "process/bench-register.h"
 #include <stdio.h>
 
 #define COMMAND "bench"
@@ -8,32 +10,87 @@
 static gboolean json;
 static double seconds = 60;
 static int beams = 1081;
+static int trials = 1000;
+static gint64 seed = 1;
+static char *preset = "draft", *keep;
 
 static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
 		"acquire: how long the lidar streams (default 60)", "S" },
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
+	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
+	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
+		"register: of the first sites; another one gives others (default 1)", "S" },
+	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
+		"register: how finely is scanned (default draft)", "draft|standard|fine" },
+	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
+		"register: where the scans stay, and are taken from the next time", "FOLDER" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
 
-int main(int argc, char **argv)
+static int run_acquire(void)
 {
-	int status;
 	g_autoptr(GError) error = NULL;
-	if (!cli_parse(COMMAND, "[acquire]", "Measures speed and memory on this machine.",
-		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
-		    "what was recorded.\n",
-		    entries, &argc, &argv, &status))
-		return status;
-	if (argc > 2 || (argc == 2 && !g_str_equal(argv[1], "acquire")))
-		return cli_misuse(COMMAND, "there is no bench '%s': acquire", argv[argc - 1]);
-	if (!(seconds >= 1 && seconds <= 3600) || beams < 100 || beams > 9000 || beams % 6 != 1)
-		return cli_misuse(
-			COMMAND, "seconds go from 1 to 3600, beams from 103 to 8995 in steps of 6");
 	struct bench_acquire_options options = {
 		.seconds = seconds, .beams = (uint32_t)beams, .json = json
 	};
+	if (!(seconds >= 1 && seconds <= 3600) || beams < 100 || beams > 9000 || beams % 6 != 1)
+		return cli_misuse(
+			COMMAND, "seconds go from 1 to 3600, beams from 103 to 8995 in steps of 6");
 	return bench_acquire(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
+static struct cli_bar bar;
+
+static void show(double fraction, const char *doing)
+{
+	if (doing)
+		cli_bar_update(&bar, fraction, doing);
+	else
+		cli_bar_end(&bar);
+}
+
+static int run_register(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_register_options options = { .trials = (uint32_t)trials,
+		.seed = (uint64_t)seed,
+		.preset = preset,
+		.keep = keep,
+		.json = json,
+		.stop = cli_interrupted,
+		.progress = show };
+	if (trials < 1 || trials > 100000 || seed < 0 || seed > 1000000000)
+		return cli_misuse(
+			COMMAND, "trials go from 1 to 100000, seeds from 0 to 1000000000");
+	if (!preset_find(preset))
+		return cli_misuse(
+			COMMAND, "there is no preset '%s': draft, standard, fine", preset);
+	cli_catch_interrupts();
+	bar = cli_bar_begin(COMMAND);
+	bool good = bench_register(&options, &error);
+	cli_bar_end(&bar);
+	return good ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
+int main(int argc, char **argv)
+{
+	int status;
+	if (!cli_parse(COMMAND, "[acquire|register]",
+		    "Measures speed, memory and truth on this machine.",
+		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
+		    "what was recorded.\n"
+		    "register: aligns pairs of scans of simulated sites, and counts what was "
+		    "found, "
+		    "refused, and accepted although wrong.\n",
+		    entries, &argc, &argv, &status))
+		return status;
+	const char *what = argc > 1 ? argv[1] : "acquire";
+	if (argc <= 2 && g_str_equal(what, "acquire"))
+		return run_acquire();
+	if (argc <= 2 && g_str_equal(what, "register"))
+		return run_register();
+	return cli_misuse(COMMAND, "there is no bench '%s': acquire, register", argv[argc - 1]);
 }
