@@ -4,6 +4,8 @@
 #include <time.h>
 
 #define CANDIDATES 12
+/* Candidates that score less than this share of the first are not worth their time. */
+#define SCORE_SHARE 0.45
 /* Poses of a scan to itself: how a place repeats. */
 #define ALIKE_LOOKED_AT    8
 #define ALIKE_MAX          4
@@ -145,7 +147,7 @@ static void try_candidates(struct search *s, const struct pair_options *o, doubl
 	*ret_coarse_s = cpu_seconds() - before;
 	if (o && o->start)
 		try_start(s, o->start);
-	for (size_t i = 0; i < count; i++)
+	for (size_t i = 0; i < count && c[i].score >= SCORE_SHARE * c[0].score; i++)
 		try_start(s, &c[i].pose);
 }
 
