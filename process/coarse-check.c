@@ -10,7 +10,7 @@
 #define SAME_FACING   0.8f
 #define ALONG_M       1.5f /* an agreeing sample lies no further from the cell's point */
 #define NOTHING_SHARE 0.3f /* a conflict with no return counts less: glass, water, black */
-#define PAIRS_MIN     30
+#define PAIRS_MIN     15
 
 struct picked {
 	uint32_t key[3];

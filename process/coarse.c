@@ -7,10 +7,13 @@
 #include <string.h>
 
 #define DISTANCE_MAX_M    40.0
-#define SHIFTS            1200 /* that the votes propose */
-#define QUICK             160  /* samples that judge them */
-#define LOOKED_AT         80   /* that are refined */
-#define MIDDLE            500  /* samples that refine them */
+#define SHIFTS            1200  /* that the votes propose */
+#define QUICK             160   /* samples that judge them */
+#define LOOKED_AT         250   /* that are refined */
+#define TILT_TURNED_RAD   0.05f /* levelled by walls and ground */
+#define SCORE_MIN         0.05  /* below, nothing speaks for a candidate */
+#define CONFLICT          3.0
+#define DOUBT             0.02
 #define UPRIGHTS          3
 #define UNLIKELY          0.3 /* product of both scans' scores, relative to their best */
 #define QUICK_TOLERANCE_M 0.5f
@@ -18,9 +21,17 @@
 #define APART_M           0.5
 #define APART_RAD         (3 * G_PI / 180)
 
-/* Levelled to half a degree; found by walls and ground. */
-static const struct coarse_refining refining_level = { 8, 1.2f, 0.25f, 0.01f };
-static const struct coarse_refining refining_turned = { 12, 1.2f, 0.25f, 0.05f };
+/* Many candidates are looked at with few samples, few with all. At first b hardly leans from what it was levelled to, so that
+ * a poor start is not led into the ground. */
+static const struct sieve {
+	size_t refined_with, judged_with; /* samples */
+	size_t keep;
+	float tolerance_m;
+	struct coarse_refining refining;
+} sieves[] = {
+	{ 300, 300, 40, 0.25f, { 4, 1.2f, 0.5f, 0.02f } },
+	{ 900, G_MAXSIZE, 40, TOLERANCE_M, { 5, 0.6f, 0.2f, 0.05f } },
+};
 
 struct coarse_scan {
 	struct coarse_view *view;
@@ -52,7 +63,8 @@ void coarse_scan_free(coarse_scan *s)
 	g_free(s);
 }
 
-/* Both ways. */
+/* Both ways. What was seen through speaks against a pose more firmly than agreement speaks for it: walls agree wherever
+ * they are slid along themselves. */
 static double score_of(const coarse_scan *a, const coarse_scan *b, const struct pose *pose,
 	size_t samples, float tolerance)
 {
@@ -62,8 +74,7 @@ static double score_of(const coarse_scan *a, const coarse_scan *b, const struct 
 	coarse_check(b->view, a->sample, MIN(samples, a->samples), &back, tolerance, &fit);
 	if (!(fit.total > 0))
 		return 0;
-	double judged = fit.agree + fit.conflict;
-	return fit.agree / (judged + 0.1 * fit.total);
+	return fit.agree / (fit.agree + CONFLICT * fit.conflict + DOUBT * fit.total);
 }
 
 static int by_score(const void *a, const void *b)
@@ -97,18 +108,58 @@ static size_t keep_distinct(struct coarse_candidate *c, size_t count, size_t max
 	return kept;
 }
 
-/* What votes and a quick look propose, with two plans; appended and sorted. */
-static size_t propose(const coarse_scan *a, const coarse_scan *b, const struct plan *plan_a,
-	const struct plan *plan_b, double distance_max_m, struct coarse_candidate *ret)
+/* One search: the scans with the samples that it uses, and what is asked for. */
+struct search {
+	const coarse_scan *a, *b;
+	bool not_level;
+	double distance_max_m;
+	size_t max;
+};
+
+/* What votes and a quick look propose, with two plans; sorted. ret has room for SHIFTS. */
+static size_t propose(const struct search *s, const struct plan *plan_a, const struct plan *plan_b,
+	struct coarse_candidate *ret)
 {
 	g_autofree struct plan_shift *shift = g_new(struct plan_shift, SHIFTS);
-	size_t count = plan_match(plan_a, plan_b, distance_max_m, shift, SHIFTS);
+	size_t count = plan_match(plan_a, plan_b, s->distance_max_m, shift, SHIFTS);
 	for (size_t i = 0; i < count; i++) {
 		ret[i].pose = plan_shift_pose(plan_a, plan_b, &shift[i]);
-		ret[i].score = score_of(a, b, &ret[i].pose, QUICK, QUICK_TOLERANCE_M);
+		ret[i].score = score_of(s->a, s->b, &ret[i].pose, QUICK, QUICK_TOLERANCE_M);
 	}
 	qsort(ret, count, sizeof *ret, by_score);
 	return keep_distinct(ret, count, LOOKED_AT);
+}
+
+static void refine(const struct search *s, const struct sieve *sieve, struct coarse_candidate *c)
+{
+	struct coarse_refining how = sieve->refining;
+	if (s->not_level)
+		how.tilt_sigma_rad = TILT_TURNED_RAD;
+	size_t samples = MIN(s->b->samples, sieve->refined_with);
+	coarse_refine(s->a->view, s->b->sample, samples, &how, &c->pose);
+	pose_orthonormalise(&c->pose);
+	c->score = score_of(s->a, s->b, &c->pose, sieve->judged_with, sieve->tolerance_m);
+	if (!(pose_distance_m(&c->pose) <= s->distance_max_m)) /* it was led astray */
+		c->score = 0;
+}
+
+static size_t drop_hopeless(const struct coarse_candidate *c, size_t count)
+{
+	while (count && !(c[count - 1].score > SCORE_MIN))
+		count--;
+	return count;
+}
+
+/* Refines what was proposed, and keeps the best. */
+static size_t choose(const struct search *s, struct coarse_candidate *c, size_t count)
+{
+	for (size_t k = 0; k < G_N_ELEMENTS(sieves); k++) {
+		for (size_t i = 0; i < count; i++)
+			refine(s, &sieves[k], &c[i]);
+		qsort(c, count, sizeof *c, by_score);
+		count = keep_distinct(c, drop_hopeless(c, count), sieves[k].keep);
+	}
+	return MIN(count, s->max);
 }
 
 /* A scan with what may be up in it. Its samples are chosen anew, by the likeliest. */
@@ -141,7 +192,7 @@ static void turned_clear(struct turned *t)
 }
 
 /* Every direction that may be up in a, with every one in b. */
-static size_t propose_turned(const struct turned *a, const struct turned *b, double distance_max_m,
+static size_t propose_turned(const struct search *s, const struct turned *a, const struct turned *b,
 	struct coarse_candidate *ret)
 {
 	size_t count = 0;
@@ -149,53 +200,37 @@ static size_t propose_turned(const struct turned *a, const struct turned *b, dou
 		for (size_t k = 0; k < b->count; k++) {
 			if (a->score[i] * b->score[k] < UNLIKELY)
 				continue;
-			count += propose(&a->scan, &b->scan, a->plan[i], b->plan[k], distance_max_m,
-				ret + count);
+			count += propose(s, a->plan[i], b->plan[k], ret + count);
 			qsort(ret, count, sizeof *ret, by_score);
 			count = keep_distinct(ret, count, LOOKED_AT);
 		}
 	return count;
 }
 
-/* Refines what was proposed, and keeps the best. */
-static size_t choose(const coarse_scan *a, const coarse_scan *b, const struct coarse_refining *how,
-	struct coarse_candidate *c, size_t count, size_t max)
+static size_t align_turned(const struct search *asked, struct coarse_candidate *c)
 {
-	for (size_t i = 0; i < count; i++) {
-		coarse_refine(a->view, b->sample, MIN(b->samples, MIDDLE), how, &c[i].pose);
-		pose_orthonormalise(&c[i].pose);
-		c[i].score = score_of(a, b, &c[i].pose, G_MAXSIZE, TOLERANCE_M);
-	}
-	qsort(c, count, sizeof *c, by_score);
-	return keep_distinct(c, count, max);
-}
-
-static size_t align_level(const coarse_scan *a, const coarse_scan *b, double distance_max_m,
-	struct coarse_candidate *c, size_t max)
-{
-	size_t count = propose(a, b, a->plan, b->plan, distance_max_m, c);
-	return choose(a, b, &refining_level, c, count, max);
-}
-
-static size_t align_turned(const coarse_scan *a, const coarse_scan *b, double distance_max_m,
-	struct coarse_candidate *c, size_t max)
-{
-	struct turned turned_a = turned_of(a), turned_b = turned_of(b);
-	size_t count = propose_turned(&turned_a, &turned_b, distance_max_m, c);
-	count = choose(&turned_a.scan, &turned_b.scan, &refining_turned, c, count, max);
-	turned_clear(&turned_a);
-	turned_clear(&turned_b);
+	struct turned a = turned_of(asked->a), b = turned_of(asked->b);
+	struct search s = *asked;
+	s.a = &a.scan;
+	s.b = &b.scan;
+	size_t count = choose(&s, c, propose_turned(&s, &a, &b, c));
+	turned_clear(&a);
+	turned_clear(&b);
 	return count;
 }
 
 size_t coarse_align(const coarse_scan *a, const coarse_scan *b,
 	const struct coarse_options *options, struct coarse_candidate *ret, size_t max)
 {
-	double distance_max_m =
-		options && options->distance_max_m > 0 ? options->distance_max_m : DISTANCE_MAX_M;
+	struct search s = { a, b, false, DISTANCE_MAX_M, max };
+	if (options) {
+		s.not_level = options->not_level;
+		s.distance_max_m =
+			options->distance_max_m > 0 ? options->distance_max_m : DISTANCE_MAX_M;
+	}
 	g_autofree struct coarse_candidate *c = g_new(struct coarse_candidate, SHIFTS + LOOKED_AT);
-	size_t count = (options && options->not_level ? align_turned : align_level)(
-		a, b, distance_max_m, c, MIN(max, LOOKED_AT));
+	size_t count =
+		s.not_level ? align_turned(&s, c) : choose(&s, c, propose(&s, a->plan, b->plan, c));
 	memcpy(ret, c, count * sizeof *c);
 	return count;
 }

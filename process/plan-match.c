@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TURNS     180
+#define TURNS 120
 #define FACING    (9 * G_PI / 180) /* headings this near may be one surface */
 #define CHANNELS  4
 #define SHIFT_M   0.5f
@@ -20,6 +20,16 @@ struct rotated {
 	float x, y, heading, low, high, weight;
 };
 
+static float lesser(float a, float b) /* inline, as fminf is not */
+{
+	return a < b ? a : b;
+}
+
+static float greater(float a, float b)
+{
+	return a > b ? a : b;
+}
+
 static void vote_pair(struct ballot *k, float *sheet, const struct plan_edge *a,
 	const struct rotated *b, float rise)
 {
@@ -27,8 +37,8 @@ static void vote_pair(struct ballot *k, float *sheet, const struct plan_edge *a,
 	if (!(x >= 0 && y >= 0 && x < 2 * k->half_m && y < 2 * k->half_m))
 		return;
 	float overlap =
-		fminf(a->high_m, b->high + rise) - fmaxf(a->low_m, b->low + rise) + RISE_GATE;
-	float votes = fminf(overlap, fminf(a->weight, b->weight));
+		lesser(a->high_m, b->high + rise) - greater(a->low_m, b->low + rise) + RISE_GATE;
+	float votes = lesser(overlap, lesser(a->weight, b->weight));
 	if (votes > 0)
 		sheet[(size_t)(y * (1 / SHIFT_M)) * k->columns + (size_t)(x * (1 / SHIFT_M))] +=
 			votes;
