@@ -5,8 +5,10 @@
 void equations_mirror(struct equations *e)
 {
 	for (int i = 0; i < 6; i++)
-		for (int j = 0; j < i; j++)
+		for (int j = 0; j < i; j++) {
 			e->matrix[i][j] = e->matrix[j][i];
+			e->slope[i][j] = e->slope[j][i];
+		}
 }
 
 static bool factor(const double matrix[6][6], double ret[6][6])

@@ -46,7 +46,8 @@ INLINE float angle_of(float y, float x)
 			      s * (-0.33262347f +
 					  s * (0.19354346f +
 						      s * (-0.11643287f +
-								  s * (0.05265332f + s * -0.01172120f)))));
+								  s * (0.05265332f +
+									      s * -0.01172120f)))));
 	a = ay > ax ? (float)G_PI_2 - a : a;
 	a = x < 0 ? (float)G_PI - a : a;
 	return y < 0 ? -a : a;
@@ -110,8 +111,8 @@ struct found {
 };
 
 /* The surfel of a cell, if it may be the same surface as a point with a normal. */
-INLINE void consider(
-	const struct surfel *s, const float q[3], const float n[3], float cosine_min, struct found *best)
+INLINE void consider(const struct surfel *s, const float q[3], const float n[3], float cosine_min,
+	struct found *best)
 {
 	if (!(s->sigma_m > 0) || dot(s->normal, n) < cosine_min)
 		return;
@@ -146,8 +147,8 @@ struct row {
 	const float *q;
 };
 
-INLINE void make_row(const float pa[3], const float na[3], const float pb[3], const float nb[3],
-	struct row *ret)
+INLINE void make_row(
+	const float pa[3], const float na[3], const float pb[3], const float nb[3], struct row *ret)
 {
 	float n[3] = { na[0] + nb[0], na[1] + nb[1], na[2] + nb[2] };
 	float unit = 1 / sqrtf(fmaxf(dot(n, n), 1e-6f));
@@ -162,11 +163,19 @@ INLINE void make_row(const float pa[3], const float na[3], const float pb[3], co
 	ret->q = pb;
 }
 
+/* How the right side changes with the pose: less than the matrix says, since the kernel lets go of what moves away. */
+INLINE void add_slope(const struct row *row, float kernel, float share, struct equations *e)
+{
+	float slope = kernel * (1 - 4 * (1 - share)) / row->sigma2;
+	for (int i = 0; i < 6; i++)
+		for (int k = i; k < 6; k++)
+			e->slope[i][k] += (double)(slope * row->j[i]) * row->j[k];
+}
+
 INLINE void add_row(const struct row *row, float scale2, struct equations *e, double *tile)
 {
 	float z2 = row->e * row->e / row->sigma2;
-	float kernel = scale2 / (scale2 + z2); /* Geman-McClure */
-	kernel *= kernel;
+	float share = scale2 / (scale2 + z2), kernel = share * share; /* Geman-McClure */
 	float w = kernel / row->sigma2;
 	for (int i = 0; i < 6; i++) {
 		float wj = w * row->j[i];
@@ -177,23 +186,27 @@ INLINE void add_row(const struct row *row, float scale2, struct equations *e, do
 		for (int k = i; k < 6; k++)
 			e->matrix[i][k] += (double)wj * row->j[k];
 	}
+	if (tile)
+		add_slope(row, kernel, share, e);
 	e->weight += w;
 	for (int k = 0; k < 3; k++)
 		e->point_m[k] += (double)w * row->q[k];
 	e->square_m2 += (double)w * dot(row->q, row->q);
 	e->robust += kernel;
 	e->robust_m2 += kernel * row->e * row->e;
-	e->plain += kernel * z2;
 	e->pairs++;
 }
 
-/* Of the view in tiles of 8 x 8 cells of level 0, folded when there are more than there is room for. */
-static size_t tile_of(const pyramid *p, const struct place *at)
+/* A part of a's view, whichever way the pair was found: both ways find the same pairs. */
+INLINE size_t tile_of(const float point[3])
 {
-	uint32_t across = (p->level[0].columns + 7) / 8;
-	uint32_t column = (uint32_t)(at->column << at->level) / 8,
-		 row = (uint32_t)(at->row << at->level) / 8;
-	return ((size_t)row * across + column) % PAIRS_TILES;
+	float turn = angle_of(point[0], point[1]) * (float)(0.5 / G_PI) + 0.5f;
+	float rise = angle_of(point[2], sqrtf(point[0] * point[0] + point[1] * point[1])) *
+			     (float)(1 / G_PI) +
+		     0.5f;
+	size_t column = MIN((size_t)(turn * PAIRS_TILES_ACROSS), PAIRS_TILES_ACROSS - 1);
+	size_t row = MIN((size_t)(rise * PAIRS_TILES_DOWN), PAIRS_TILES_DOWN - 1);
+	return row * PAIRS_TILES_ACROSS + column;
 }
 
 void pairs_sum(const struct pairing *how, const struct sample *samples, size_t count,
@@ -205,7 +218,8 @@ void pairs_sum(const struct pairing *how, const struct sample *samples, size_t c
 	struct view view = view_into(into, how->pitch_m);
 	float slack2 = (float)(how->slack_m * how->slack_m),
 	      scale2 = (float)(how->scale * how->scale);
-	float cell = (float)fmax(into->column_rad, into->row_rad), reach = (float)(3 * how->slack_m);
+	float cell = (float)fmax(into->column_rad, into->row_rad),
+	      reach = (float)(3 * how->slack_m);
 	size_t seen = 0;
 	for (size_t i = 0; i < count; i++) {
 		const struct sample *s = &samples[i];
@@ -238,10 +252,11 @@ void pairs_sum(const struct pairing *how, const struct sample *samples, size_t c
 			make_row(s->point_m, s->normal, moved, turned, &row);
 			row.q = s->point_m;
 		}
-		row.sigma2 = best.surfel->sigma_m * best.surfel->sigma_m + s->sigma_m * s->sigma_m + slack2;
+		row.sigma2 = best.surfel->sigma_m * best.surfel->sigma_m + s->sigma_m * s->sigma_m +
+			     slack2;
 		if (ret_residual)
 			ret_residual[i] = row.e / sqrtf(row.sigma2);
-		add_row(&row, scale2, ret, ret_tile ? ret_tile[tile_of(into, &at)] : NULL);
+		add_row(&row, scale2, ret, ret_tile ? ret_tile[tile_of(row.q)] : NULL);
 	}
 	if (ret_seen)
 		*ret_seen += seen;

@@ -13,10 +13,10 @@ struct sample {
 /* How a pair is looked for. The cells looked into are those about pitch_m wide where they look. */
 struct pairing {
 	double pitch_m;
-	double slack_m;	   /* 1 sigma of what the planes may be apart beyond their own noise: also of the pose's error */
-	double scale;	   /* of the kernel, in normalised residuals */
-	float cosine_min;  /* between normals */
-	bool around;	   /* also in the eight cells around */
+	double slack_m; /* 1 sigma of what the planes may be apart beyond their own noise: also of the pose's error */
+	double scale;     /* of the kernel, in normalised residuals */
+	float cosine_min; /* between normals */
+	bool around;      /* also in the eight cells around */
 };
 
 /* The level whose cells are about pitch_m wide at this range. */
@@ -24,9 +24,11 @@ int pairing_level(const pyramid *p, double pitch_m, float range_m);
 
 /* Sums the samples of `from`, which are b's (then the pyramid is a's), or a's. pose takes b to a; a_to_b then is its inverse.
  * ret_residual may be NULL, else takes the normalised residual of each sample, NAN where there is no pair; ret_seen counts
- * the samples that look into the other's view. ret_tile may be NULL, else gets the sums of right sides of tiles of the
- * other's view, each PAIRS_TILES * 6. */
-#define PAIRS_TILES 4096
+ * the samples that look into the other's view. ret_tile may be NULL, else has PAIRS_TILES rows and gets the right side's
+ * sums over tiles of a's view. */
+#define PAIRS_TILES_ACROSS 72 /* 5 degrees */
+#define PAIRS_TILES_DOWN   36
+#define PAIRS_TILES        (PAIRS_TILES_ACROSS * PAIRS_TILES_DOWN)
 void pairs_sum(const struct pairing *how, const struct sample *samples, size_t count,
 	const pyramid *into, const struct pose *pose, bool samples_are_b, struct equations *ret,
 	float *ret_residual, size_t *ret_seen, double (*ret_tile)[6]);

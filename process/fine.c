@@ -5,7 +5,7 @@
 
 /* From wide cells and a wide kernel to narrow ones. Within a stage the slack falls with each step, by a third at most, until
  * it is at its end. */
-static const struct stage {
+static const struct fine_stage {
 	double pitch_m;
 	double slack_first_m, slack_last_m;
 	uint32_t steps_max;
@@ -16,16 +16,17 @@ static const struct stage {
 	{ 1.0, 0.80, 0.20, 16, 1, 0.60f, true },
 	{ 0.5, 0.20, 0.06, 10, 1, 0.75f, true },
 	{ 0.25, 0.06, 0.015, 8, 2, 0.85f, false },
-	{ 0.10, 0.010, 0.002, 14, 2, 0.92f, false },
+	{ 0.10, 0.010, 0.001, 8, 2, 0.92f, false },
+	{ 0.10, 0.001, 0.001, 8, 1, 0.92f, false },
 };
-#define STAGES	   G_N_ELEMENTS(stages)
-#define FINEST	   (STAGES - 1)
+#define STAGES     G_N_ELEMENTS(stages)
+#define FINEST     (STAGES - 1)
 #define NEAR_STAGE 1
 
-#define KERNEL_SCALE 3.0 /* where the weight is a quarter */
+#define KERNEL_SCALE 2.5 /* where the weight is a quarter */
 #define PAIRS_MIN    100
 #define STILL_RAD    (0.0005 * G_PI / 180)
-#define STILL_M	     0.05e-3
+#define STILL_M      0.05e-3
 #define SLACK_FACTOR 0.67
 
 struct fine_scan {
@@ -36,8 +37,8 @@ struct fine_scan {
 
 /* ---- what is looked for ---- */
 
-static void take_level(const pyramid *p, int level, const struct stage *stage, struct sample *to,
-	size_t *count)
+static void take_level(const pyramid *p, int level, const struct fine_stage *stage,
+	struct sample *to, size_t *count)
 {
 	const struct pyramid_level *l = &p->level[level];
 	for (uint32_t r = 0; r < l->rows; r += stage->stride)
@@ -114,7 +115,7 @@ static bool take_step(const struct equations *e, struct pose *pose, struct step 
 	return isfinite(ret->turn_rad) && isfinite(ret->move_m);
 }
 
-static struct pairing pairing_of(const struct stage *s, double slack_m)
+static struct pairing pairing_of(const struct fine_stage *s, double slack_m)
 {
 	return (struct pairing){ .pitch_m = s->pitch_m,
 		.slack_m = slack_m,
@@ -126,7 +127,7 @@ static struct pairing pairing_of(const struct stage *s, double slack_m)
 static bool run_stage(const fine_scan *a, const fine_scan *b, size_t k, struct pose *pose,
 	struct fine_result *ret)
 {
-	const struct stage *s = &stages[k];
+	const struct fine_stage *s = &stages[k];
 	double slack = s->slack_first_m;
 	for (uint32_t i = 0; i < s->steps_max; i++) {
 		struct pairing how = pairing_of(s, slack);
@@ -140,7 +141,8 @@ static bool run_stage(const fine_scan *a, const fine_scan *b, size_t k, struct p
 		ret->converged = last && step.turn_rad < STILL_RAD && step.move_m < STILL_M;
 		if (ret->converged)
 			return true;
-		if (last && k != FINEST && step.turn_rad * 10 + step.move_m < slack / 4)
+		if (last && k != FINEST &&
+			step.turn_rad * 10 + step.move_m < fmin(slack / 4, 0.3e-3))
 			return true;
 		slack = fmax(slack * SLACK_FACTOR, s->slack_last_m);
 	}
@@ -154,9 +156,9 @@ static bool run_stage(const fine_scan *a, const fine_scan *b, size_t k, struct p
 static bool covariance_of(const struct equations *e, double (*tile)[6], double ret[6][6])
 {
 	double inverse[6][6], middle[6][6] = { 0 }, half[6][6] = { 0 };
-	if (!equations_invert(e->matrix, inverse))
+	if (!equations_invert(e->slope, inverse) && !equations_invert(e->matrix, inverse))
 		return false;
-	for (size_t t = 0; t < 2 * PAIRS_TILES; t++)
+	for (size_t t = 0; t < PAIRS_TILES; t++)
 		for (int i = 0; i < 6; i++)
 			for (int j = 0; j < 6; j++)
 				middle[i][j] += tile[t][i] * tile[t][j];
@@ -182,18 +184,18 @@ static size_t count_within(const float *residual, size_t count, double gate)
 
 static bool judge(const fine_scan *a, const fine_scan *b, struct fine_result *ret)
 {
-	const struct stage *s = &stages[FINEST];
+	const struct fine_stage *s = &stages[FINEST];
 	struct pairing how = pairing_of(s, s->slack_last_m);
 	struct equations e = { 0 };
 	double scaled[6][6];
 	size_t seen = 0;
 	g_autofree float *residual = g_new(float, b->count[FINEST] + 1);
-	g_autofree double(*tile)[6] = g_malloc0(2 * PAIRS_TILES * sizeof *tile);
+	g_autofree double(*tile)[6] = g_malloc0(PAIRS_TILES * sizeof *tile);
 	pairs_sum(&how, b->samples[FINEST], b->count[FINEST], a->pyramid, &ret->pose, true, &e,
 		residual, &seen, tile);
 	size_t within = count_within(residual, b->count[FINEST], KERNEL_SCALE);
 	pairs_sum(&how, a->samples[FINEST], a->count[FINEST], b->pyramid, &ret->pose, false, &e,
-		NULL, NULL, tile + PAIRS_TILES);
+		NULL, NULL, tile);
 	equations_mirror(&e);
 	ret->pairs = e.pairs;
 	ret->rms_m = e.robust > 0 ? sqrt(e.robust_m2 / e.robust) : 0;

@@ -5,7 +5,7 @@
 #define CHUNK 64
 
 #if defined(__x86_64__) && defined(__GNUC__)
-#define WIDE __attribute__((target("avx2,fma")))
+#define WIDE        __attribute__((target("avx2,fma")))
 #define HAVE_WIDE() (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
 #else
 #define WIDE
@@ -19,8 +19,8 @@ static void sums_allocate(struct sums *s, uint32_t columns, uint32_t rows)
 	s->rows = rows;
 	s->stride = ((size_t)columns + 2 + 15) / 16 * 16;
 	for (int k = 0; k < SUM_PLANES; k++)
-		s->plane[k] = g_aligned_alloc0(
-			s->stride * (rows + 2) + CHUNK + 16, sizeof(float), 64);
+		s->plane[k] =
+			g_aligned_alloc0(s->stride * (rows + 2) + CHUNK + 16, sizeof(float), 64);
 }
 
 void sums_clear(struct sums *s)
@@ -109,8 +109,8 @@ INLINE void sum_products(const struct strip *from, uint32_t across, uint32_t dow
 		add_neighbours(sum[k], across, ret[k]);
 }
 
-INLINE void sum_strip(
-	const struct strip *from, uint32_t across, uint32_t down, struct sums *s, size_t at, uint32_t blocks)
+INLINE void sum_strip(const struct strip *from, uint32_t across, uint32_t down, struct sums *s,
+	size_t at, uint32_t blocks)
 {
 	float block[4][CHUNK], mean[3][CHUNK], products[6][CHUNK];
 	sum_means(from, across, down, block, mean);
@@ -122,24 +122,25 @@ INLINE void sum_strip(
 	for (int k = 0; k < 6; k++)
 		memcpy(s->plane[SUM_XX + k] + at, products[k], bytes);
 	for (uint32_t b = 0; b < blocks; b++)
-		s->plane[SUM_RANGE][at + b] = sqrtf(block[1][b] * block[1][b] +
-						    block[2][b] * block[2][b] + block[3][b] * block[3][b]);
+		s->plane[SUM_RANGE][at + b] =
+			sqrtf(block[1][b] * block[1][b] + block[2][b] * block[2][b] +
+				block[3][b] * block[3][b]);
 }
 
-typedef void strip_func(
-	const struct strip *from, uint32_t across, uint32_t down, struct sums *s, size_t at, uint32_t blocks);
+typedef void strip_func(const struct strip *from, uint32_t across, uint32_t down, struct sums *s,
+	size_t at, uint32_t blocks);
 
 /* The numbers are spelt out so that each case becomes its own unrolled code. */
-#define SUM_STRIP(name, attributes) \
-	attributes static void name(const struct strip *from, uint32_t across, uint32_t down, \
-		struct sums *s, size_t at, uint32_t blocks) \
-	{ \
-		switch (across) { \
-		case 1: sum_strip(from, 1, down, s, at, blocks); break; \
-		case 2: sum_strip(from, 2, down, s, at, blocks); break; \
-		case 4: sum_strip(from, 4, down, s, at, blocks); break; \
-		default: sum_strip(from, 8, down, s, at, blocks); break; \
-		} \
+#define SUM_STRIP(name, attributes)                                                                \
+	attributes static void name(const struct strip *from, uint32_t across, uint32_t down,      \
+		struct sums *s, size_t at, uint32_t blocks)                                        \
+	{                                                                                          \
+		switch (across) {                                                                  \
+		case 1: sum_strip(from, 1, down, s, at, blocks); break;                            \
+		case 2: sum_strip(from, 2, down, s, at, blocks); break;                            \
+		case 4: sum_strip(from, 4, down, s, at, blocks); break;                            \
+		default: sum_strip(from, 8, down, s, at, blocks); break;                           \
+		}                                                                                  \
 	}
 SUM_STRIP(sum_strip_wide, WIDE)
 SUM_STRIP(sum_strip_portable, )
@@ -159,7 +160,8 @@ static void copy_cells(const range_grid *g, uint32_t row, uint32_t rows, uint32_
 		for (uint32_t i = 0; i < to->width; i++) {
 			size_t at = (size_t)(row + r) * l->columns + first + i;
 			uint32_t cell = row + r >= l->rows || i >= count ? RANGE_GRID_NONE
-					: l->cell ? l->cell[at] : (uint32_t)at;
+					: l->cell                        ? l->cell[at]
+									 : (uint32_t)at;
 			for (int k = 0; k < 4; k++)
 				to->plane[k][r * to->width + i] =
 					cell == RANGE_GRID_NONE ? 0 : from[k][cell];
@@ -176,8 +178,7 @@ static struct strip strip_at(const range_grid *g, uint32_t row, uint32_t rows, u
 			spare->plane[3], spare->width };
 	}
 	size_t at = (size_t)row * l->columns + first;
-	return (struct strip){
-		g->x_m + at, g->y_m + at, g->z_m + at, g->range_m + at, l->columns };
+	return (struct strip){ g->x_m + at, g->y_m + at, g->z_m + at, g->range_m + at, l->columns };
 }
 
 void sums_of_grid(
@@ -222,11 +223,11 @@ static void merge_cells(const struct sums *b, const size_t from[4], struct sums 
 			d[k] = b->plane[SUM_X + k][from[i]] - mean[k];
 		for (int k = 0, j = 0; j < 3; j++)
 			for (int m = j; m < 3; m++, k++)
-				products[k] += n > 0 ? b->plane[SUM_XX + k][from[i]] + n * d[j] * d[m] : 0;
+				products[k] +=
+					n > 0 ? b->plane[SUM_XX + k][from[i]] + n * d[j] * d[m] : 0;
 	}
 	to->plane[SUM_COUNT][at] = count;
-	to->plane[SUM_RANGE][at] =
-		sqrtf(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]);
+	to->plane[SUM_RANGE][at] = sqrtf(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]);
 	for (int k = 0; k < 3; k++)
 		to->plane[SUM_X + k][at] = mean[k];
 	for (int k = 0; k < 6; k++)
@@ -293,10 +294,11 @@ INLINE void add_cells(const struct sums *s, size_t middle, ptrdiff_t step, float
 /* Fewer points than this, or a middle cell without one, make no plane. */
 #define PLANE_POINTS_MIN 5
 
-INLINE void fit_windows(const struct sums *s, size_t middle, const struct window *w,
-	uint32_t first, float *ret[FIT_PLANES])
+INLINE void fit_windows(const struct sums *s, size_t middle, const struct window *w, uint32_t first,
+	float *ret[FIT_PLANES])
 {
-	const float *restrict x0 = s->plane[SUM_X] + middle, *restrict y0 = s->plane[SUM_Y] + middle,
+	const float *restrict x0 = s->plane[SUM_X] + middle,
+			      *restrict y0 = s->plane[SUM_Y] + middle,
 			      *restrict z0 = s->plane[SUM_Z] + middle;
 	const float *restrict r0 = s->plane[SUM_RANGE] + middle;
 	float out[FIT_PLANES][CHUNK];
@@ -313,13 +315,11 @@ INLINE void fit_windows(const struct sums *s, size_t middle, const struct window
 		float nx = axx * vx + axy * vy + axz * vz, ny = axy * vx + ayy * vy + ayz * vz,
 		      nz = axz * vx + ayz * vy + azz * vz;
 		float det = fmaxf(xx * axx + xy * axy + xz * axz, 0);
-		float along = nx * vx + ny * vy + nz * vz, length = sqrtf(nx * nx + ny * ny + nz * nz);
+		float along = nx * vx + ny * vy + nz * vz,
+		      length = sqrtf(nx * nx + ny * ny + nz * nz);
 		bool good = n >= PLANE_POINTS_MIN && r0[i] > 0 && along > 0 && length > 0;
 		float back = -1 / fmaxf(length, 1e-30f);
 		out[FIT_COUNT][i] = good ? n : 0;
-		out[FIT_X][i] = x0[i] + mx;
-		out[FIT_Y][i] = y0[i] + my;
-		out[FIT_Z][i] = z0[i] + mz;
 		out[FIT_NX][i] = nx * back;
 		out[FIT_NY][i] = ny * back;
 		out[FIT_NZ][i] = nz * back;
@@ -337,16 +337,17 @@ INLINE void fit_chunk(const struct sums *s, uint32_t row, uint32_t first, float 
 	size_t middle = sums_at(s, row, first);
 	for (ptrdiff_t down = -1; down <= 1; down++)
 		for (ptrdiff_t across = -1; across <= 1; across++)
-			add_cells(s, middle, down * (ptrdiff_t)s->stride + across, slack_m, slope, &w);
+			add_cells(s, middle, down * (ptrdiff_t)s->stride + across, slack_m, slope,
+				&w);
 	fit_windows(s, middle, &w, first, ret);
 }
 
-#define FIT_ROW(name, attributes) \
-	attributes static void name(const struct sums *s, uint32_t row, float slack_m, float slope, \
-		float *ret[FIT_PLANES]) \
-	{ \
-		for (uint32_t first = 0; first < s->columns; first += CHUNK) \
-			fit_chunk(s, row, first, slack_m, slope, ret); \
+#define FIT_ROW(name, attributes)                                                                  \
+	attributes static void name(const struct sums *s, uint32_t row, float slack_m,             \
+		float slope, float *ret[FIT_PLANES])                                               \
+	{                                                                                          \
+		for (uint32_t first = 0; first < s->columns; first += CHUNK)                       \
+			fit_chunk(s, row, first, slack_m, slope, ret);                             \
 	}
 FIT_ROW(fit_row_wide, WIDE)
 FIT_ROW(fit_row_portable, )

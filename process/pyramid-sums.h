@@ -7,7 +7,7 @@
 enum {
 	SUM_COUNT,
 	SUM_RANGE, /* of the mean */
-	SUM_X, /* the mean */
+	SUM_X,     /* the mean */
 	SUM_Y,
 	SUM_Z,
 	SUM_XX, /* sums of products about it */
@@ -28,10 +28,7 @@ struct sums {
 /* What is fitted to a row of cells; planes of `columns` each. */
 enum {
 	FIT_COUNT, /* of points; 0: no plane */
-	FIT_X,	   /* on the plane */
-	FIT_Y,
-	FIT_Z,
-	FIT_NX, /* unit, towards the scanner */
+	FIT_NX,    /* unit, towards the scanner */
 	FIT_NY,
 	FIT_NZ,
 	FIT_VARIANCE, /* along the beam, m2 */
@@ -45,7 +42,8 @@ static inline size_t sums_at(const struct sums *s, uint32_t row, uint32_t column
 }
 
 /* Blocks of across x down lattice cells. across is 1, 2, 4 or 8. */
-void sums_of_grid(const range_grid *g, uint32_t across, uint32_t down, bool portable, struct sums *ret);
+void sums_of_grid(
+	const range_grid *g, uint32_t across, uint32_t down, bool portable, struct sums *ret);
 void sums_of_level_below(const struct sums *below, bool wraps, struct sums *ret);
 void sums_clear(struct sums *s);
 

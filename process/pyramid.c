@@ -6,10 +6,10 @@
 #define BLOCK_MAX    8u
 /* Neighbours on one surface: to an incidence of 80 degrees, or within the noise. */
 #define SLACK_M 0.05f
-#define SLOPE	5.7f
+#define SLOPE   5.7f
 /* Planes met at a smaller slant than this tell little and are widest. */
-#define COSINE_MIN 0.08f
-#define NOISE_BINS 4096
+#define COSINE_MIN  0.08f
+#define NOISE_BINS  4096
 #define NOISE_BIN_M 5e-5
 
 void pyramid_free(pyramid *p)
@@ -75,11 +75,11 @@ static double noise_of(const struct fits *f, size_t count)
 }
 
 /* What the points deviate from the plane beyond the noise is the surface's own and does not average out. */
-static float deviation(float count, float variance, float cosine, float noise2)
+static float deviation(float own_count, float count, float variance, float cosine, float noise2)
 {
 	float sure = noise2 * (1 + 2 * sqrtf(2 / fmaxf(count - 3, 1)));
-	float own = fmaxf(variance - sure, 0);
-	return cosine * sqrtf(noise2 / count + own);
+	float uneven = fmaxf(variance - sure, 0);
+	return cosine * sqrtf(noise2 / own_count + uneven);
 }
 
 static void pack_level(
@@ -93,14 +93,17 @@ static void pack_level(
 		for (uint32_t c = 0; c < s->columns; c++) {
 			size_t i = (size_t)r * s->columns + c;
 			float *const *p = f->plane;
+			size_t at = sums_at(s, r, c);
 			bool good = p[FIT_COUNT][i] > 0 && p[FIT_COSINE][i] > COSINE_MIN;
 			ret->surfel[i] = (struct surfel){
-				.point_m = { p[FIT_X][i], p[FIT_Y][i], p[FIT_Z][i] },
+				.point_m = { s->plane[SUM_X][at], s->plane[SUM_Y][at],
+					s->plane[SUM_Z][at] },
 				.normal = { p[FIT_NX][i], p[FIT_NY][i], p[FIT_NZ][i] },
-				.sigma_m = good ? deviation(p[FIT_COUNT][i], p[FIT_VARIANCE][i],
-							  p[FIT_COSINE][i], noise2)
-						: 0,
-				.range_m = s->plane[SUM_RANGE][sums_at(s, r, c)],
+				.sigma_m =
+					good ? deviation(s->plane[SUM_COUNT][at], p[FIT_COUNT][i],
+						       p[FIT_VARIANCE][i], p[FIT_COSINE][i], noise2)
+					     : 0,
+				.range_m = s->plane[SUM_RANGE][at],
 			};
 		}
 }

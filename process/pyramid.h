@@ -17,9 +17,11 @@
 #define PYRAMID_LEVELS 6
 
 struct surfel {
-	float point_m[3]; /* on the plane: the mean of the points it was fitted to */
-	float normal[3];  /* unit, towards the scanner */
-	/* Standard deviation of the plane along its normal, from the noise and the number of points; of what is no plane
+	/* Mean of the cell's own points. Not of all that the plane was fitted to: on a vault that mean lies inside the curve,
+	 * the further the longer the window, so two scans would see the vault at different places. */
+	float point_m[3];
+	float normal[3]; /* unit, towards the scanner */
+	/* Standard deviation of the point along the normal, from the noise and the number of points; of what is no plane
 	 * (foliage, an edge), of the points themselves. 0: no plane. */
 	float sigma_m;
 	float range_m; /* of what the cell itself looks at; 0: nothing */
