@@ -87,6 +87,11 @@ void fine_scan_free(fine_scan *s)
 	g_free(s);
 }
 
+const pyramid *fine_scan_pyramid(const fine_scan *s)
+{
+	return s->pyramid;
+}
+
 /* ---- steps ---- */
 
 static void sum_both_ways(const fine_scan *a, const fine_scan *b, size_t stage,
