@@ -2,6 +2,7 @@
 #define PROCESS_FINE_H
 /* Fine alignment of two scans from a start that is nearly right: projective point-to-plane on the range grids, from coarse
  * levels to fine ones. */
+#include "process/pyramid.h"
 #include "process/range-grid.h"
 
 /* What alignment needs of a scan: a pyramid of points and normals. Made once per scan, then used for all its pairs. Const
@@ -10,6 +11,7 @@ typedef struct fine_scan fine_scan;
 fine_scan *fine_scan_new(const range_grid *g);
 void fine_scan_free(fine_scan *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(fine_scan, fine_scan_free)
+const pyramid *fine_scan_pyramid(const fine_scan *s); /* the scan's; lives as long */
 
 enum fine_reach {
 	FINE_FROM_COARSE, /* the start may be off by 3 m and 15 degrees */
