@@ -20,7 +20,9 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(coarse_scan, coarse_scan_free)
 
 struct coarse_candidate {
 	struct pose pose; /* takes b's scanner frame to a's */
-	double score;     /* 0..1: comparable between candidates of one pair */
+	/* 0..1: agreement over agreement and conflict, where conflict weighs three times; comparable between candidates of one
+	 * pair. */
+	double score;
 };
 
 struct coarse_options {

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TURNS 120
+#define TURNS     120
 #define FACING    (9 * G_PI / 180) /* headings this near may be one surface */
 #define CHANNELS  4
 #define SHIFT_M   0.5f
