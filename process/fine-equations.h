@@ -9,11 +9,11 @@
 struct equations {
 	double matrix[6][6]; /* the upper half is summed, equations_mirror fills the lower */
 	double right[6];
-	double slope[6][6];       /* of the right side, negative; only where tiles are summed */
-	double weight;            /* sum of weights */
-	double point_m[3];        /* sum of weight * point */
-	double square_m2;         /* sum of weight * point^2 */
-	double robust_m2, robust; /* of residual^2 and 1, weighted by the kernel alone */
+	double slope[6][6];  /* of the right side, negative; only where tiles are summed */
+	double weight;       /* sum of weights */
+	double point_m[3];   /* sum of weight * point */
+	double square_m2;    /* sum of weight * point^2 */
+	double distance2_m2; /* sum of weight * distance^2 */
 	uint32_t pairs;
 };
 

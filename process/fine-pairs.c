@@ -192,8 +192,7 @@ INLINE void add_row(const struct row *row, float scale2, struct equations *e, do
 	for (int k = 0; k < 3; k++)
 		e->point_m[k] += (double)w * row->q[k];
 	e->square_m2 += (double)w * dot(row->q, row->q);
-	e->robust += kernel;
-	e->robust_m2 += kernel * row->e * row->e;
+	e->distance2_m2 += (double)w * row->e * row->e;
 	e->pairs++;
 }
 
@@ -209,9 +208,34 @@ INLINE size_t tile_of(const float point[3])
 	return row * PAIRS_TILES_ACROSS + column;
 }
 
+/* Seen through: what stands at this range is nearer than all that the cells around saw. */
+#define THROUGH_M     0.3f
+#define THROUGH_SHARE 0.1f
+
+INLINE void look_at(const struct pyramid_level *l, const struct place *at, float range_m,
+	struct pairs_look *look)
+{
+	const struct surfel *middle = &l->surfel[(size_t)at->row * l->columns + at->column];
+	if (!(middle->range_m > 0))
+		return;
+	look->seen++;
+	float beyond = range_m * (1 + THROUGH_SHARE) + THROUGH_M;
+	if (!(middle->range_m > beyond))
+		return;
+	for (int32_t r = at->row - 1; r <= at->row + 1; r++)
+		for (int32_t c = at->column - 1; c <= at->column + 1; c++) {
+			if (r < 0 || c < 0 || r >= (int32_t)l->rows || c >= (int32_t)l->columns)
+				continue;
+			float range = l->surfel[(size_t)r * l->columns + c].range_m;
+			if (range > 0 && range <= beyond)
+				return;
+		}
+	look->seen_through++;
+}
+
 void pairs_sum(const struct pairing *how, const struct sample *samples, size_t count,
 	const pyramid *into, const struct pose *pose, bool samples_are_b, struct equations *ret,
-	float *ret_residual, size_t *ret_seen, double (*ret_tile)[6])
+	float *ret_residual, struct pairs_look *ret_look, double (*ret_tile)[6])
 {
 	struct pose inverse = pose_inverse(pose);
 	struct motion forth = motion_of(pose), there = samples_are_b ? forth : motion_of(&inverse);
@@ -220,7 +244,7 @@ void pairs_sum(const struct pairing *how, const struct sample *samples, size_t c
 	      scale2 = (float)(how->scale * how->scale);
 	float cell = (float)fmax(into->column_rad, into->row_rad),
 	      reach = (float)(3 * how->slack_m);
-	size_t seen = 0;
+	struct pairs_look look = { 0 };
 	for (size_t i = 0; i < count; i++) {
 		const struct sample *s = &samples[i];
 		float q[3], n[3];
@@ -232,7 +256,7 @@ void pairs_sum(const struct pairing *how, const struct sample *samples, size_t c
 			continue;
 		const struct pyramid_level *l = &into->level[at.level];
 		const struct surfel *middle = &l->surfel[(size_t)at.row * l->columns + at.column];
-		seen += middle->range_m > 0;
+		look_at(l, &at, sqrtf(dot(q, q)), &look);
 		turn(&there, s->normal, n);
 		float apart = reach + 2.5f * cell * (float)(1 << at.level) * sqrtf(dot(q, q));
 		struct found best = { NULL, apart * apart };
@@ -258,6 +282,8 @@ void pairs_sum(const struct pairing *how, const struct sample *samples, size_t c
 			ret_residual[i] = row.e / sqrtf(row.sigma2);
 		add_row(&row, scale2, ret, ret_tile ? ret_tile[tile_of(row.q)] : NULL);
 	}
-	if (ret_seen)
-		*ret_seen += seen;
+	if (ret_look) {
+		ret_look->seen += look.seen;
+		ret_look->seen_through += look.seen_through;
+	}
 }

@@ -22,15 +22,20 @@ struct pairing {
 /* The level whose cells are about pitch_m wide at this range. */
 int pairing_level(const pyramid *p, double pitch_m, float range_m);
 
+struct pairs_look {
+	size_t seen, seen_through;
+};
+
 /* Sums the samples of `from`, which are b's (then the pyramid is a's), or a's. pose takes b to a; a_to_b then is its inverse.
- * ret_residual may be NULL, else takes the normalised residual of each sample, NAN where there is no pair; ret_seen counts
- * the samples that look into the other's view. ret_tile may be NULL, else has PAIRS_TILES rows and gets the right side's
+ * ret_residual may be NULL, else takes the normalised residual of each sample, NAN where there is no pair; ret_look
+ * may be NULL, else counts the samples that look into the other's view, and those of them that stand where the other saw
+ * through. ret_tile may be NULL, else has PAIRS_TILES rows and gets the right side's
  * sums over tiles of a's view. */
 #define PAIRS_TILES_ACROSS 72 /* 5 degrees */
 #define PAIRS_TILES_DOWN   36
 #define PAIRS_TILES        (PAIRS_TILES_ACROSS * PAIRS_TILES_DOWN)
 void pairs_sum(const struct pairing *how, const struct sample *samples, size_t count,
 	const pyramid *into, const struct pose *pose, bool samples_are_b, struct equations *ret,
-	float *ret_residual, size_t *ret_seen, double (*ret_tile)[6]);
+	float *ret_residual, struct pairs_look *ret_look, double (*ret_tile)[6]);
 
 #endif

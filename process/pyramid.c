@@ -4,6 +4,7 @@
 /* Cells of level 0 are at most this wide: finer scans are summed up in blocks. */
 #define CELL_MAX_RAD (0.5 * G_PI / 180)
 #define BLOCK_MAX    8u
+#define FILLED_MIN   0.6
 /* Neighbours on one surface: to an incidence of 80 degrees, or within the noise. */
 #define SLACK_M 0.05f
 #define SLOPE   5.7f
@@ -21,11 +22,38 @@ void pyramid_free(pyramid *p)
 	g_free(p);
 }
 
-static uint32_t block_for(double cell_rad)
+static bool lattice_has(const range_grid *g, uint32_t row, uint32_t column)
 {
+	const struct range_lattice *l = &g->lattice;
+	size_t at = (size_t)row * l->columns + column;
+	uint32_t cell = l->cell ? l->cell[at] : (uint32_t)at;
+	return cell != RANGE_GRID_NONE && g->range_m[cell] > 0;
+}
+
+/* Share of the points that have another one so many cells away; of a sample. */
+static double neighbours_share(const range_grid *g, uint32_t across, uint32_t down)
+{
+	const struct range_lattice *l = &g->lattice;
+	size_t points = 0, beside = 0;
+	for (uint32_t r = 0; r + down < l->rows; r += 7)
+		for (uint32_t c = r % 5; c + across < l->columns; c += 5) {
+			if (!lattice_has(g, r, c))
+				continue;
+			points++;
+			beside += lattice_has(g, r + down, c + across);
+		}
+	return points ? (double)beside / points : 1;
+}
+
+/* A grid may be finer than the beams that filled it. Then cells are wide enough to hold one. */
+static uint32_t block_for(const range_grid *g, bool across)
+{
+	double cell_rad = across ? g->lattice.column_rad : g->lattice.row_rad;
 	uint32_t block = 1;
 	while (block < BLOCK_MAX && 2 * block * cell_rad <= CELL_MAX_RAD)
 		block *= 2;
+	if (block == 1 && neighbours_share(g, across, !across) < FILLED_MIN)
+		block = 2;
 	return block;
 }
 
@@ -122,7 +150,7 @@ static pyramid *make(const range_grid *g, bool portable)
 {
 	const struct range_lattice *l = &g->lattice;
 	pyramid *p = g_new0(pyramid, 1);
-	uint32_t across = block_for(l->column_rad), down = block_for(l->row_rad);
+	uint32_t across = block_for(g, true), down = block_for(g, false);
 	p->column_rad = l->column_rad * across;
 	p->row_rad = l->row_rad * down;
 	p->azimuth_min_rad = l->azimuth_min_rad;
