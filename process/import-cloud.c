@@ -365,19 +365,19 @@ static bool look_over(import_cloud *c, bool *ret_map, GError **error)
 				   "none of its points has finite coordinates other than 0 0 0");
 }
 
-/* Whole metres at the first point, where coordinates are a map's. */
+/* Whole metres at the first point, along the axes where coordinates are a map's: the others stay as exact as they are. */
 static void set_origin(import_cloud *c)
 {
 	uint64_t i = 0;
 	while (!is_there(&c->raw[i]))
 		i++;
-	const double *p = c->raw[i].xyz_m;
-	bool local =
-		fabs(p[0]) <= LOCAL_MAX_M && fabs(p[1]) <= LOCAL_MAX_M && fabs(p[2]) <= LOCAL_MAX_M;
-	for (int k = 0; k < 3 && !local; k++)
-		c->scan.origin_m[k] = rint(p[k]);
-	if (!local)
+	for (int k = 0; k < 3; k++) {
+		double at_m = c->raw[i].xyz_m[k];
+		if (fabs(at_m) <= LOCAL_MAX_M)
+			continue;
+		c->scan.origin_m[k] = rint(at_m);
 		c->scan.has_pose = true;
+	}
 }
 
 bool import_cloud_finish(import_cloud *c, GError **error)
