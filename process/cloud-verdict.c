@@ -14,6 +14,7 @@
 #define AGREE_MIN         300
 #define OVERLAP_MIN_FREE  0.25
 #define OVERLAP_MIN_BLIND 0.50
+#define SHARE_MIN_BLIND   0.40 /* of the surfaces of each direction */
 #define AGREEMENT_MIN     0.90
 #define BALANCE_MIN_FREE  0.03
 #define BALANCE_MIN_BLIND 0.08
@@ -153,6 +154,29 @@ static void sum_equations(const struct cloud_evidence *e, struct sums *s)
 	}
 }
 
+/* Of the points of b whose normals are nearest to each of three axes the share that agrees; the least of the three. Ground agrees
+ * with ground anywhere: what stands on it must, too. */
+static double least_share(const struct cloud_evidence *e, double axes[6][6])
+{
+	double agree[3] = { 0 }, all[3] = { 0 }, least = 1;
+	for (size_t i = 0; i < e->count; i++) {
+		const struct cloud_partner *t = &e->partners[i];
+		int nearest = 0;
+		double most = -1;
+		for (int k = 0; k < 3; k++) {
+			double axis[3] = { axes[0][k], axes[1][k], axes[2][k] },
+			       along = fabs(dot(axis, t->b_normal));
+			if (along > most)
+				most = along, nearest = k;
+		}
+		all[nearest]++;
+		agree[nearest] += agrees(t, e->voxel_m);
+	}
+	for (int k = 0; k < 3; k++)
+		least = fmin(least, all[k] > 0 ? agree[k] / all[k] : 0);
+	return least;
+}
+
 /* ---- how well the pose is held ---- */
 
 /* From about the mean of the points to about a's origin: t' = t + mean x w, to first order. */
@@ -277,12 +301,15 @@ static void look_both_ways(const struct cloud_evidence *e, struct cloud_align_re
 
 /* ---- the verdict ---- */
 
-static enum verdict choose(const struct cloud_align_result *r, double n, double voxel_m)
+static enum verdict choose(
+	const struct cloud_align_result *r, double n, double least, double voxel_m)
 {
 	const struct verification *v = &r->verification;
 	bool free = r->free_space;
 	if (n < AGREE_MIN || v->overlap < (free ? OVERLAP_MIN_FREE : OVERLAP_MIN_BLIND))
 		return VERDICT_NO_OVERLAP;
+	if (!free && least < SHARE_MIN_BLIND)
+		return VERDICT_CONFLICT;
 	if (free && v->agreement < AGREEMENT_MIN)
 		return VERDICT_CONFLICT;
 	if (v->balance < (free ? BALANCE_MIN_FREE : BALANCE_MIN_BLIND) ||
@@ -296,7 +323,7 @@ static enum verdict choose(const struct cloud_align_result *r, double n, double 
 	return VERDICT_ACCEPTED;
 }
 
-static void explain(struct cloud_align_result *r)
+static void explain(struct cloud_align_result *r, double least)
 {
 	struct verification *v = &r->verification;
 	const char *blind = r->free_space ? ""
@@ -314,8 +341,14 @@ static void explain(struct cloud_align_result *r)
 			blind);
 		break;
 	case VERDICT_CONFLICT:
-		snprintf(into, room, "%.0f %% of what both saw stands where the other saw through",
-			100 * (1 - v->agreement));
+		if (!r->free_space)
+			snprintf(into, room,
+				"of the surfaces of one direction only %.0f %% agree%s",
+				100 * least, blind);
+		else
+			snprintf(into, room,
+				"%.0f %% of what both saw stands where the other saw through",
+				100 * (1 - v->agreement));
 		break;
 	case VERDICT_SLIDING:
 		snprintf(into, room,
@@ -352,8 +385,9 @@ void cloud_verdict(const struct cloud_evidence *e, struct cloud_align_result *re
 	ret->fine.rms_m = v->rms_m;
 	ret->fine.pairs = (uint32_t)s.n;
 	ret->fine.inlier_share = s.n / (double)e->count;
-	v->verdict = choose(ret, s.n, e->voxel_m);
-	explain(ret);
+	double least = least_share(e, vectors);
+	v->verdict = choose(ret, s.n, least, e->voxel_m);
+	explain(ret, least);
 }
 
 void cloud_verdict_none(struct cloud_align_result *ret, const char *why)
