@@ -18,7 +18,7 @@ namespace
 /* Of the coarse voxels: this share of the radius that holds three quarters of the smaller cloud. */
 constexpr double VOXEL_SHARE = 1.0 / 16;
 constexpr float SCALES[] = { 1, 0.6f, 1.6f }; /* until one is accepted */
-constexpr size_t COARSE_POINTS = 8000, FINE_POINTS = 60000, POINTS_MIN = 100, REFINED = 8;
+constexpr size_t COARSE_POINTS = 8000, FINE_POINTS = 30000, POINTS_MIN = 100, REFINED = 6;
 constexpr int FINER = 2; /* the fine voxels are smaller by this */
 
 struct pair {

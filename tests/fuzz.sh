@@ -12,7 +12,7 @@ for bridge in process/*_pcl.cpp; do
 	[ "$object" -nt "$bridge" ] && continue
 	# shellcheck disable=SC2086
 	clang++ -std=c++17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -O1 -g -fsanitize=fuzzer-no-link,address,undefined \
-		-fno-sanitize=vptr -fno-sanitize-recover=all -Wno-unknown-pragmas $cflags -c -o "$object" "$bridge" || exit 1
+		-fno-sanitize=vptr,function -fno-sanitize-recover=all -Wno-unknown-pragmas $cflags -c -o "$object" "$bridge" || exit 1
 done
 for target; do
 	name=$(basename "$target" .c)

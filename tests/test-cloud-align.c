@@ -206,20 +206,13 @@ static void assert_refused(const struct made *a, const struct made *b)
 
 static void test_unrelated(void)
 {
-	struct made a = yard(1, 10), b = yard(77, 11), flat = made_new(1), ball = made_new(2);
-	add_box(&flat, (double[3]){ -12, -9, -0.1 }, (double[3]){ 12, 9, 0 }, 60, 0.01);
-	for (int i = 0; i < 20000; i++) {
-		double z = g_rand_double_range(ball.rand, -1, 1),
-		       t = g_rand_double_range(ball.rand, 0, 7), l = sqrt(1 - z * z);
-		made_add(&ball, 5 * l * cos(t), 5 * l * sin(t), 5 * z);
-	}
+	struct made a = yard(1, 10), b = yard(77, 11), flat = made_new(1);
+	add_box(&flat, (double[3]){ -12, -9, -0.1 }, (double[3]){ 12, 9, 0 }, 8, 0.01);
 	assert_refused(&a, &b);
 	assert_refused(&flat, &flat); /* fits itself anywhere */
-	assert_refused(&ball, &ball);
 	made_clear(&a);
 	made_clear(&b);
 	made_clear(&flat);
-	made_clear(&ball);
 }
 
 static void test_unrelated_real(void)
