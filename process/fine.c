@@ -121,6 +121,11 @@ void fine_scan_free(fine_scan *s)
 	g_free(s);
 }
 
+const pyramid *fine_scan_pyramid(const fine_scan *s)
+{
+	return s->pyramid;
+}
+
 /* ---- steps ---- */
 
 /* Of the samples of a scan: what they are looked for in has cells of the same width. */

@@ -8,6 +8,7 @@
  * the other scan's pyramid by its direction. Both ways, in Gauss-Newton steps, with a Geman-McClure kernel whose width falls
  * from step to step. Weights come from the noise along the beam and the incidence, so ground met at a slant, where a range
  * tells height best, counts for what it is worth, and foliage for next to nothing. */
+#include "process/pyramid.h"
 #include "process/range-grid.h"
 
 /* What alignment needs of a scan: a pyramid of points and normals. Made once per scan, then used for all its pairs. Const
@@ -16,6 +17,7 @@ typedef struct fine_scan fine_scan;
 fine_scan *fine_scan_new(const range_grid *g);
 void fine_scan_free(fine_scan *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(fine_scan, fine_scan_free)
+const pyramid *fine_scan_pyramid(const fine_scan *s); /* the scan's; lives as long */
 
 enum fine_reach {
 	FINE_FROM_COARSE, /* the start may be off by 3 m and 15 degrees */
