@@ -4,6 +4,8 @@
  * of that fit, curvature. Planes of cells like those of the range grid that they were made from. */
 #include "process/range-grid.h"
 
+#define GEOMETRY_RADIUS_M 0.06f
+
 typedef struct geometry geometry;
 struct geometry {
 	uint32_t columns, rows;
