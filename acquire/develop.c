@@ -1,26 +1,31 @@
 #include "acquire/develop.h"
 #include "acquire/colour.h"
+#include "acquire/lidar-delay.h"
 #include <math.h>
 #include <string.h>
 
 /* Gaps up to this many cells are filled: a lidar with beams a third of a degree apart leaves two
  * rows of a fine grid. */
 #define FILL_REACH               4u
-#define FRACTION_LEARN           0.3
-#define FRACTION_PLACE           0.4
+#define FRACTION_LEARN           0.2
+#define FRACTION_PLACE           0.25
 #define ENTRIES_BETWEEN_PROGRESS 256
 
 struct developing {
 	panorama *panorama;
-	GArray *photos; /* of struct photo, pixels in the mapped record */
+	GArray *photos;     /* of struct photo, pixels in the mapped record */
+	lidar_delay *delay; /* NULL once it is known */
 };
 
 static void take_line(
 	const struct scanline *line, const struct placed_line *placed, gpointer user_data)
 {
 	struct developing *d = user_data;
-	(void)line;
-	if (placement_is_usable(placed, d->panorama->desc.columns))
+	bool forth = placed->turn_rad >= 0,
+	     usable = placement_is_usable(placed, d->panorama->desc.columns);
+	if (d->delay && (usable || !forth))
+		lidar_delay_add(d->delay, line, placed);
+	if (usable && forth)
 		panorama_add(d->panorama, placed->azimuth_rad, placed->elevation_rad,
 			placed->range_m, placed->intensity, placed->beams);
 }
@@ -83,29 +88,62 @@ static void fill_result(stream *s, struct develop_result *result)
 	g_strlcpy(result->protocol, stream_protocol(s), sizeof result->protocol);
 }
 
+/* All beams onto the grid; what went back over it tells how late the lidar's stamps are. */
+static bool place_all(stream *s, struct developing *d, const char *path,
+	const struct develop_options *o, double from, struct develop_result *result,
+	record_reader **ret_reader, GError **error)
+{
+	g_array_set_size(d->photos, 0);
+	stream_rewind(s);
+	return feed_all(s, path, o, from, FRACTION_PLACE, result, ret_reader, error);
+}
+
+/* Once more, with the delay taken off. */
+static bool place_on_time(stream *s, struct developing *d, const char *path,
+	const struct develop_options *o, struct develop_result *result, record_reader **reader,
+	GError **error)
+{
+	result->delay_known = lidar_delay_estimate(d->delay, d->panorama, &result->delay);
+	d->delay = NULL;
+	if (!result->delay_known)
+		return true;
+	panorama *again = panorama_new(&o->desc, error);
+	if (!again)
+		return false;
+	panorama_free(d->panorama);
+	d->panorama = again;
+	g_clear_pointer(reader, record_reader_free);
+	stream_advance_lidar(s, llround(result->delay.delay_s * 1e9));
+	return place_all(s, d, path, o, FRACTION_LEARN + FRACTION_PLACE, result, reader, error);
+}
+
+static void finish(stream *s, struct developing *d, struct develop_result *result)
+{
+	fill_result(s, result);
+	panorama_fill(d->panorama, FILL_REACH);
+	if (stream_calibration(s) && stream_calibration(s)->has_camera)
+		colour_panorama(d->panorama, (const struct photo *)(void *)d->photos->data,
+			d->photos->len, stream_calibration(s));
+	result->photos = d->photos->len;
+}
+
 panorama *develop_record(const char *path, const struct develop_options *o,
 	struct develop_result *ret_result, GError **error)
 {
 	struct develop_result result = { 0 };
-	g_autoptr(panorama) p = panorama_new(&o->desc, error);
-	if (!p)
-		return NULL;
 	g_autoptr(GArray) photos = g_array_new(FALSE, FALSE, sizeof(struct photo));
-	struct developing d = { p, photos };
+	g_autoptr(lidar_delay) delay = lidar_delay_new();
+	struct developing d = { panorama_new(&o->desc, error), photos, delay };
 	struct stream_sink sink = { .line = take_line, .frame = take_frame, .user_data = &d };
 	g_autoptr(stream) s = stream_new(STREAM_LEARN_FIRST, &sink);
 	g_autoptr(record_reader) first = NULL, second = NULL;
-	if (!feed_all(s, path, o, 0, FRACTION_LEARN, &result, &first, error))
+	bool good = d.panorama && feed_all(s, path, o, 0, FRACTION_LEARN, &result, &first, error) &&
+		    place_all(s, &d, path, o, FRACTION_LEARN, &result, &second, error) &&
+		    place_on_time(s, &d, path, o, &result, &second, error);
+	g_autoptr(panorama) p = d.panorama;
+	if (!good)
 		return NULL;
-	stream_rewind(s);
-	if (!feed_all(s, path, o, FRACTION_LEARN, FRACTION_PLACE, &result, &second, error))
-		return NULL;
-	fill_result(s, &result);
-	panorama_fill(p, FILL_REACH);
-	if (stream_calibration(s) && stream_calibration(s)->has_camera)
-		colour_panorama(p, (const struct photo *)(void *)photos->data, photos->len,
-			stream_calibration(s));
-	result.photos = photos->len;
+	finish(s, &d, &result);
 	say(o, 1);
 	if (ret_result)
 		*ret_result = result;

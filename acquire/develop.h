@@ -3,6 +3,7 @@
 /* Developing makes the panorama out of a record: all clocks and all stage pulses are read first,
  * then every beam is placed with what is known of the whole scan, gaps are filled and marked, and
  * the photos give the colour. The same record gives the same panorama. */
+#include "acquire/lidar-delay.h"
 #include "acquire/panorama.h"
 #include "acquire/stream.h"
 
@@ -20,6 +21,8 @@ struct develop_result {
 	struct lidar_identity lidar;
 	char protocol[16];
 	uint32_t photos;
+	bool delay_known; /* delay was measured, and taken off */
+	struct lidar_delay_result delay;
 	bool cut; /* the record ends inside an entry */
 };
 void develop_result_clear(struct develop_result *r);

@@ -55,7 +55,8 @@ static double move_seconds(double angle, double rate, double acceleration)
 }
 
 /* The stage's part of a scan without losses. After homing it rolls on while it ramps down, so it
- * has to come back before it can run up to the first column; the lidar streams already then. */
+ * has to come back before it can run up to the first column; the lidar streams already then, and
+ * again on the way home. */
 struct itinerary {
 	double home_s, back_s, pass_s, photos_s, travel_s;
 	double turned_rad;
@@ -79,7 +80,7 @@ static double record_bytes(const struct itinerary *i, const struct preset *prese
 	const struct driver *driver, const struct lidar_identity *lidar,
 	const struct calibration *c)
 {
-	double turns = (i->back_s + i->pass_s) * lidar->scan_rate_hz,
+	double turns = (i->back_s + i->pass_s + i->travel_s) * lidar->scan_rate_hz,
 	       steps = i->turned_rad / (2 * G_PI) * c->stage.steps_per_turn,
 	       moving_s = i->home_s + i->back_s + i->pass_s + i->photos_s + i->travel_s,
 	       frame = 1.5 * c->camera.width * c->camera.height;

@@ -32,7 +32,7 @@ static void take_line(
 {
 	run *r = user_data;
 	(void)line;
-	if (!placement_is_usable(placed, r->options.preset->columns))
+	if (placed->turn_rad < 0 || !placement_is_usable(placed, r->options.preset->columns))
 		return;
 	coverage_add(r->coverage, placed->azimuth_rad, placed->elevation_rad, placed->beams);
 	panorama_add(r->preview, placed->azimuth_rad, placed->elevation_rad, placed->range_m,
@@ -429,12 +429,43 @@ static bool take_photos(run *r, GError **error)
 	return true;
 }
 
+/* The scan is whole by then: what the lidar may come back from costs nothing any more. Takes the
+ * error. */
+static bool forgive(GError *failed, GError **error)
+{
+	if (failed && !can_recover(failed)) {
+		g_propagate_error(error, failed);
+		return false;
+	}
+	g_clear_error(&failed);
+	return true;
+}
+
+static bool look_back(run *r, GError **error)
+{
+	GError *failed = NULL;
+	g_autofree char *pause = stream_pause_text();
+	if (!pump_mark(&r->pump, pause, error))
+		return false;
+	if (start_lidar(r, &failed) && go(r, 0, r->pace.travel_rad_s, &failed))
+		r->pump.driver->stop(&r->pump, &failed);
+	r->streaming = false;
+	return forgive(failed, error);
+}
+
+/* On the way the lidar looks at everything once more, backwards: that tells how late its stamps are
+ * (lidar-delay.h). */
+static bool go_home(run *r, GError **error)
+{
+	doing(r, "going home");
+	return (!r->pump.lidar_open || look_back(r, error)) &&
+	       go(r, 0, r->pace.travel_rad_s, error);
+}
+
 bool run_scan(run *r, GError **error)
 {
-	if (!home(r, error) || !scan_columns(r, error) || !take_photos(r, error))
-		return false;
-	doing(r, "going home");
-	return go(r, 0, r->pace.travel_rad_s, error);
+	return home(r, error) && scan_columns(r, error) && take_photos(r, error) &&
+	       go_home(r, error);
 }
 
 uint32_t run_missing_columns(const run *r)

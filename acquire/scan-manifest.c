@@ -2,6 +2,7 @@
 #include "acquire/planes.h"
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
+#include "firmware-io/sha256.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -70,6 +71,8 @@ static void set_lidar(manifest *m, const struct develop_result *d)
 	manifest_set_int(m, "lidar.beams", d->lidar.beams);
 	manifest_set_number(m, "lidar.beam_step_deg", fabs(d->lidar.angle_step_rad) / DEGREE);
 	manifest_set_number(m, "lidar.clock_drift_ppm", d->report.drift_ppm);
+	if (d->delay_known)
+		manifest_set_number(m, "lidar.delay_us", 1e6 * d->delay.delay_s);
 }
 
 static void set_report(manifest *m, const struct develop_result *d)
@@ -117,8 +120,7 @@ static char *hash_file(const char *path, int64_t *ret_bytes, GError **error)
 	if (!file)
 		return g_prefix_error(error, "%s: ", path), NULL;
 	*ret_bytes = (int64_t)g_mapped_file_get_length(file);
-	return g_compute_checksum_for_data(G_CHECKSUM_SHA256,
-		(const guchar *)g_mapped_file_get_contents(file), g_mapped_file_get_length(file));
+	return sha256_of(g_mapped_file_get_contents(file), g_mapped_file_get_length(file));
 }
 
 /* raw.rec, then the planes that are there. */

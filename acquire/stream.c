@@ -45,6 +45,7 @@ struct stream {
 	decoder *decode;
 	GQueue pending;
 	int64_t asked_clock_ns; /* 0: not asked */
+	int64_t lidar_delay_ns; /* what its stamps are late beyond what its clock knows */
 	/* Of the last whole revolution. */
 	bool follows;
 	uint32_t last_counter;
@@ -110,7 +111,7 @@ static void note_losses(stream *s, double front_rad)
 static bool place(stream *s, const struct scanline *line, int64_t ticks, bool force)
 {
 	int64_t first_ns, last_ns;
-	int64_t stamp_ns = device_clock_host_ns(s->lidar_clock, (double)ticks);
+	int64_t stamp_ns = device_clock_host_ns(s->lidar_clock, (double)ticks) - s->lidar_delay_ns;
 	placement_sweep(line, s->session->driver->stamp, stamp_ns, &first_ns, &last_ns);
 	stage_track *track = s->session->track;
 	bool known = !stage_track_is_moving(track) || stage_track_known_until_ns(track) >= last_ns;
@@ -365,11 +366,19 @@ char *stream_lock_text(const struct camera_controls *c)
 		c->exposure_100us, c->gain_percent, c->white_balance_k);
 }
 
-/* Marks are for people; only the one that locks the exposure is for us. */
+char *stream_pause_text(void)
+{
+	return g_strdup("{\"lidar\": \"paused\"}");
+}
+
+/* Marks are for people; only those that lock the exposure and that pause the lidar are for us. */
 static void take_mark(stream *s, const struct record_entry *e)
 {
 	int64_t exposure, gain, balance;
 	g_autoptr(manifest) m = manifest_parse(e->payload, e->length, "mark", 0, NULL);
+	if (m && manifest_has(m, "lidar") &&
+		g_strcmp0(manifest_get_string(m, "lidar", NULL), "paused") == 0)
+		s->follows = false;
 	if (m && manifest_get_int(m, "camera.exposure_100us", 0, UINT32_MAX, &exposure, NULL) &&
 		manifest_get_int(m, "camera.gain_percent", 0, UINT32_MAX, &gain, NULL) &&
 		manifest_get_int(m, "camera.white_balance_k", 0, UINT32_MAX, &balance, NULL))
@@ -420,6 +429,13 @@ void stream_rewind(stream *s)
 	/* Or what it refused would be counted once more. */
 	g_clear_pointer(&s->decode, decoder_free);
 	s->report = (struct stream_report){ 0 };
+	s->lost_before = 0;
+	g_array_set_size(s->losses, 0);
+}
+
+void stream_advance_lidar(stream *s, int64_t delay_ns)
+{
+	s->lidar_delay_ns = delay_ns;
 }
 
 struct stream_report stream_get_report(const stream *s)

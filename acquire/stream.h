@@ -55,11 +55,18 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(stream, stream_free)
 
 /* Refuses a session whose header cannot be read; skips what it does not know. */
 bool stream_feed(stream *s, const struct record_entry *entry, GError **error);
-/* After the last entry of the first pass; the next entry fed is the first again. */
+/* After the last entry of the first pass, or of a later one; the next entry fed is the first again. */
 void stream_rewind(stream *s);
+
+/* Takes so much off the lidar's stamps, from the next line on: what lidar-delay.h found. */
+void stream_advance_lidar(stream *s, int64_t delay_ns);
 
 /* Text of the RECORD_MARK that says which exposure the photos have; caller frees. */
 char *stream_lock_text(const struct camera_controls *controls);
+
+/* Of the RECORD_MARK that says that the lidar was told to stop for a while: the turns until it
+ * streams again are not lost. Caller frees. */
+char *stream_pause_text(void);
 
 struct stream_report stream_get_report(const stream *s);
 /* Of struct stream_loss; caller frees. */

@@ -168,6 +168,7 @@ bool grid_layout_find(const struct grid_records *records, enum import_order orde
 	bool good = sample(records, (uint64_t)first * second, n, error);
 	*ret = (struct grid_layout){ .told = good && by_content &&
 					     choose(n, first == second, &told) };
+	ret->assumed = by_content && !ret->told;
 	if (ret->told)
 		a = told;
 	ret->column_by_column = a.column_by_column;
@@ -186,7 +187,7 @@ bool grid_layout_find(const struct grid_records *records, enum import_order orde
 char *grid_layout_text(const struct grid_layout *l)
 {
 	return g_strdup_printf("%s first%s, %s, %s, %s", l->rows_first ? "rows" : "columns",
-		l->told ? "" : " (assumed)",
+		l->assumed ? " (assumed)" : "",
 		l->column_by_column ? "column by column" : "row by row",
 		l->upwards ? "upwards" : "downwards",
 		l->anticlockwise ? "anticlockwise" : "clockwise");

@@ -15,7 +15,8 @@ struct grid_layout {
 	bool rows_first;       /* the first size was that of rows */
 	bool anticlockwise;    /* columns of the file */
 	bool upwards;          /* rows of the file */
-	bool told;             /* by the points; else as files usually have it */
+	bool told;             /* by the points */
+	bool assumed;          /* nothing tells: as files usually have it */
 };
 
 /* Records in the order of the file. */

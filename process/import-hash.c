@@ -1,4 +1,5 @@
 #include "process/import-hash.h"
+#include "firmware-io/sha256.h"
 #include "process/import.h"
 
 #define BLOCK_BYTES (256u << 10)
@@ -14,16 +15,16 @@ static gpointer hash(gpointer data)
 {
 	import_hash *h = data;
 	g_autoptr(import_source) file = import_source_open(h->path, &h->error);
-	g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
+	g_autoptr(sha256) sum = sha256_new();
 	g_autofree uint8_t *block = g_malloc(BLOCK_BYTES);
 	uint64_t at = 0;
 	for (size_t got = 1; file && got && !g_atomic_int_get(&h->stop); at += got) {
 		if (!import_source_read(file, at, block, BLOCK_BYTES, &got, &h->error))
 			return NULL;
-		g_checksum_update(sum, block, (gssize)got);
+		sha256_update(sum, block, got);
 	}
 	if (file)
-		h->sum = g_strdup(g_checksum_get_string(sum));
+		h->sum = sha256_end(sum);
 	return NULL;
 }
 

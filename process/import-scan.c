@@ -314,7 +314,10 @@ static void set_grid(manifest *m, const struct staged_scan *s)
 	manifest_set_string(
 		m, "source.grid.columns_run", l->anticlockwise ? "anticlockwise" : "clockwise");
 	manifest_set_string(m, "source.grid.rows_run", l->upwards ? "up" : "down");
-	manifest_set_string(m, "source.grid.told_by", l->told ? "points" : "format");
+	manifest_set_string(m, "source.grid.told_by",
+		l->told      ? "points"
+		: l->assumed ? "habit"
+			     : "format");
 }
 
 static void set_points(manifest *m, const struct staged_scan *s)

@@ -53,8 +53,9 @@ static bool find_present(struct importing *i, GError **error)
 		uint32_t number = g_array_index(numbers, uint32_t, k);
 		g_autofree char *folder = site_scan_path(i->site, number),
 				*path = g_build_filename(folder, "scan.json", NULL);
-		g_autoptr(manifest) m = manifest_load(path, SCAN_SCHEMA, error);
-		if (!m || (is_of_this_size(m, i) && !note_present(i, m, number, error)))
+		/* One that cannot be read is not of this file's concern. */
+		g_autoptr(manifest) m = manifest_load(path, SCAN_SCHEMA, NULL);
+		if (m && is_of_this_size(m, i) && !note_present(i, m, number, error))
 			return false;
 	}
 	return numbers;

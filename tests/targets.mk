@@ -55,7 +55,7 @@ tests-tsan: $(BUILD)/tests/test-record $(BUILD)/tests/test-record-faults
 #: make fuzz            run every fuzz target for a minute (FUZZ_SECONDS=60)
 FUZZ_SECONDS ?= 60
 fuzz:
-	@sh tests/fuzz.sh $(FUZZ_SECONDS) '$(PKG_CFLAGS) $(CXX_PKG_CFLAGS)' '$(link_libs)' $(sort $(wildcard tests/fuzz-*.c))
+	@sh tests/fuzz.sh $(FUZZ_SECONDS) '$(PKG_CFLAGS)' '$(CXX_PKG_CFLAGS)' '$(link_libs)' $(sort $(wildcard tests/fuzz-*.c))
 
 #: make bench           measure speed and memory
 bench: all

@@ -245,8 +245,8 @@ static void test_recorded_and_imported(void)
 	g_autofree char *picture =
 		g_build_filename(f.site, "exports/panoramas/0001-colour.png", NULL);
 	g_assert_true(g_file_test(picture, G_FILE_TEST_EXISTS));
-	commands_shell(
-		"printf x | dd of='%s/scans/0001/points.ply' bs=1 seek=530 conv=notrunc 2>/dev/null",
+	commands_shell("printf x | dd of='%s/scans/0001/points.ply' bs=1 seek=530 conv=notrunc "
+		       "2>/dev/null",
 		f.site);
 	g_auto(answer) damaged = commands_run("panoramas", f.site);
 	commands_assert_refused(&damaged, 1, "points.ply: is not as it was written");

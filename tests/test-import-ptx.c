@@ -234,6 +234,24 @@ static void test_scan_data(void)
 	place_clear(&at);
 }
 
+/* Where points tell nothing, it is as files usually have it, and said so. */
+static void test_assumed(void)
+{
+	struct place at = place_new();
+	const char *text = "1\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+			   "1 2 0.1 0.5\n1 2 0.2 0.5\n0 0 0 0.5\n1 2 0.4 0.5\n";
+	g_autofree char *path = place_write(&at, "one.ptx", text, strlen(text));
+	g_autoptr(GArray) scans = place_import(&at, path);
+	g_autoptr(manifest) m = place_manifest(&at, 1);
+	g_autoptr(points) p = place_points(&at, 1);
+	manifest_assert_string(m, "source.grid.told_by", "habit");
+	g_assert_cmpuint(p->columns, ==, 1);
+	g_assert_cmpuint(p->rows, ==, 4);
+	g_assert_cmpfloat(p->record[0].z_m, ==, 0.4); /* the highest first */
+	g_assert_nonnull(strstr(g_array_index(scans, struct imported, 0).grid, "(assumed)"));
+	place_clear(&at);
+}
+
 /* ---- several scans, and where they stand ---- */
 
 #define CELLS    "1 2 0.5 0.5\n1.01 2 0.4 0.25\n0 0 0 0.5\n1.03 2.01 0.4 1\n"
@@ -274,6 +292,31 @@ static void test_several(void)
 	pose_apply(&d->given_pose, point_m, point_m);
 	g_assert_cmpfloat(point_m[0], ==, 500010.25 - 2);
 	g_assert_cmpfloat(point_m[1], ==, 4000020.5 + 1);
+	place_clear(&at);
+}
+
+/* A number that cannot be given takes those before it back. */
+static void test_rolled_back(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct place at = place_new();
+	g_autoptr(GPtrArray) folders = g_ptr_array_new_with_free_func(g_free);
+	for (uint32_t i = 1; i <= 3; i++) {
+		uint32_t number;
+		char *folder = site_stage_scan(at.site, &number, &error);
+		g_assert_no_error(error);
+		g_assert_cmpuint(number, ==, i);
+		g_ptr_array_add(folders, folder);
+		g_autofree char *json = g_build_filename(folder, "scan.json", NULL);
+		g_assert_true(g_file_set_contents(json, "{}", -1, NULL));
+	}
+	g_autofree char *taken = site_scan_path(at.site, 3);
+	g_assert_cmpint(g_mkdir(taken, 0777), ==, 0);
+	g_autofree char *before = commands_snapshot(at.site_path);
+	g_assert_false(site_add_staged(at.site, folders, &error));
+	g_assert_error(error, G_IO_ERROR, G_IO_ERROR_EXISTS);
+	g_autofree char *after = commands_snapshot(at.site_path);
+	g_assert_cmpstr(before, ==, after);
 	place_clear(&at);
 }
 
@@ -533,7 +576,9 @@ int main(int argc, char **argv)
 	}
 	g_test_add_func("/import-ptx/sparse", test_sparse);
 	g_test_add_func("/import-ptx/scan-data", test_scan_data);
+	g_test_add_func("/import-ptx/assumed", test_assumed);
 	g_test_add_func("/import-ptx/several", test_several);
+	g_test_add_func("/import-ptx/rolled-back", test_rolled_back);
 	g_test_add_func("/import-ptx/site-origin", test_site_origin);
 	g_test_add_func("/import-ptx/map", test_map);
 	for (size_t i = 0; i < G_N_ELEMENTS(bads); i++) {
