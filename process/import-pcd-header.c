@@ -332,13 +332,14 @@ bool pcd_header_read(import_source *file, struct pcd_header *ret, GError **error
 {
 	static bool (*const check[])(const struct pcd_header *, import_source *,
 		GError **) = { check_text, check_binary, check_compressed };
-	g_autofree char *text = g_malloc(HEADER_BYTES_MAX + 1);
+	size_t most = (size_t)MIN(import_source_size(file), HEADER_BYTES_MAX);
+	g_autofree char *text = g_malloc(most + 1);
 	g_auto(entries_in) e = { .file = file };
 	size_t got;
 	*ret = (struct pcd_header){ 0 };
 	ret->fields = g_array_new(false, true, sizeof(struct pcd_field));
 	g_array_set_clear_func(ret->fields, field_clear);
-	if (!import_source_read(file, 0, text, HEADER_BYTES_MAX, &got, error))
+	if (!import_source_read(file, 0, text, most, &got, error))
 		return false;
 	text[got] = 0;
 	return read_lines(&e, text, ret, error) && read_fields(&e, ret, error) &&

@@ -228,13 +228,14 @@ static bool check_room(const struct ply_header *h, import_source *file, GError *
 
 bool ply_header_read(import_source *file, struct ply_header *ret, GError **error)
 {
-	g_autofree char *text = g_malloc(HEADER_BYTES_MAX + 1);
+	size_t most = (size_t)MIN(import_source_size(file), HEADER_BYTES_MAX);
+	g_autofree char *text = g_malloc(most + 1);
 	struct lines l = { file, text, text, 0 };
 	size_t got;
 	*ret = (struct ply_header){ 0 };
 	ret->elements = g_array_new(false, true, sizeof(struct ply_element));
 	g_array_set_clear_func(ret->elements, element_clear);
-	if (!import_source_read(file, 0, text, HEADER_BYTES_MAX, &got, error))
+	if (!import_source_read(file, 0, text, most, &got, error))
 		return false;
 	text[got] = 0;
 	if (!read_lines(ret, &l, error))
