@@ -123,8 +123,10 @@ static bool head_begin(struct head *h, GError **error)
 	if (!h->options)
 		return false;
 	h->world = h->wishes->world;
+	struct world_variant variant = options_variant(h->options);
 	if (!h->world)
-		h->world = h->own_world = world_new(h->options->scene, h->options->seed, error);
+		h->world = h->own_world =
+			world_new(h->options->scene, h->options->seed, &variant, error);
 	if (!h->world || !truth_station_of(h->options, h->world, &station, error))
 		return false;
 	if (h->options->truth && !(h->log = truth_log_new(h->options->truth, error)))

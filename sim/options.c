@@ -105,6 +105,12 @@ static bool parse_size(const struct option_row *row, const char *text, void *ret
 static const struct option_row rows[] = {
 	{ "seed", parse_whole, AT(seed), 0, 1e15, NULL, "of the world and of all chance (1)" },
 	{ "station", parse_whole, AT(station), 1, 1000, NULL, "which tripod position (1)" },
+	{ "moved", parse_whole, AT(moved), 0, 1e9, NULL,
+		"people, cars and furniture stand elsewhere, where this number puts them (0)" },
+	{ "symmetric", parse_flag, AT(symmetric), 0, 0, "0 or 1",
+		"hall: half a turn about its middle changes nothing (0)" },
+	{ "repeated", parse_flag, AT(repeated), 0, 0, "0 or 1",
+		"street: the houses of a row, and what stands before them, are the same (0)" },
 	{ "speed", parse_speed, AT(speed), 0.01, 1000, "max or a number from 0.01 to 1000",
 		"times real time, or as fast as possible (max)" },
 	{ "lidar", parse_lidar, AT(lidar), 0, 0, "scip, cola or none", "its protocol (scip)" },
@@ -273,4 +279,9 @@ char *options_help(void)
 	g_string_append(text,
 		"  fault                what goes wrong where: KIND@COLUMN[xCOUNT][:PARAM],...\n");
 	return g_string_free(text, FALSE);
+}
+
+struct world_variant options_variant(const sim_options *o)
+{
+	return (struct world_variant){ o->moved, o->symmetric, o->repeated };
 }

@@ -3,6 +3,7 @@
 /* What a device URI says about a simulated head after "sim:", as in court?seed=7&lidar=cola. Each
  * key is a row of a table in options.c, which holds its range and its sentence in the manual;
  * options_help() prints it. */
+#include "sim/world.h"
 #include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -14,7 +15,9 @@ typedef struct sim_options {
 	char *scene;
 	uint64_t seed;
 	uint64_t station; /* from 1 */
-	double speed;     /* 0: as fast as possible; else times real time */
+	uint64_t moved;   /* these three as struct world_variant has them */
+	bool symmetric, repeated;
+	double speed; /* 0: as fast as possible; else times real time */
 
 	enum sim_lidar lidar;
 	uint64_t ares;  /* steps per turn of a SCIP lidar, a multiple of 8 */
@@ -49,6 +52,7 @@ sim_options *options_parse(const char *description, GError **error);
 void options_free(sim_options *options); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(sim_options, options_free)
 
+struct world_variant options_variant(const sim_options *o);
 char *options_help(void); /* one line per key */
 
 #endif

@@ -299,8 +299,10 @@ static void people_banks(struct scenery *b)
 			draw_lamp_post(&p, &b->m, 4);
 			continue;
 		}
+		p = pen_at(&p, site_nudge(s, 1), 0, 0);
 		draw_bench(&p, &b->m);
-		add_person(s, x + 0.4f, y, side > 0 ? 0 : (float)G_PI, POSE_SIT);
+		add_person(
+			s, x + 0.4f + site_nudge(s, 0.5f), y, side > 0 ? 0 : (float)G_PI, POSE_SIT);
 	}
 	for (unsigned i = 0, tries = 0; i < 7 && tries < 200; tries++) {
 		float x = i < 2 ? roll_in(&s->dice, -1.8f, 1.8f) : roll_in(&s->dice, -25, 25);
@@ -308,7 +310,9 @@ static void people_banks(struct scenery *b)
 				: (i % 2 ? 1 : -1) * (HALF_M + roll_in(&s->dice, 0.9f, 2.6f));
 		if (!site_claim(s, x, y, 0.45f))
 			continue;
-		add_person(s, x, y, roll_in(&s->dice, 0, 6.28f), i % 2 ? POSE_WALK : POSE_STAND);
+		/* where the plants find room must not hang on who walks here */
+		add_person(s, x + site_nudge(s, 2), y + site_nudge(s, 0.4f),
+			roll_in(&s->dice, 0, 6.28f), i % 2 ? POSE_WALK : POSE_STAND);
 		i++;
 	}
 	/* a rail above the bank near the bridge */

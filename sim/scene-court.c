@@ -159,8 +159,8 @@ static void set_tables(struct court *c)
 	struct site *s = c->s;
 	float side = c->swapped ? -1 : 1;
 	for (unsigned i = 0; i < 3; i++) {
-		float x = side * (c->half_x - 2.9f),
-		      y = side * c->half_y * (0.12f + 0.21f * (float)i);
+		float x = side * (c->half_x - 2.9f) + site_nudge(s, 0.8f),
+		      y = side * c->half_y * (0.12f + 0.21f * (float)i) + site_nudge(s, 0.8f);
 		if (!site_claim(s, x, y, 1.35f))
 			continue;
 		struct pen p = site_stand(s, WORLD_FURNITURE, x, y, roll_in(&s->dice, 0, 1));
@@ -210,6 +210,9 @@ void scene_court(struct site *s)
 	raise_wings(&c);
 	furnish(&c);
 	plant_beds(&c);
+	struct dice kept;
+	site_begin_loose(s, &kept);
 	set_tables(&c);
 	seat_people(&c);
+	site_end_loose(s, &kept);
 }

@@ -273,7 +273,8 @@ static void furnish_hall(struct hall *h)
 	float wide = h->nave - 1.9f; /* pews on both sides of the middle, facing east */
 	for (unsigned i = 0; i < 7; i++)
 		for (int k = -1; k <= 1; k += 2) {
-			float x = 1.5f + 1.15f * i, y = k * (1.25f + 0.5f * wide);
+			float x = 1.5f + 1.15f * i + site_nudge(s, 0.4f),
+			      y = k * (1.25f + 0.5f * wide) + site_nudge(s, 0.5f);
 			if (x > h->half_x - 5)
 				continue;
 			struct pen p = site_stand(s, WORLD_FURNITURE, x, y, -(float)G_PI / 2);
@@ -285,7 +286,8 @@ static void furnish_hall(struct hall *h)
 		}
 	for (unsigned i = 0; i < 3; i++)
 		for (int k = -1; k <= 1; k += 2) {
-			float x = -4.5f - 4.2f * i, y = k * 0.56f * h->nave;
+			float x = -4.5f - 4.2f * i + site_nudge(s, 0.9f),
+			      y = k * 0.56f * h->nave + site_nudge(s, 0.6f);
 			if (x < -h->half_x + 3 || !site_claim(s, x, y, 1.3f))
 				continue;
 			struct pen p = site_stand(s, WORLD_FURNITURE, x, y, 0);
@@ -350,6 +352,9 @@ void scene_hall(struct site *s)
 	for (unsigned i = 0; i < G_N_ELEMENTS(walk); i++)
 		site_walk_to(s, walk[i][0], walk[i][1]);
 	build_hall(&h);
+	struct dice kept;
+	site_begin_loose(s, &kept);
 	furnish_hall(&h);
 	people_hall(&h);
+	site_end_loose(s, &kept);
 }

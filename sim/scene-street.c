@@ -4,16 +4,19 @@
 #include "sim/scene-tree.h"
 #include "sim/scene-wing.h"
 
-#define ROAD_M  3.4f /* half widths, along the street and across */
-#define FRONT_M 6.9f
-#define CROSS_M 3.0f
-#define SIDE_M  5.6f
-#define END_M   52.0f
-#define STEP_M  0.13f
+#define ROAD_M   3.4f /* half widths, along the street and across */
+#define FRONT_M  6.9f
+#define CROSS_M  3.0f
+#define SIDE_M   5.6f
+#define END_M    52.0f
+#define STEP_M   0.13f
+#define PERIOD_M 8.5f /* of houses, trees and lamps where all are the same */
 
 static float road_relief(const struct site *s, float x, float y)
 {
 	float crown = 0.05f * (1 - MIN(1, fabsf(y) / ROAD_M)) * MIN(1, fabsf(x) / 8);
+	if (s->variant.repeated)
+		return crown;
 	return s->relief[0] * x + 0.06f * noise_2d(x * 0.05f + s->relief[1], y * 0.05f, 3) + crown;
 }
 
@@ -91,10 +94,13 @@ static void build_row(struct site *s, const struct palette *m, const struct pen 
 	bool left, bool right)
 {
 	float x = 0;
+	const struct dice first = dice_of(s->seed, 77);
 	while (x < length - 1) {
-		float wide = roll_in(&s->dice, 6.2f, 11.5f);
-		if (length - x - wide < 6)
+		float wide = s->variant.repeated ? PERIOD_M : roll_in(&s->dice, 6.2f, 11.5f);
+		if (!s->variant.repeated && length - x - wide < 6)
 			wide = length - x;
+		if (s->variant.repeated)
+			s->dice = first;
 		struct pen q = pen_at(p, x, 0, 0);
 		q.at.o[2] = site_ground(s, q.at.o[0] + q.at.x[0] * wide * 0.5f - q.at.y[0],
 				    q.at.o[1] + q.at.x[1] * wide * 0.5f - q.at.y[1]) +
@@ -135,11 +141,13 @@ static void line_street(struct site *s, const struct palette *m)
 	uint32_t trees[3] = { tree_model(s, TREE_ROUND), tree_model(s, TREE_BIRCH),
 		tree_model(s, TREE_ROUND) };
 	unsigned n = 0;
-	for (float x = 9; x < END_M - 3; x += 8.5f)
+	for (float x = 9; x < END_M - 3; x += PERIOD_M)
 		for (int i = -1; i <= 1; i += 2)
 			for (int k = -1; k <= 1; k += 2, n++) {
-				float at = i * (x + roll_in(&s->dice, -1, 1)),
-				      y = k * (ROAD_M + 0.75f);
+				float aside = s->variant.repeated ? 0 : roll_in(&s->dice, -1, 1),
+				      at = i * (x + aside), y = k * (ROAD_M + 0.75f);
+				if (s->variant.repeated)
+					n = 2; /* a lamp before each house */
 				if (!site_claim(s, at, y, 0.6f))
 					continue;
 				if (n % 5 < 2) {
@@ -217,6 +225,9 @@ void scene_street(struct site *s)
 	lay_street(s, &m);
 	build_rows(s, &m);
 	line_street(s, &m);
+	struct dice kept;
+	site_begin_loose(s, &kept);
 	park_cars(s, &m);
 	people_street(s, &m);
+	site_end_loose(s, &kept);
 }

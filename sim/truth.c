@@ -33,7 +33,8 @@ truth *truth_new(const char *description, GError **error)
 	g_autoptr(sim_options) o = options_parse(description, error);
 	g_autoptr(truth) t = g_new0(truth, 1);
 
-	if (!o || !(t->world = world_new(o->scene, o->seed, error)) ||
+	struct world_variant variant = o ? options_variant(o) : (struct world_variant){ 0 };
+	if (!o || !(t->world = world_new(o->scene, o->seed, &variant, error)) ||
 		!truth_station_of(o, t->world, &t->station, error))
 		return NULL;
 	t->limit_m = o->limit_m;

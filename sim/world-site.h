@@ -45,9 +45,10 @@ struct site {
 	GArray *walk;       /* of vec: where stations are wanted, z unused */
 	GArray *claims;     /* of struct disc */
 	float (*ground)(const struct site *s, float x, float y); /* NULL: z = 0 */
-	float relief[8]; /* the scene's own numbers for ground() */
-	struct dice dice;
+	float relief[8];         /* the scene's own numbers for ground() */
+	struct dice dice, loose; /* loose: of what can be moved, where it was */
 	uint64_t seed;
+	struct world_variant variant;
 	struct light light;
 	struct bounds bounds;
 };
@@ -71,6 +72,13 @@ bool site_claim(struct site *s, float x, float y, float radius);
 bool site_is_free(const struct site *s, float x, float y, float radius);
 /* How far a place is from the nearest of the walk. */
 float site_from_walk(const struct site *s, float x, float y);
+/* Between these two stands what can be moved: chance is then the variant's own. */
+void site_begin_loose(struct site *s, struct dice *ret_kept);
+void site_end_loose(struct site *s, const struct dice *kept);
+/* How far a loose thing was pushed aside, at most by so much; 0 where nothing was moved. */
+float site_nudge(struct site *s, float most);
+/* Replaces all that stands at x < 0 by what stands at x > 0, half a turn about the origin further. */
+void site_make_symmetric(struct site *s);
 void site_walk_to(struct site *s, float x, float y);
 
 /* The scenes. */

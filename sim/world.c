@@ -94,7 +94,20 @@ static void set_up_stations(struct world *w)
 	}
 }
 
-world *world_new(const char *scene, uint64_t seed, GError **error)
+static bool check_variant(const char *scene, const struct world_variant *v, GError **error)
+{
+	const char *what = v->symmetric && strcmp(scene, "hall")    ? "symmetric"
+			   : v->repeated && strcmp(scene, "street") ? "repeated"
+								    : NULL;
+	if (!what)
+		return true;
+	g_set_error(
+		error, G_OPTION_ERROR, G_OPTION_ERROR_BAD_VALUE, "there is no %s %s", what, scene);
+	return false;
+}
+
+world *world_new(
+	const char *scene, uint64_t seed, const struct world_variant *variant, GError **error)
 {
 	guint i = 0;
 	while (world_scene_names[i] && g_strcmp0(world_scene_names[i], scene))
@@ -105,10 +118,18 @@ world *world_new(const char *scene, uint64_t seed, GError **error)
 			"no scene is called '%s'; there are %s", scene ? scene : "", names);
 		return NULL;
 	}
+	if (variant && !check_variant(scene, variant, error))
+		return NULL;
 	world *w = g_new0(world, 1);
 	site_init(&w->site, hash_u64(seed ^ hash_u64(i)));
+	if (variant) {
+		w->site.variant = *variant;
+		w->site.loose = dice_of(w->site.seed, 1000 + variant->moved);
+	}
 	light_choose(&w->site.light, &w->site.dice);
 	scenes[i](&w->site);
+	if (w->site.variant.symmetric)
+		site_make_symmetric(&w->site);
 	trace_commit(w);
 	light_gather(w);
 	set_up_stations(w);

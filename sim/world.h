@@ -3,7 +3,7 @@
 /* A world is a procedural site with exact geometry, materials and light, ray-cast with Embree.
  *
  * Axes: x east, y north, z up, metres; azimuth is measured clockwise from +y seen from above, as
- * surveyors do. A world is a pure function of (scene, seed): the same pair gives the same triangles
+ * surveyors do. A world is a pure function of (scene, seed, variant): the same three give the same triangles
  * and the same colours on every run. It is const once made, so every function below may be called
  * from any number of threads at once.
  *
@@ -56,8 +56,17 @@ struct world_station {
 /* Names of the scenes, NULL-terminated: court, street, bridge, hall. */
 extern const char *const world_scene_names[];
 
-/* Fails for a scene that does not exist, naming those that do. */
-world *world_new(const char *scene, uint64_t seed, GError **error);
+/* The same place as it may otherwise be; all zero: as it is. */
+struct world_variant {
+	uint64_t moved; /* people, cars and furniture stand where this number puts them */
+	bool symmetric; /* hall: half a turn about its middle changes nothing */
+	bool repeated;  /* street: all houses of a row, and what stands before them, are the same */
+};
+
+/* Fails for a scene that does not exist, naming those that do, and for a variant that the scene does not have. variant may be
+ * NULL. */
+world *world_new(
+	const char *scene, uint64_t seed, const struct world_variant *variant, GError **error);
 void world_free(world *w); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(world, world_free)
 

@@ -13,7 +13,7 @@ for source in $(ls firmware-io/*.c acquire/*.c process/*.c process/*.cpp 2>/dev/
 done | xargs -P "$jobs" -I{} sh -c '
 	source=$1 object=build-fuzz/objects/$(echo "$1" | tr / _).o
 	case $source in
-	*.cpp) exec clang++ -std=c++17 -DG_LOG_DOMAIN="\"pleinair\"" $2 $3 -c -o "$object" "$source" ;;
+	*.cpp) exec clang++ -std=c++17 -DG_LOG_DOMAIN="\"pleinair\"" $2 $3 -fno-sanitize=vptr,function -c -o "$object" "$source" ;;
 	*) exec clang -std=gnu17 -DG_LOG_DOMAIN="\"pleinair\"" $2 -c -o "$object" "$source" ;;
 	esac' sh {} "$common $cflags" "$cxxflags" || exit 1
 rm -f build-fuzz/product.a

@@ -22,9 +22,12 @@ static const world *shared_world(const char *description)
 	if (!worlds)
 		worlds = g_hash_table_new_full(
 			g_str_hash, g_str_equal, g_free, (GDestroyNotify)world_free);
-	g_autofree char *key = g_strdup_printf("%s %" G_GUINT64_FORMAT, o->scene, (guint64)o->seed);
+	struct world_variant variant = options_variant(o);
+	g_autofree char *key =
+		g_strdup_printf("%s %" G_GUINT64_FORMAT " %" G_GUINT64_FORMAT " %d %d", o->scene,
+			(guint64)o->seed, (guint64)o->moved, o->symmetric, o->repeated);
 	world *w = g_hash_table_lookup(worlds, key);
-	if (!w && (w = world_new(o->scene, o->seed, NULL)))
+	if (!w && (w = world_new(o->scene, o->seed, &variant, NULL)))
 		g_hash_table_insert(worlds, g_steal_pointer(&key), w);
 	return w;
 }

@@ -162,7 +162,7 @@ static void test_scene(gconstpointer data)
 {
 	const struct given *g = data;
 	g_autoptr(GError) error = NULL;
-	g_autoptr(world) w = world_new(g->scene, g->seed, &error);
+	g_autoptr(world) w = world_new(g->scene, g->seed, NULL, &error);
 	g_assert_no_error(error);
 	check_stations(w);
 	check_radiance(w);
@@ -180,9 +180,9 @@ static void test_scene(gconstpointer data)
 static void test_again(gconstpointer data)
 {
 	const struct given *g = data;
-	g_autoptr(world) one = world_new(g->scene, g->seed, NULL);
-	g_autoptr(world) again = world_new(g->scene, g->seed, NULL);
-	g_autoptr(world) other = world_new(g->scene, g->seed + 1, NULL);
+	g_autoptr(world) one = world_new(g->scene, g->seed, NULL, NULL);
+	g_autoptr(world) again = world_new(g->scene, g->seed, NULL, NULL);
+	g_autoptr(world) other = world_new(g->scene, g->seed + 1, NULL, NULL);
 	g_assert_cmphex(fingerprint(one), ==, fingerprint(again));
 	g_assert_cmphex(fingerprint(one), !=, fingerprint(other));
 }
@@ -190,11 +190,94 @@ static void test_again(gconstpointer data)
 static void test_unknown(void)
 {
 	g_autoptr(GError) error = NULL;
-	g_assert_null(world_new("moon", 1, &error));
+	g_assert_null(world_new("moon", 1, NULL, &error));
 	g_assert_nonnull(error);
 	for (unsigned i = 0; world_scene_names[i]; i++)
 		g_assert_nonnull(strstr(error->message, world_scene_names[i]));
 	world_free(NULL);
+}
+
+/* ---- variants ---- */
+
+static double range_from(const world *w, const double from[3], double azimuth, double elevation)
+{
+	double d[3] = { cos(elevation) * sin(azimuth), cos(elevation) * cos(azimuth),
+		sin(elevation) };
+	struct surface s;
+	return world_cast(w, from, d, 100, &s) ? s.range_m : 0;
+}
+
+/* How many of the rays from the one place see something else than those from the other. */
+static unsigned count_different(const world *a, const double from_a[3], const world *b,
+	const double from_b[3], double turned)
+{
+	unsigned different = 0;
+	for (unsigned i = 0; i < 400; i++)
+		for (int k = -12; k < 18; k++) {
+			double azimuth = i * G_PI / 200, elevation = k * 0.05;
+			double here = range_from(a, from_a, azimuth, elevation),
+			       there = range_from(b, from_b, azimuth + turned, elevation);
+			different += fabs(here - there) > 1e-3;
+		}
+	return different;
+}
+
+static void test_symmetric_hall(void)
+{
+	struct world_variant variant = { .symmetric = true };
+	g_autoptr(world) w = world_new("hall", 5, &variant, NULL);
+	g_autoptr(world) plain = world_new("hall", 5, NULL, NULL);
+	double here[3] = { 4.1, 1.3, 1.7 }, there[3] = { -4.1, -1.3, 1.7 };
+	unsigned rays = 400 * 30;
+	/* Rays along the joints of triangles may round either way. */
+	g_assert_cmpuint(count_different(w, here, w, there, G_PI), <, rays / 500);
+	g_assert_cmpuint(count_different(plain, here, plain, there, G_PI), >, rays / 50);
+}
+
+static void test_repeated_street(void)
+{
+	struct world_variant variant = { .repeated = true };
+	g_autoptr(world) w = world_new("street", 5, &variant, NULL);
+	g_autoptr(world) plain = world_new("street", 5, NULL, NULL);
+	double here[3] = { 19, 0.3, 1.7 }, there[3] = { 27.5, 0.3, 1.7 };
+	unsigned same = 0, same_in_plain = 0, rays = 0;
+	for (double azimuth = -0.5; azimuth <= 0.5; azimuth += 0.01) /* the row in front */
+		for (double elevation = 0.2; elevation < 0.6; elevation += 0.02, rays++) {
+			same += fabs(range_from(w, here, azimuth, elevation) -
+					range_from(w, there, azimuth, elevation)) < 2e-3;
+			same_in_plain +=
+				fabs(range_from(plain, here, azimuth, elevation) -
+					range_from(plain, there, azimuth, elevation)) < 2e-3;
+		}
+	g_assert_cmpuint(same, >, rays * 97 / 100);
+	g_assert_cmpuint(same_in_plain, <, rays / 2);
+}
+
+static void test_moved_things(void)
+{
+	for (int i = 0; world_scene_names[i]; i++) {
+		struct world_variant variant = { .moved = 3 };
+		g_autoptr(world) w = world_new(world_scene_names[i], 5, NULL, NULL);
+		g_autoptr(world) moved = world_new(world_scene_names[i], 5, &variant, NULL);
+		struct world_station station;
+		world_get_station(w, 1, &station);
+		unsigned different =
+			count_different(w, station.position_m, moved, station.position_m, 0);
+		g_test_message("%s: %u", world_scene_names[i], different);
+		g_assert_cmpuint(different, >, 20);
+		g_assert_cmpuint(different, <, 400 * 30 / 4);
+	}
+}
+
+static void test_variants_that_are_not(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct world_variant symmetric = { .symmetric = true }, repeated = { .repeated = true };
+	g_assert_null(world_new("street", 5, &symmetric, &error));
+	g_assert_nonnull(strstr(error->message, "no symmetric street"));
+	g_clear_error(&error);
+	g_assert_null(world_new("hall", 5, &repeated, &error));
+	g_assert_nonnull(strstr(error->message, "no repeated hall"));
 }
 
 int main(int argc, char **argv)
@@ -213,5 +296,9 @@ int main(int argc, char **argv)
 	g_test_add_data_func("/world/court/again", &again[0], test_again);
 	g_test_add_data_func("/world/hall/again", &again[1], test_again);
 	g_test_add_func("/world/unknown", test_unknown);
+	g_test_add_func("/world/variant/symmetric", test_symmetric_hall);
+	g_test_add_func("/world/variant/repeated", test_repeated_street);
+	g_test_add_func("/world/variant/moved", test_moved_things);
+	g_test_add_func("/world/variant/none", test_variants_that_are_not);
 	return g_test_run();
 }
