@@ -4,8 +4,8 @@
 /* What a fit leaves along the ray is noise up to here; more is a crease or no surface. */
 #define WHOLE_NOISES 1.35f
 /* The other scan's plane must hold the point so well, in sigma of both, and its window must be about there. */
-#define ON_PLANE     3.0f
-#define IN_WINDOW    2.0f
+#define ON_PLANE  3.0f
+#define IN_WINDOW 2.0f
 /* A window this much wider than the own one (in variance) tells of less detail than is known already. */
 #define WIDER        4.0f
 #define AGREES_WHOLE 0.94f /* 20 degrees */
@@ -38,7 +38,8 @@ void geometry_union_free(geometry_union *u)
 
 static bool is_whole(const range_grid *g, const struct normals_planes *p, size_t i, float noise_m)
 {
-	return p->count[i] > 0 && p->error_m[i] * g->range_m[i] <= WHOLE_NOISES * noise_m * p->offset_m[i];
+	return p->count[i] > 0 &&
+	       p->error_m[i] * g->range_m[i] <= WHOLE_NOISES * noise_m * p->offset_m[i];
 }
 
 /* From what the neighbours are to sums: in place, the planes are the same. */
@@ -67,7 +68,8 @@ static void sum_own(geometry_union *u, const struct normals_planes *p, size_t i)
 		u->sum[k][i] = n * centre[k];
 }
 
-geometry_union *geometry_union_new(const struct posed_grid *of, const struct geometry_options *options)
+geometry_union *geometry_union_new(
+	const struct posed_grid *of, const struct geometry_options *options)
 {
 	geometry_union *u = g_new0(geometry_union, 1);
 	const range_grid *g = of->grid;
@@ -79,7 +81,8 @@ geometry_union *geometry_union_new(const struct posed_grid *of, const struct geo
 	u->count = geometry_plane(cells);
 	u->spread_m2 = geometry_plane(cells);
 	u->others = g_new0(uint32_t, cells);
-	struct normals_planes p = { .normal = { u->result->normal_x, u->result->normal_y, u->result->normal_z },
+	struct normals_planes p = { .normal = { u->result->normal_x, u->result->normal_y,
+					    u->result->normal_z },
 		.error_m = u->result->plane_error_m,
 		.curvature = u->result->curvature,
 		.offset_m = geometry_plane(cells),
@@ -113,7 +116,8 @@ static void other_init(struct other *o, const geometry_union *u, const struct po
 	struct pose to_site = pose_inverse(&scan->pose);
 	const struct geometry_options options = { .radius_m = u->options.radius_m,
 		.single_thread = u->options.single_thread };
-	*o = (struct other){ .scan = scan, .options = geometry_normals_options(scan->grid, &options) };
+	*o = (struct other){ .scan = scan,
+		.options = geometry_normals_options(scan->grid, &options) };
 	o->options.segment = scan->segment;
 	o->there = pose_compose(&to_site, &u->of.pose);
 	o->back = pose_inverse(&o->there);
@@ -143,11 +147,14 @@ static void other_clear(struct other *o)
 }
 
 /* Whether the window of the other's cell k is a neighbourhood of cell i, whose point is at point in the other's frame. */
-static bool is_neighbourhood(const geometry_union *u, const struct other *o, size_t i, const double point[3], uint32_t k)
+static bool is_neighbourhood(
+	const geometry_union *u, const struct other *o, size_t i, const double point[3], uint32_t k)
 {
 	const struct normals_planes *p = &o->planes;
-	const double *eye = o->there.translation_m; /* where the union's scanner stands, for the other */
-	if (!(o->scan->grid->range_m[k] > 0) || !is_whole(o->scan->grid, p, k, o->options.range_noise_m))
+	const double *eye =
+		o->there.translation_m; /* where the union's scanner stands, for the other */
+	if (!(o->scan->grid->range_m[k] > 0) ||
+		!is_whole(o->scan->grid, p, k, o->options.range_noise_m))
 		return false;
 	double off = p->offset_m[k], before = off, apart2 = 0;
 	for (int a = 0; a < 3; a++) {
@@ -158,7 +165,8 @@ static bool is_neighbourhood(const geometry_union *u, const struct other *o, siz
 	}
 	if (!(before > 0)) /* it would see the back of that plane */
 		return false;
-	double noise_m = u->options.range_noise_m * before / u->of.grid->range_m[i], error_m = p->error_m[k];
+	double noise_m = u->options.range_noise_m * before / u->of.grid->range_m[i],
+	       error_m = p->error_m[k];
 	float spread_m2 = p->covariance_m2[0][k] + p->covariance_m2[3][k] + p->covariance_m2[5][k];
 	return off * off <= ON_PLANE * ON_PLANE * (noise_m * noise_m + error_m * error_m) &&
 	       apart2 <= IN_WINDOW * IN_WINDOW * spread_m2 &&
@@ -167,7 +175,8 @@ static bool is_neighbourhood(const geometry_union *u, const struct other *o, siz
 
 static bool same_leaf(const geometry_union *u, const struct other *o, size_t i, uint32_t k)
 {
-	uint32_t a = u->of.segment ? u->of.segment[i] : 0, b = o->scan->segment ? o->scan->segment[k] : 0;
+	uint32_t a = u->of.segment ? u->of.segment[i] : 0,
+		 b = o->scan->segment ? o->scan->segment[k] : 0;
 	return !a || !b || a == b;
 }
 
@@ -177,11 +186,13 @@ static bool normals_agree(const geometry_union *u, size_t i, const double normal
 	double x = g->normal_x[i], y = g->normal_y[i], z = g->normal_z[i];
 	if (x == 0 && y == 0 && z == 0)
 		return true;
-	return x * normal[0] + y * normal[1] + z * normal[2] >= (u->spread_m2[i] > 0 ? AGREES_WHOLE : AGREES_ELSE);
+	return x * normal[0] + y * normal[1] + z * normal[2] >=
+	       (u->spread_m2[i] > 0 ? AGREES_WHOLE : AGREES_ELSE);
 }
 
 /* rotation * covariance * rotation^T, xx xy xz yy yz zz. */
-static void turn_covariance(const double r[3][3], const struct normals_planes *p, uint32_t k, double ret[6])
+static void turn_covariance(
+	const double r[3][3], const struct normals_planes *p, uint32_t k, double ret[6])
 {
 	static const int8_t at[3][3] = { { 0, 1, 2 }, { 1, 3, 4 }, { 2, 4, 5 } };
 	double half[3][3];
@@ -203,7 +214,8 @@ static void add_window(geometry_union *u, const struct other *o, size_t i)
 {
 	const range_grid *g = u->of.grid;
 	const struct normals_planes *p = &o->planes;
-	double own[3] = { g->x_m[i], g->y_m[i], g->z_m[i] }, point[3], centre[3], normal[3], covariance[6];
+	double own[3] = { g->x_m[i], g->y_m[i], g->z_m[i] }, point[3], centre[3], normal[3],
+	       covariance[6];
 	pose_apply(&o->there, own, point);
 	uint32_t k = range_grid_find(o->scan->grid, point[0], point[1], point[2]);
 	if (k == RANGE_GRID_NONE || !is_neighbourhood(u, o, i, point, k) || !same_leaf(u, o, i, k))
@@ -249,7 +261,8 @@ static double largest_cross(const double m[3][3], double ret[3])
 	double best = 0;
 	for (int a = 0; a < 3; a++) {
 		const double *p = m[a], *q = m[(a + 1) % 3];
-		double c[3] = { p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0] };
+		double c[3] = { p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
+			p[0] * q[1] - p[1] * q[0] };
 		double length2 = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
 		if (length2 > best) {
 			best = length2;
@@ -268,10 +281,12 @@ static bool smallest_direction(const double c[6], double *ret_value, double ret[
 	double scale = sqrt((x * x + y * y + z * z + 2 * off) / 6);
 	if (!(scale > 0))
 		return false;
-	double det = x * (y * z - c[4] * c[4]) - c[1] * (c[1] * z - c[4] * c[2]) + c[2] * (c[1] * c[4] - y * c[2]);
+	double det = x * (y * z - c[4] * c[4]) - c[1] * (c[1] * z - c[4] * c[2]) +
+		     c[2] * (c[1] * c[4] - y * c[2]);
 	double angle = acos(CLAMP(det / (2 * scale * scale * scale), -1, 1)) / 3;
 	double value = mean + 2 * scale * cos(angle + 2 * G_PI / 3);
-	const double m[3][3] = { { c[0] - value, c[1], c[2] }, { c[1], c[3] - value, c[4] }, { c[2], c[4], c[5] - value } };
+	const double m[3][3] = { { c[0] - value, c[1], c[2] }, { c[1], c[3] - value, c[4] },
+		{ c[2], c[4], c[5] - value } };
 	double length2 = largest_cross(m, ret);
 	if (!(length2 > 1e-18 * scale * scale * scale * scale))
 		return false;
@@ -293,11 +308,13 @@ static void join(geometry_union *u, size_t i)
 			c[k] = u->square[k][i] / n - mean[a] * mean[b];
 	if (!smallest_direction(c, &value, normal))
 		return;
-	double away = normal[0] * g->x_m[i] + normal[1] * g->y_m[i] + normal[2] * g->z_m[i] > 0 ? -1 : 1;
+	double away =
+		normal[0] * g->x_m[i] + normal[1] * g->y_m[i] + normal[2] * g->z_m[i] > 0 ? -1 : 1;
 	r->normal_x[i] = (float)(away * normal[0]);
 	r->normal_y[i] = (float)(away * normal[1]);
 	r->normal_z[i] = (float)(away * normal[2]);
-	if (u->spread_m2[i] > 0 || isnan(r->plane_error_m[i])) { /* at a crease the own error tells of it */
+	if (u->spread_m2[i] > 0 ||
+		isnan(r->plane_error_m[i])) { /* at a crease the own error tells of it */
 		r->plane_error_m[i] = (float)sqrt(value);
 		r->curvature[i] = (float)(value / (c[0] + c[3] + c[5]));
 	}
@@ -314,8 +331,8 @@ geometry *geometry_union_finish(geometry_union *u)
 }
 
 geometry *geometry_estimate_union(const struct posed_grid *scans, size_t count, size_t which,
-	const struct geometry_options *options, bool (*progress)(double fraction, gpointer user_data),
-	gpointer user_data)
+	const struct geometry_options *options,
+	bool (*progress)(double fraction, gpointer user_data), gpointer user_data)
 {
 	g_autoptr(geometry_union) u = geometry_union_new(&scans[which], options);
 	for (size_t i = 0; i < count; i++) {
