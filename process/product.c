@@ -182,6 +182,11 @@ JsonObject *product_manifest(const product *p)
 	return json_node_get_object(p->manifest);
 }
 
+uint32_t product_checksum(const product *p)
+{
+	return p->header->table_crc32c;
+}
+
 const void *product_section(const product *p, const char *name, uint32_t element_bytes,
 	uint64_t *ret_elements, GError **error)
 {

@@ -29,6 +29,8 @@ void product_free(product *p); /* NULL is fine; what sections gave goes with it 
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(product, product_free)
 const char *product_path(const product *p);
 JsonObject *product_manifest(const product *p); /* owned by p */
+/* Over the checksums of all sections: another one when any of the contents is another. */
+uint32_t product_checksum(const product *p);
 /* The array itself, in the mapping; NULL when it is missing or of another element size. */
 const void *product_section(const product *p, const char *name, uint32_t element_bytes,
 	uint64_t *ret_elements, GError **error);
