@@ -16,7 +16,7 @@ void geometry_free(geometry *g)
 	g_free(g);
 }
 
-static float *plane(size_t cells)
+float *geometry_plane(size_t cells)
 {
 	size_t bytes = (cells + 64) * sizeof(float);
 	void *p = g_aligned_alloc(1, bytes, bytes < HUGE_PAGE ? 64 : HUGE_PAGE);
@@ -34,11 +34,11 @@ geometry *geometry_new(uint32_t columns, uint32_t rows)
 	size_t cells = (size_t)columns * rows;
 	g->columns = columns;
 	g->rows = rows;
-	g->normal_x = plane(cells);
-	g->normal_y = plane(cells);
-	g->normal_z = plane(cells);
-	g->plane_error_m = plane(cells);
-	g->curvature = plane(cells);
+	g->normal_x = geometry_plane(cells);
+	g->normal_y = geometry_plane(cells);
+	g->normal_z = geometry_plane(cells);
+	g->plane_error_m = geometry_plane(cells);
+	g->curvature = geometry_plane(cells);
 	return g;
 }
 
@@ -61,7 +61,7 @@ geometry *geometry_estimate(const range_grid *g, const struct geometry_options *
 	struct normals_planes planes = { .normal = { ret->normal_x, ret->normal_y, ret->normal_z },
 		.error_m = ret->plane_error_m,
 		.curvature = ret->curvature,
-		.offset_m = plane(range_grid_cells(g)) };
+		.offset_m = geometry_plane(range_grid_cells(g)) };
 	normals_fit(g, &o, &planes);
 	normals_sharpen(g, &o, &planes);
 	normals_fill(g, &o, &planes);
