@@ -17,6 +17,7 @@ modules := sim firmware-io acquire process render
 packages :=
 pkgs :=
 cxx_pkgs :=
+cxx_libs :=
 programs :=
 pages :=
 include $(addsuffix /module.mk,$(modules)) tests/module.mk
@@ -31,7 +32,7 @@ house_cflags := -std=gnu17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -
 house_cxxflags = -std=c++17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -fopenmp -MMD -MP $(PKG_CFLAGS) \
 	$(CXX_PKG_CFLAGS)
 sanitize_flags := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -fno-sanitize-recover=all)
-link_libs := $(PKG_LIBS) $(CXX_PKG_LIBS) -lembree3 -lm -pthread -lstdc++
+link_libs := $(PKG_LIBS) $(CXX_PKG_LIBS) $(cxx_libs) -lembree3 -lm -pthread -lstdc++
 
 # Every .c and .cpp of a folder is in its library but for the programs' mains, which are listed in module.mk.
 sources = $(sort $(wildcard $(1)/*.c $(1)/*.cpp))

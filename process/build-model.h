@@ -2,7 +2,14 @@
 #define PROCESS_BUILD_MODEL_H
 /* Builds SITE/model/points.model from the placed scans and their geometry, in bounded memory. Where scans overlap, the sample
  * that was measured best stays: by range and incidence; filled cells never count. What each scan gives is kept beside the model
- * (SITE/model/parts/), so that a site with one scan more builds only what changed. */
+ * (SITE/model/parts/), so that a site with one scan more builds only what changed.
+ *
+ * 1. Overlaps (model-overlaps.h, overlap.h): which points of each scan another one has better, pair by pair.
+ * 2. Parts (model-part.h, morton.h): what is left of each scan, sorted along the Morton curve.
+ * 3. Merge (model-merge.h, model-thin.h, model-write.h, chunk-order.h): all parts into one stream, that into chunks.
+ *
+ * The same inputs give the same bytes, on any number of threads, in whatever order scans were added. Scans without geometry are
+ * taken as they are: their points have no normals, and incidence does not count. */
 #include "acquire/site.h"
 #include "process/scan-graph.h"
 
@@ -15,12 +22,15 @@ struct build_options {
 struct build_result {
 	uint64_t points,
 		redundant; /* in the model; left out because another scan has them better */
-	uint32_t scans, scans_rebuilt;
+	uint32_t scans, scans_rebuilt; /* in the model; of these, whose share in it was made anew */
+	uint32_t
+		scans_left_out; /* placed, but in groups of scans that nothing ties to the others */
 	double seconds;
 };
 /* G_IO_ERROR_CANCELLED when progress stopped it; what was done so far is used the next time. */
 bool build_model(site *s, const scan_graph *g, const struct build_options *options,
 	struct build_result *ret, GError **error);
+/* *ret_why: a few words, NULL when it is not; caller frees. */
 bool build_model_is_due(
 	const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
 

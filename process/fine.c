@@ -47,15 +47,41 @@ static const struct {
 #define STILL_M           0.05e-3
 #define SLACK_FACTOR      0.67
 
+/* Widths are for a scene seen from this far, as sites are, or farther; of a smaller scene they are smaller. */
+#define SCENE_M     4.0
+#define SCENE_MIN_M 0.2
+
 struct fine_scan {
 	pyramid *pyramid;
+	double scale; /* of the stages' pitches */
 	struct sample *samples[STAGES];
 	size_t count[STAGES];
 };
 
 /* ---- what is looked for ---- */
 
-static void take_level(const pyramid *p, int level, const struct fine_stage *stage,
+static int by_value(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+/* From the median of the ranges, of a level that is quickly read. */
+static double scale_of(const pyramid *p)
+{
+	const struct pyramid_level *l = &p->level[2];
+	size_t cells = (size_t)l->columns * l->rows, count = 0;
+	g_autofree float *range = g_new(float, cells);
+	for (size_t i = 0; i < cells; i++)
+		if (l->surfel[i].range_m > 0)
+			range[count++] = l->surfel[i].range_m;
+	if (!count)
+		return 1;
+	qsort(range, count, sizeof *range, by_value);
+	return CLAMP(range[count / 2], SCENE_MIN_M, SCENE_M) / SCENE_M;
+}
+
+static void take_level(const pyramid *p, int level, const struct fine_stage *stage, double pitch_m,
 	struct sample *to, size_t *count)
 {
 	const struct pyramid_level *l = &p->level[level];
@@ -63,8 +89,7 @@ static void take_level(const pyramid *p, int level, const struct fine_stage *sta
 		for (uint32_t c = (r / stage->stride) % stage->stride; c < l->columns;
 			c += stage->stride) {
 			const struct surfel *s = &l->surfel[(size_t)r * l->columns + c];
-			if (!(s->sigma_m > 0) ||
-				pairing_level(p, stage->pitch_m, s->range_m) != level)
+			if (!(s->sigma_m > 0) || pairing_level(p, pitch_m, s->range_m) != level)
 				continue;
 			struct sample *sample = &to[(*count)++];
 			memcpy(sample->point_m, s->point_m, sizeof sample->point_m);
@@ -82,7 +107,8 @@ static void take_samples(fine_scan *s, size_t stage)
 			 (p->level[l].rows / stages[stage].stride + 1);
 	struct sample *samples = g_new(struct sample, cells);
 	for (int l = 0; l < PYRAMID_LEVELS; l++)
-		take_level(p, l, &stages[stage], samples, &s->count[stage]);
+		take_level(p, l, &stages[stage], s->scale * stages[stage].pitch_m, samples,
+			&s->count[stage]);
 	s->samples[stage] = g_renew(struct sample, samples, s->count[stage]);
 }
 
@@ -90,6 +116,7 @@ fine_scan *fine_scan_new(const range_grid *g)
 {
 	fine_scan *s = g_new0(fine_scan, 1);
 	s->pyramid = pyramid_new(g);
+	s->scale = scale_of(s->pyramid);
 	for (size_t k = 0; k < STAGES; k++)
 		take_samples(s, k);
 	return s;
@@ -112,14 +139,34 @@ const pyramid *fine_scan_pyramid(const fine_scan *s)
 
 /* ---- steps ---- */
 
-static void sum_both_ways(const fine_scan *a, const fine_scan *b, size_t stage,
-	const struct pairing *how, const struct pose *pose, struct equations *ret)
+/* Of the samples of a scan: what they are looked for in has cells of the same width. */
+static struct pairing pairing_of(const fine_scan *of, size_t stage, double slack_m)
 {
-	memset(ret, 0, sizeof *ret);
-	pairs_sum(how, b->samples[stage], b->count[stage], a->pyramid, pose, true, ret, NULL, NULL,
-		NULL);
-	pairs_sum(how, a->samples[stage], a->count[stage], b->pyramid, pose, false, ret, NULL, NULL,
-		NULL);
+	const struct fine_stage *s = &stages[stage];
+	return (struct pairing){ .pitch_m = of->scale * s->pitch_m,
+		.slack_m = slack_m,
+		.scale = KERNEL_SCALE,
+		.cosine_min = s->cosine_min,
+		.around = s->around };
+}
+
+/* What else a sum can tell; NULL: not asked for. */
+struct findings {
+	float *residual; /* of b's samples */
+	struct pairs_look look;
+	double (*tile)[6];
+};
+
+static void sum_both_ways(const fine_scan *a, const fine_scan *b, size_t stage, double slack_m,
+	const struct pose *pose, struct equations *ret, struct findings *ret_findings)
+{
+	struct findings none = { 0 }, *f = ret_findings ? ret_findings : &none;
+	struct pairing of_a = pairing_of(a, stage, slack_m), of_b = pairing_of(b, stage, slack_m);
+	*ret = (struct equations){ 0 };
+	pairs_sum(&of_b, b->samples[stage], b->count[stage], a->pyramid, pose, true, ret,
+		f->residual, &f->look, f->tile);
+	pairs_sum(&of_a, a->samples[stage], a->count[stage], b->pyramid, pose, false, ret, NULL,
+		NULL, f->tile);
 	equations_mirror(ret);
 }
 
@@ -138,25 +185,15 @@ static bool take_step(const struct equations *e, struct pose *pose, struct step 
 	return isfinite(ret->turn_rad) && isfinite(ret->move_m);
 }
 
-static struct pairing pairing_of(const struct fine_stage *s, double slack_m)
-{
-	return (struct pairing){ .pitch_m = s->pitch_m,
-		.slack_m = slack_m,
-		.scale = KERNEL_SCALE,
-		.cosine_min = s->cosine_min,
-		.around = s->around };
-}
-
 static bool run_stage(const fine_scan *a, const fine_scan *b, size_t k, struct pose *pose,
 	struct fine_result *ret)
 {
 	const struct fine_stage *s = &stages[k];
 	double slack = s->slack_first_m;
 	for (uint32_t i = 0; i < s->steps_max; i++) {
-		struct pairing how = pairing_of(s, slack);
 		struct equations e;
 		struct step step;
-		sum_both_ways(a, b, k, &how, pose, &e);
+		sum_both_ways(a, b, k, slack, pose, &e, NULL);
 		if (!take_step(&e, pose, &step))
 			return false;
 		ret->iterations++;
@@ -207,23 +244,18 @@ static size_t count_within(const float *residual, size_t count, double gate)
 
 static bool judge(const fine_scan *a, const fine_scan *b, size_t last, struct fine_result *ret)
 {
-	const struct fine_stage *s = &stages[last];
-	struct pairing how = pairing_of(s, s->slack_last_m);
-	struct equations e = { 0 };
+	struct equations e;
 	double scaled[6][6];
-	struct pairs_look look = { 0 };
 	g_autofree float *residual = g_new(float, b->count[last] + 1);
 	g_autofree double(*tile)[6] = g_malloc0(PAIRS_TILES * sizeof *tile);
-	pairs_sum(&how, b->samples[last], b->count[last], a->pyramid, &ret->pose, true, &e,
-		residual, &look, tile);
+	struct findings f = { .residual = residual, .tile = tile };
+	sum_both_ways(a, b, last, stages[last].slack_last_m, &ret->pose, &e, &f);
 	size_t within = count_within(residual, b->count[last], KERNEL_SCALE);
-	pairs_sum(&how, a->samples[last], a->count[last], b->pyramid, &ret->pose, false, &e,
-		NULL, NULL, tile);
-	equations_mirror(&e);
 	ret->pairs = e.pairs;
 	ret->rms_m = e.weight > 0 ? sqrt(e.distance2_m2 / e.weight) : 0;
-	ret->inlier_share = look.seen ? (double)within / look.seen : 0;
-	ret->through_share = within ? (double)look.seen_through / (look.seen_through + within) : 1;
+	ret->inlier_share = f.look.seen ? (double)within / f.look.seen : 0;
+	ret->through_share =
+		within ? (double)f.look.seen_through / (f.look.seen_through + within) : 1;
 	equations_scale(&e, scaled);
 	equations_eigenvalues(scaled, ret->information_eigenvalues);
 	return e.pairs >= PAIRS_MIN && covariance_of(&e, tile, ret->covariance);

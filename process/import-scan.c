@@ -363,6 +363,8 @@ bool import_scan_describe(struct staged_scan *s, const struct import_origin *ori
 	if (s->was_grid)
 		set_grid(m, s);
 	set_points(m, s);
+	if (s->scan.note)
+		manifest_set_string(m, "source.note", s->scan.note);
 	if (s->result.has_pose) {
 		struct pose pose = import_given_pose(&s->scan);
 		set_pose(m, &pose);

@@ -2,6 +2,7 @@
 #include "process/import.h"
 #include <errno.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 struct import_source {
@@ -9,6 +10,8 @@ struct import_source {
 	int fd; /* -1: bytes at hand */
 	const uint8_t *bytes;
 	uint64_t size;
+	int memory_fd; /* -1: none; the bytes again, as a file */
+	char *fd_name;
 };
 
 import_source *import_source_open(const char *path, GError **error)
@@ -20,6 +23,7 @@ import_source *import_source_open(const char *path, GError **error)
 	import_source *s = g_new0(import_source, 1);
 	s->path = g_strdup(path);
 	s->fd = fd;
+	s->memory_fd = -1;
 	s->size = size;
 	return s;
 }
@@ -28,7 +32,7 @@ import_source *import_source_from_bytes(const void *bytes, size_t length, const 
 {
 	import_source *s = g_new0(import_source, 1);
 	s->path = g_strdup(name);
-	s->fd = -1;
+	s->fd = s->memory_fd = -1;
 	s->bytes = bytes;
 	s->size = length;
 	return s;
@@ -40,6 +44,9 @@ void import_source_free(import_source *s)
 		return;
 	if (s->fd >= 0)
 		close(s->fd);
+	if (s->memory_fd >= 0)
+		close(s->memory_fd);
+	g_free(s->fd_name);
 	g_free(s->path);
 	g_free(s);
 }
@@ -73,6 +80,32 @@ bool import_source_read(import_source *s, uint64_t offset, void *into, size_t le
 		*ret_got += n > 0 ? (size_t)n : 0;
 	}
 	return true;
+}
+
+static bool copy_to_memory(import_source *s)
+{
+	s->memory_fd = memfd_create("import", MFD_CLOEXEC);
+	uint64_t done = 0;
+	while (s->memory_fd >= 0 && done < s->size) {
+		ssize_t n = write(s->memory_fd, s->bytes + done, (size_t)(s->size - done));
+		if (n < 0 && errno != EINTR)
+			return false;
+		done += n > 0 ? (uint64_t)n : 0;
+	}
+	return s->memory_fd >= 0;
+}
+
+const char *import_source_name_for_library(import_source *s, GError **error)
+{
+	if (s->fd_name)
+		return s->fd_name;
+	if (s->fd < 0 && !copy_to_memory(s)) {
+		files_fail(error, s->path, "copy it in memory");
+		return NULL;
+	}
+	/* Of the descriptor, not of the path, where another file may stand by now. */
+	s->fd_name = g_strdup_printf("/proc/self/fd/%d", s->fd < 0 ? s->memory_fd : s->fd);
+	return s->fd_name;
 }
 
 bool import_refuse(GError **error, const import_source *s, int code, const char *format, ...)

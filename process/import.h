@@ -25,6 +25,8 @@ uint64_t import_source_size(const import_source *s);
 /* Up to length bytes from offset; fewer only at the end of the file. false: the disk failed. */
 bool import_source_read(import_source *s, uint64_t offset, void *into, size_t length,
 	size_t *ret_got, GError **error);
+/* A name under which a library that wants one finds these very bytes, valid until the source is freed; NULL and an error. */
+const char *import_source_name_for_library(import_source *s, GError **error);
 /* G_IO_ERROR_INVALID_DATA, or what code says: "PATH: WHAT". Returns false. */
 bool import_refuse(GError **error, const import_source *s, int code, const char *format, ...)
 	G_GNUC_PRINTF(4, 5);
@@ -54,6 +56,7 @@ struct import_scan {
 	bool has_pose;
 	struct pose pose;
 	uint64_t left_out; /* points that the file marks as not to be used (withheld, not finite) */
+	const char *note;  /* what else the reader did, a sentence for scan.json; NULL: nothing */
 };
 
 enum import_result { IMPORT_SCAN, IMPORT_END, IMPORT_BAD };
@@ -81,8 +84,8 @@ struct import_format {
 #define IMPORT_PROBE_BYTES 4096
 /* Ends with NULL. */
 extern const struct import_format *const import_formats[];
-extern const struct import_format import_ptx,
-	import_las; /* their files: import-ptx.c, import-las.c */
+extern const struct import_format import_ptx, import_las, import_ply,
+	import_pcd; /* their files: import-ptx.c and so on */
 
 /* By content, and only where no content is known by its extension. NULL: a sentence that lists the formats. */
 const struct import_format *import_format_of(import_source *file, GError **error);

@@ -1,27 +1,33 @@
 #ifndef PROCESS_MODEL_H
 #define PROCESS_MODEL_H
 /* The unified, non-redundant point model of a site: SITE/model/points.model, a product file (product.h) that is mapped into
- * memory. Points stand in chunks of 4096 along a Morton curve through the site, shuffled inside each chunk, so that every
- * prefix of a chunk is a uniform subset of it (DESIGN, "Process" 5). Positions are relative to the chunk's centre, so that
- * they stay exact anywhere. */
+ * memory (pleinair-model(5)). Points stand in chunks of 4096 along a Morton curve through the site, leaf after leaf of the
+ * segment tree. Inside a chunk they are shuffled, so that every prefix of a chunk is a uniform subset of it (DESIGN,
+ * "Process" 5; the continuous resolution queue of Xu & Chen 2004, section 6): of the first 2^k points, one comes from each of
+ * 2^k equal parts of the chunk's piece of the curve (chunk-order.h). Positions are relative to the chunk's centre, so that
+ * they stay exact anywhere.
+ *
+ * Errors are those of product.h. */
 #include "process/pose.h"
 #include "process/product.h"
 
 #define MODEL_KIND         "model"
 #define MODEL_VERSION      1
 #define MODEL_CHUNK_POINTS 4096u
+#define MODEL_NORMAL_NONE  INT16_MIN
+#define MODEL_ERROR_NONE   UINT16_MAX /* of the plane error */
 
-/* One point, as the GPU takes it: 32 bytes. */
+/* One point, as the GPU takes it: 32 bytes, each attribute aligned to 4 or beside its pair. */
 struct model_point {
 	float position_m[3]; /* from the chunk's centre */
-	int16_t normal[2];   /* octahedral, snorm; -32768 in both: none */
+	int16_t normal[2];   /* in the site's frame: octahedral, snorm; -32768 in both: none */
 	uint8_t rgba[4];     /* sRGB; a: 255 has colour, 0 has none */
 	uint16_t intensity;
 	uint16_t scan;          /* number */
 	uint16_t size;          /* diameter of its patch, 0.1 mm; saturates */
 	uint8_t classification; /* as LAS 1.4 numbers them */
 	uint8_t feature;        /* feature degree * 255; 0 until features are computed */
-	uint16_t plane_error;   /* of the plane fit, 0.1 mm; saturates */
+	uint16_t plane_error;   /* of the plane fit, 0.1 mm; saturates at 65534; 65535: none */
 	uint16_t leaf;          /* of the segment tree; 0 until there is one */
 };
 _Static_assert(sizeof(struct model_point) == 32, "the file's own layout");
@@ -29,23 +35,31 @@ _Static_assert(sizeof(struct model_point) == 32, "the file's own layout");
 struct model_chunk {
 	double centre_m[3];
 	float half_size_m[3]; /* of its box */
-	uint32_t points;      /* MODEL_CHUNK_POINTS in all but the last of a leaf */
-	uint64_t first;       /* index of its first point */
+	uint32_t points;      /* MODEL_CHUNK_POINTS in all but the last of a leaf; at least 1 */
+	uint64_t first;       /* index of its first point: the sum of the points before */
 	uint32_t crc32c;      /* of its points */
 	uint32_t leaf;
 	uint32_t reserved[2];
 };
 _Static_assert(sizeof(struct model_chunk) == 64, "the file's own layout");
 
+/* Const after it was opened; any number of threads may read. */
 typedef struct model model;
+char *model_path(const char *site_path); /* SITE/model/points.model; caller frees */
+/* Checks that the chunks and points belong together, not their checksums. */
 model *model_open(const char *site_path, GError **error);
+model *model_open_file(const char *path, GError **error);
 void model_free(model *m); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(model, model_free)
 uint64_t model_count(const model *m);
 const struct model_chunk *model_chunks(const model *m, uint64_t *ret_count);
-const struct model_point *model_points(const model *m); /* all, by chunk_first */
-bool model_verify(const model *m, GError **error);      /* all checksums, chunk by chunk */
+const struct model_point *model_points(const model *m); /* all, by chunk.first */
+const product *model_file(const model *m); /* manifest: what it was made from; product_forget */
+/* One chunk: whoever pages chunks in can check each. */
+bool model_verify_chunk(const model *m, uint64_t chunk, GError **error);
+bool model_verify(const model *m, GError **error); /* all checksums, chunk by chunk */
 
+/* Within 0.01 degrees. A normal that is not finite or of no length becomes none; none unpacks to 0 0 0. */
 void model_pack_normal(const float normal[3], int16_t ret[2]);
 void model_unpack_normal(const int16_t packed[2], float ret[3]);
 

@@ -2,3 +2,4 @@
 programs += process/pleinair-import
 packages += g++ libpcl-dev libeigen3-dev
 cxx_pkgs += eigen3 pcl_common pcl_io pcl_features pcl_filters pcl_registration pcl_search pcl_kdtree pcl_sample_consensus
+cxx_libs += -lpcl_io_ply

@@ -9,7 +9,8 @@
  *     the table: per section char name[24], u32 element_bytes, u32 CRC-32C of the section, u64 offset, u64 elements
  *
  * The section "manifest" is JSON text: kind, version of the kind, and what it was made from. A file is written under another
- * name, synced and renamed, so it is whole or not there. Little-endian. Errors are of G_IO_ERROR and PRODUCT_ERROR, one
+ * name, synced and renamed, so it is whole or not there; a file must not be changed in place while it is mapped.
+ * Little-endian. Names are unique; sections do not overlap. Errors are of G_IO_ERROR and PRODUCT_ERROR, one
  * sentence that begins with the path. */
 #include <gio/gio.h>
 #include <json-glib/json-glib.h>
@@ -26,12 +27,18 @@ typedef struct product product;
 product *product_open(const char *path, const char *kind, int version, GError **error);
 void product_free(product *p); /* NULL is fine; what sections gave goes with it */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(product, product_free)
+const char *product_path(const product *p);
 JsonObject *product_manifest(const product *p); /* owned by p */
+/* Over the checksums of all sections: another one when any of the contents is another. */
+uint32_t product_checksum(const product *p);
 /* The array itself, in the mapping; NULL when it is missing or of another element size. */
 const void *product_section(const product *p, const char *name, uint32_t element_bytes,
 	uint64_t *ret_elements, GError **error);
-/* Reads all of the file and compares the checksums. */
+/* Reads all of the file and compares the checksums. The mapping holds no more memory after it than before. */
 bool product_verify(const product *p, GError **error);
+/* Gives back the memory of a part of a section that was read, which stays readable: whoever walks through a file that is
+ * larger than memory calls it behind itself. */
+void product_forget(const product *p, const void *from, size_t bytes);
 
 typedef struct product_writer product_writer;
 product_writer *product_writer_new(const char *path, GError **error);

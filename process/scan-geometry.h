@@ -6,12 +6,17 @@
  *     normal       2 * int16, octahedral, in the scan's own frame (model_pack_normal)
  *     plane_error  float, m        curvature  float        point_size  float, m
  *
- * Grids by geometry_estimate_union with the scans that overlap; clouds by PCL. */
+ * Grids by geometry_union with the scans of their group that stand near, at most GEOMETRY_NEIGHBOURS; scans that are not placed
+ * alone; clouds by cloud.h. The manifest's "key" is a hash of all that went in: fingerprints of the scans, their poses relative
+ * to this one (to half a millimetre and 2e-5), versions. It needs no points, so asking what is due is quick. */
 #include "process/product.h"
 #include "process/scan-graph.h"
 
 #define SCAN_GEOMETRY_KIND    "geometry"
 #define SCAN_GEOMETRY_VERSION 1
+/* Further away scanners see little of the same, and not as well. */
+#define GEOMETRY_NEIGHBOURS 6
+#define GEOMETRY_REACH_M    40.0
 
 typedef struct scan_geometry scan_geometry;
 struct scan_geometry {
@@ -29,7 +34,7 @@ struct geometry_site_options {
 		double fraction, const char *doing, gpointer user_data); /* returns false to stop */
 	gpointer user_data;
 };
-/* Makes what is missing or out of date, scan by scan; each is whole on disk when the next begins. G_IO_ERROR_CANCELLED when
+/* Makes what is missing or out of date, scan by scan, with a few grids in memory at a time (a fine one has 50 MB); each is whole on disk when the next begins. G_IO_ERROR_CANCELLED when
  * progress stopped it. */
 bool geometry_site(site *s, const scan_graph *g, const struct geometry_site_options *options,
 	uint32_t *ret_made, GError **error);

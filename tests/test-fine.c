@@ -165,7 +165,7 @@ static void test_both_ways(void)
 	seen_clear(&b);
 }
 
-#define STATIONS 5
+#define STATIONS 4
 static void test_covariance(void)
 {
 	struct seen s[STATIONS];
@@ -188,7 +188,7 @@ static void test_covariance(void)
 			count++;
 		}
 	g_test_message("normalised error %.2f over %d pairs", sum / count, count);
-	g_assert_cmpint(count, >=, 6);
+	g_assert_cmpint(count, >=, 4);
 	g_assert_cmpfloat(sum / count, >, 0.3);
 	g_assert_cmpfloat(sum / count, <, 3);
 	for (int k = 0; k < STATIONS; k++) {
@@ -207,7 +207,7 @@ static void test_basin(void)
 	g_autoptr(fine_scan) fb = fine_scan_new(b.grid);
 	struct pose exact = pose_between(&a.pose, &b.pose);
 	g_autoptr(GRand) chance = g_rand_new_with_seed(11);
-	int right = 0, trials = 25;
+	int right = 0, trials = 15;
 	for (int trial = 0; trial < trials; trial++) {
 		struct pose start = off_by(&exact, 15, 3, chance);
 		struct fine_result r;

@@ -1,0 +1,33 @@
+#ifndef PROCESS_BENCH_FINE_H
+#define PROCESS_BENCH_FINE_H
+/* pleinair bench process, fine alignment: ours against PCL's generalised and point-to-plane ICP on the same two scans, from
+ * the same starts. */
+#include "process/range-grid.h"
+#include <json-glib/json-glib.h>
+
+struct bench_fine_options {
+	const char *
+		site; /* whose scans 1 and 2 are of stations 1 and 2 of the scene; NULL: they are simulated first */
+	const char *scene; /* "court?seed=7"; NULL: that */
+	uint32_t trials;   /* 0: 5 */
+};
+
+/* Prints a table, or, when ret_json is not NULL, gives what it measured: per method the median CPU time of preparing both
+ * scans and aligning them, on one thread, and the median and worst error against the true pose, which pleinair-sim tells. */
+bool bench_fine(const struct bench_fine_options *options, JsonArray **ret_json, GError **error);
+
+/* ---- the other side: bench-fine_pcl.cpp ---- */
+
+enum bench_fine_method { BENCH_FINE_OURS, BENCH_FINE_GICP, BENCH_FINE_PLANE, BENCH_FINE_METHODS };
+
+struct bench_fine_run {
+	struct pose pose;
+	double prepare_s, align_s; /* CPU time of the process */
+	bool converged;
+};
+
+/* Voxels of 0.25 m and, for point-to-plane, normals of 20 neighbours; partners to 1 m, at most 100 steps, in double. */
+bool bench_fine_pcl(enum bench_fine_method method, const range_grid *a, const range_grid *b,
+	const struct pose *start, struct bench_fine_run *ret, GError **error);
+
+#endif

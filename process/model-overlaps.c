@@ -1,0 +1,268 @@
+#include "process/model-overlaps.h"
+#include "process/overlap.h"
+#include <string.h>
+
+#define KIND    "overlap"
+#define VERSION 1
+
+char *model_part_path(const site *s, uint32_t number, const char *ending)
+{
+	return g_strdup_printf("%s/model/parts/%04u.%s", site_path(s), number, ending);
+}
+
+/* ---- files ---- */
+
+static void pack_bits(const uint8_t *bytes, uint64_t count, uint64_t *words)
+{
+	for (uint64_t i = 0; i < count; i++)
+		words[i / 64] |= (uint64_t)(bytes[i] & 1) << i % 64;
+}
+
+/* compared: of every scan that it was compared with, its key. */
+static bool save(const site *s, const struct model_input *input, const uint8_t *dropped,
+	uint64_t cells, GHashTable *compared, GError **error)
+{
+	g_autofree char *path = model_part_path(s, input->number, "overlap");
+	g_autoptr(product_writer) w = product_writer_new(path, error);
+	g_autofree uint64_t *words = g_new0(uint64_t, cells / 64 + 1);
+	pack_bits(dropped, cells, words);
+	if (!w || !product_writer_begin(w, "dropped", sizeof *words, error) ||
+		!product_writer_append(w, words, cells / 64 + 1, error))
+		return false;
+	JsonObject *made = json_object_new();
+	JsonArray *keys = json_array_new();
+	g_autoptr(GList) sorted =
+		g_list_sort(g_hash_table_get_keys(compared), (GCompareFunc)strcmp);
+	for (GList *k = sorted; k; k = k->next)
+		json_array_add_string_element(keys, k->data);
+	json_object_set_string_member(made, "key", input->key);
+	json_object_set_int_member(made, "cells", (gint64)cells);
+	json_object_set_array_member(made, "compared", keys);
+	return product_writer_finish(w, KIND, VERSION, made, error);
+}
+
+/* The file when it is of these inputs, else NULL: then it is made anew, whatever was wrong with it. */
+static product *open_current(const site *s, const struct model_input *input, uint64_t *ret_cells)
+{
+	g_autofree char *path = model_part_path(s, input->number, "overlap");
+	g_autoptr(product) p = product_open(path, KIND, VERSION, NULL);
+	JsonObject *m = p ? product_manifest(p) : NULL;
+	uint64_t words;
+	if (!m || !product_section(p, "dropped", sizeof(uint64_t), &words, NULL) ||
+		!product_verify(p, NULL) || !json_object_has_member(m, "compared") ||
+		g_strcmp0(json_object_get_string_member_with_default(m, "key", ""), input->key))
+		return NULL;
+	*ret_cells = (uint64_t)json_object_get_int_member_with_default(m, "cells", -1);
+	return words == *ret_cells / 64 + 1 ? g_steal_pointer(&p) : NULL;
+}
+
+static uint8_t *bits_of(const product *p, uint64_t cells)
+{
+	uint64_t words;
+	const uint64_t *bits = product_section(p, "dropped", sizeof *bits, &words, NULL);
+	uint8_t *bytes = g_malloc(cells + 1);
+	for (uint64_t i = 0; i < cells; i++)
+		bytes[i] = bits[i / 64] >> i % 64 & 1;
+	return bytes;
+}
+
+bool model_overlaps_load(const site *s, const struct model_input *input, uint8_t **ret_dropped,
+	uint64_t *ret_cells, GError **error)
+{
+	*ret_dropped = NULL;
+	*ret_cells = 0;
+	if (input->kind == SCAN_CLOUD)
+		return true;
+	g_autoptr(product) p = open_current(s, input, ret_cells);
+	if (!p) {
+		g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
+			"%s: the overlaps of scan %u are not those that were just made",
+			site_path(s), input->number);
+		return false;
+	}
+	*ret_dropped = bits_of(p, *ret_cells);
+	return true;
+}
+
+/* ---- what is to be done ---- */
+
+struct target {
+	const struct model_input *input;
+	GHashTable *compared; /* keys of the scans that its bits already know */
+	uint8_t *dropped;
+	uint64_t cells;
+	bool is_due;
+	overlap_scan *scan; /* while it is in memory */
+};
+
+static void clear_target(gpointer data)
+{
+	struct target *t = data;
+	g_clear_pointer(&t->compared, g_hash_table_unref);
+	g_free(t->dropped);
+	overlap_scan_free(t->scan);
+}
+
+static bool is_known(const GArray *targets, const char *key)
+{
+	for (guint i = 0; i < targets->len; i++)
+		if (strcmp(g_array_index(targets, struct target, i).input->key, key) == 0)
+			return true;
+	return false;
+}
+
+/* A file that knows a scan which is no more, or elsewhere, is of no use: what that one dropped may have to come back. */
+static void take_compared(struct target *t, const GArray *targets, const product *p)
+{
+	JsonNode *node = json_object_get_member(product_manifest(p), "compared");
+	JsonArray *keys = JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
+	for (guint i = 0; keys && i < json_array_get_length(keys); i++) {
+		JsonNode *k = json_array_get_element(keys, i);
+		const char *key = JSON_NODE_HOLDS_VALUE(k) ? json_node_get_string(k) : NULL;
+		if (!key || !is_known(targets, key)) {
+			g_hash_table_remove_all(t->compared);
+			return;
+		}
+		g_hash_table_add(t->compared, g_strdup(key));
+	}
+}
+
+static void look_what_is_there(const site *s, struct target *t, const GArray *targets)
+{
+	uint64_t cells;
+	g_autoptr(product) p = open_current(s, t->input, &cells);
+	t->compared = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+	if (p)
+		take_compared(t, targets, p);
+	/* A scan that stands alone needs a file too. */
+	t->is_due = !p || g_hash_table_size(t->compared) != targets->len - 1;
+}
+
+static GArray *targets_new(const site *s, const model_inputs *inputs)
+{
+	GArray *targets = g_array_new(FALSE, TRUE, sizeof(struct target));
+	g_array_set_clear_func(targets, clear_target);
+	for (guint i = 0; i < inputs->scans->len; i++) {
+		struct target t = { .input = model_inputs_at(inputs, i) };
+		if (t.input->kind != SCAN_CLOUD)
+			g_array_append_val(targets, t);
+	}
+	for (guint i = 0; i < targets->len; i++)
+		look_what_is_there(s, &g_array_index(targets, struct target, i), targets);
+	return targets;
+}
+
+/* ---- the work ---- */
+
+static overlap_scan *load_scan(const site *s, const struct model_input *input, GError **error)
+{
+	g_autoptr(scan_data) d = scan_data_load(s, input->number, error);
+	g_autoptr(scan_geometry) g = NULL;
+	if (!d || !model_input_geometry(s, input, d, &g, error))
+		return NULL;
+	overlap_scan *scan = overlap_scan_new(input->number, d->grid, g);
+	scan->pose = input->pose;
+	return scan;
+}
+
+static bool open_target(const site *s, struct target *t, GError **error)
+{
+	uint64_t cells = 0;
+	g_autoptr(product) p = open_current(s, t->input, &cells);
+	t->scan = load_scan(s, t->input, error);
+	if (!t->scan)
+		return false;
+	t->cells = (uint64_t)t->scan->columns * t->scan->rows;
+	bool goes_on = p && cells == t->cells && g_hash_table_size(t->compared);
+	if (!goes_on)
+		g_hash_table_remove_all(t->compared);
+	t->dropped = goes_on ? bits_of(p, cells) : g_malloc0(t->cells + 1);
+	return true;
+}
+
+/* Targets from first on that are due, as many as the memory holds, at least one. *ret_end: behind the last. */
+static bool open_block(const site *s, GArray *targets, guint first, uint64_t memory_bytes,
+	guint *ret_end, GError **error)
+{
+	uint64_t bytes = 0;
+	guint i = first;
+	for (; i < targets->len && bytes < memory_bytes; i++) {
+		struct target *t = &g_array_index(targets, struct target, i);
+		if (!t->is_due)
+			continue;
+		if (!open_target(s, t, error))
+			return false;
+		bytes += overlap_scan_bytes(t->scan) + t->cells;
+	}
+	*ret_end = i;
+	return true;
+}
+
+static bool is_wanted(const GArray *targets, guint first, guint end, const struct target *other)
+{
+	for (guint i = first; i < end; i++) {
+		const struct target *t = &g_array_index(targets, struct target, i);
+		if (t->scan && t != other && !g_hash_table_contains(t->compared, other->input->key))
+			return true;
+	}
+	return false;
+}
+
+/* Each target of the block against one other scan. */
+static bool compare_with(const site *s, GArray *targets, guint first, guint end,
+	const struct target *other, GError **error)
+{
+	g_autoptr(overlap_scan) loaded = NULL;
+	if (!is_wanted(targets, first, end, other))
+		return true;
+	if (!other->scan && !(loaded = load_scan(s, other->input, error)))
+		return false;
+	const overlap_scan *b = other->scan ? other->scan : loaded;
+	for (guint i = first; i < end; i++) {
+		struct target *t = &g_array_index(targets, struct target, i);
+		if (!t->scan || t == other ||
+			!g_hash_table_add(t->compared, g_strdup(other->input->key)))
+			continue;
+		if (overlap_is_possible(t->scan, b))
+			overlap_mark(t->scan, b, NULL, t->dropped);
+	}
+	return true;
+}
+
+static bool close_block(const site *s, GArray *targets, guint first, guint end, GError **error)
+{
+	for (guint i = first; i < end; i++) {
+		struct target *t = &g_array_index(targets, struct target, i);
+		if (t->scan && !save(s, t->input, t->dropped, t->cells, t->compared, error))
+			return false;
+		g_clear_pointer(&t->scan, overlap_scan_free);
+		g_clear_pointer(&t->dropped, g_free);
+	}
+	return true;
+}
+
+static bool do_block(const site *s, GArray *targets, guint first, guint *ret_end,
+	const struct build_progress *progress, GError **error)
+{
+	if (!open_block(s, targets, first, build_memory(progress->options) / 2, ret_end, error))
+		return false;
+	double share = (double)(*ret_end - first) / targets->len;
+	for (guint j = 0; j < targets->len; j++) {
+		double done = (double)first / targets->len + share * j / targets->len;
+		if (!build_progress_step(progress, done, "comparing scans", error) ||
+			!compare_with(s, targets, first, *ret_end,
+				&g_array_index(targets, struct target, j), error))
+			return false;
+	}
+	return close_block(s, targets, first, *ret_end, error);
+}
+
+bool model_overlaps_update(const site *s, const model_inputs *inputs,
+	const struct build_progress *progress, GError **error)
+{
+	g_autoptr(GArray) targets = targets_new(s, inputs);
+	for (guint first = 0; first < targets->len;)
+		if (!do_block(s, targets, first, &first, progress, error))
+			return false;
+	return true;
+}

@@ -1,0 +1,155 @@
+#include "process/model.h"
+#include "firmware-io/crc32c.h"
+#include <math.h>
+
+struct model {
+	product *file;
+	const struct model_chunk *chunks;
+	const struct model_point *points;
+	uint64_t chunk_count, point_count;
+};
+
+static bool damaged(const model *m, uint64_t chunk, const char *what, GError **error)
+{
+	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
+		"%s: chunk %" G_GUINT64_FORMAT ": %s", product_path(m->file), chunk, what);
+	return false;
+}
+
+static bool check_chunk(const model *m, uint64_t which, uint64_t first, GError **error)
+{
+	const struct model_chunk *c = &m->chunks[which];
+	if (c->first != first || c->points < 1 || c->points > MODEL_CHUNK_POINTS ||
+		c->points > m->point_count - first)
+		return damaged(m, which, "its points are not those after the chunk before", error);
+	for (int i = 0; i < 3; i++)
+		if (!isfinite(c->centre_m[i]) || !isfinite(c->half_size_m[i]) ||
+			c->half_size_m[i] < 0)
+			return damaged(m, which, "its box is no box", error);
+	return true;
+}
+
+static bool check_chunks(const model *m, GError **error)
+{
+	uint64_t first = 0;
+	for (uint64_t i = 0; i < m->chunk_count; i++) {
+		if (!check_chunk(m, i, first, error))
+			return false;
+		first += m->chunks[i].points;
+	}
+	if (first == m->point_count)
+		return true;
+	return damaged(m, m->chunk_count, "points are left over after the last chunk", error);
+}
+
+char *model_path(const char *site_path)
+{
+	return g_build_filename(site_path, "model", "points.model", NULL);
+}
+
+model *model_open_file(const char *path, GError **error)
+{
+	g_autoptr(model) m = g_new0(model, 1);
+	m->file = product_open(path, MODEL_KIND, MODEL_VERSION, error);
+	if (!m->file ||
+		!(m->chunks = product_section(
+			  m->file, "chunks", sizeof *m->chunks, &m->chunk_count, error)) ||
+		!(m->points = product_section(
+			  m->file, "points", sizeof *m->points, &m->point_count, error)) ||
+		!check_chunks(m, error))
+		return NULL;
+	return g_steal_pointer(&m);
+}
+
+model *model_open(const char *site_path, GError **error)
+{
+	g_autofree char *path = model_path(site_path);
+	return model_open_file(path, error);
+}
+
+void model_free(model *m)
+{
+	if (!m)
+		return;
+	product_free(m->file);
+	g_free(m);
+}
+
+uint64_t model_count(const model *m)
+{
+	return m->point_count;
+}
+
+const struct model_chunk *model_chunks(const model *m, uint64_t *ret_count)
+{
+	*ret_count = m->chunk_count;
+	return m->chunks;
+}
+
+const struct model_point *model_points(const model *m)
+{
+	return m->points;
+}
+
+const product *model_file(const model *m)
+{
+	return m->file;
+}
+
+bool model_verify_chunk(const model *m, uint64_t chunk, GError **error)
+{
+	const struct model_chunk *c = &m->chunks[chunk];
+	return crc32c(0, m->points + c->first, c->points * sizeof *m->points) == c->crc32c ||
+	       damaged(m, chunk, "its points are damaged", error);
+}
+
+bool model_verify(const model *m, GError **error)
+{
+	for (uint64_t i = 0; i < m->chunk_count; i++) {
+		if (!model_verify_chunk(m, i, error))
+			return false;
+		product_forget(m->file, m->points + m->chunks[i].first,
+			m->chunks[i].points * sizeof *m->points);
+	}
+	return product_verify(m->file, error);
+}
+
+/* ---- normals ---- */
+
+static int16_t snorm(float value)
+{
+	return (int16_t)lrintf(CLAMP(value, -1.0f, 1.0f) * 32767.0f);
+}
+
+/* The sphere onto an octahedron, that onto a square, its lower half folded outwards (Cigolle et al. 2014, "A Survey of Efficient
+ * Representations for Independent Unit Vectors"). */
+void model_pack_normal(const float normal[3], int16_t ret[2])
+{
+	float sum = fabsf(normal[0]) + fabsf(normal[1]) + fabsf(normal[2]);
+	ret[0] = ret[1] = MODEL_NORMAL_NONE;
+	if (!(sum > 0) || !isfinite(sum))
+		return;
+	float u = normal[0] / sum, v = normal[1] / sum;
+	if (normal[2] < 0) {
+		float across = copysignf(1 - fabsf(v), u), up = copysignf(1 - fabsf(u), v);
+		u = across;
+		v = up;
+	}
+	ret[0] = snorm(u);
+	ret[1] = snorm(v);
+}
+
+void model_unpack_normal(const int16_t packed[2], float ret[3])
+{
+	ret[0] = ret[1] = ret[2] = 0;
+	if (packed[0] == MODEL_NORMAL_NONE && packed[1] == MODEL_NORMAL_NONE)
+		return;
+	float u = fmaxf((float)packed[0] / 32767.0f, -1),
+	      v = fmaxf((float)packed[1] / 32767.0f, -1);
+	float z = 1 - fabsf(u) - fabsf(v), fold = fmaxf(-z, 0);
+	float x = u - copysignf(fold, u), y = v - copysignf(fold, v);
+	float length = sqrtf(x * x + y * y + z * z);
+	ret[0] = x / length;
+	ret[1] = y / length;
+	ret[2] = z / length;
+}

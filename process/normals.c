@@ -1,0 +1,61 @@
+#include "process/normals-tile.h"
+#include <stdlib.h>
+
+/* No tile with its reach looks wider than this: far from its middle the frame would be squeezed. */
+#define TILE_WIDEST_RAD 1.4
+#define NOISE_SAMPLES   20000u
+#define NOISE_LEAST_M   5e-4f
+#define NOISE_MOST_M    0.05f
+
+static uint32_t columns_within(const range_grid *g, double angle_rad, uint32_t most)
+{
+	double columns = angle_rad / g->column_rad;
+	return columns < most ? MAX((uint32_t)columns, 1) : most;
+}
+
+void normals_fit(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes)
+{
+	uint32_t reach = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH);
+	uint32_t width = columns_within(g, TILE_WIDEST_RAD / 2, TILE_COLUMNS);
+	width = width > 8 ? width / 8 * 8 : width;
+	uint32_t across = (g->columns + width - 1) / width,
+		 down = (g->rows + TILE_ROWS - 1) / TILE_ROWS;
+#pragma omp parallel if (!options->single_thread)
+	{
+		tile *t = tile_new();
+#pragma omp for schedule(dynamic, 4)
+		for (uint32_t i = 0; i < across * down; i++) {
+			struct tile_job job = { g, options, planes, .column = i % across * width,
+				.row = i / across * TILE_ROWS, .reach_columns = reach };
+			job.columns = MIN(width, g->columns - job.column);
+			job.rows = MIN(TILE_ROWS, g->rows - job.row);
+			tile_fit(t, &job);
+		}
+		tile_free(t);
+	}
+}
+
+static int by_value(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+/* Second differences of ranges along a row have sqrt(6) times their noise. Most of a scan is smooth, but far from all: the
+ * lower quartile, which is 0.3186 sigma of a normal distribution, is less led astray than the median. */
+float normals_range_noise_m(const range_grid *g)
+{
+	size_t n = range_grid_cells(g), stride = n / NOISE_SAMPLES + 1, count = 0;
+	g_autofree float *bend = g_new(float, NOISE_SAMPLES + 1);
+	for (size_t i = 1; i + 1 < n && count < NOISE_SAMPLES; i += stride) {
+		const float *r = g->range_m + i;
+		size_t column = i % g->columns;
+		if (column > 0 && column + 1 < g->columns && r[-1] > 0 && r[0] > 0 && r[1] > 0)
+			bend[count++] = fabsf(r[-1] - 2 * r[0] + r[1]);
+	}
+	if (!count)
+		return NOISE_LEAST_M;
+	qsort(bend, count, sizeof *bend, by_value);
+	return CLAMP(bend[count / 4] / (0.3186f * sqrtf(6)), NOISE_LEAST_M, NOISE_MOST_M);
+}

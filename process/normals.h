@@ -1,0 +1,42 @@
+#ifndef PROCESS_NORMALS_H
+#define PROCESS_NORMALS_H
+/* The plane fits of one scan, all cells, as geometry*.c need them.
+ *
+ * A range is noisy along its ray, and only there. So the plane is not fitted to the points, which would tilt it, but to what was
+ * measured: with directions (u, v, 1) in a frame that looks along the rays, the inverse depth w of a plane is linear in u and v,
+ * and its normal is the three coefficients. That is a linear least squares fit, without bias and without eigenvectors.
+ *
+ * Which neighbours count. Between cells side by side is a link unless there is a depth edge between them. From each cell an arm
+ * goes left and right as far as the window and the links let it; the window of a cell is the arms of all cells on its own arms
+ * up and down (the cross-based windows of stereo matching, Zhang, Lu and Lafruit 2009). So nothing beyond an edge comes in, and
+ * two passes over rows and columns sum it all up. Sums are taken relative to something near, so that floats hold them. */
+#include "process/range-grid.h"
+
+struct normals_options {
+	float radius_m, range_noise_m;
+	const uint32_t *
+		segment; /* leaf of each cell, 0: not known; no link between known ones that differ; NULL */
+	bool single_thread;
+};
+
+/* Planes of all cells; those that are NULL are not filled. */
+struct normals_planes {
+	float *normal[3];
+	float *error_m, *curvature;
+	float *offset_m; /* distance of the fitted plane from the scanner */
+	/* The neighbours, as they lie on the plane: how many, their centre, and the covariance xx xy xz yy yz zz. */
+	float *count, *centre_m[3], *covariance_m2[6];
+};
+
+void normals_fit(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *ret);
+/* Cells at creases take the plane of a neighbour's window that holds them and does not reach over the crease. */
+void normals_sharpen(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes);
+/* Cells that the fit left out, for they have no neighbours beside them: from what is near in space. */
+void normals_fill(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes);
+/* 1 sigma of the ranges, from how they vary over smooth runs. */
+float normals_range_noise_m(const range_grid *g);
+
+#endif

@@ -1,0 +1,425 @@
+#include "process/scan-geometry.h"
+#include "firmware-io/files.h"
+#include "process/cloud.h"
+#include "process/geometry.h"
+#include "process/model.h"
+#include "process/scan-data.h"
+#include <string.h>
+
+/* Grids that stay in memory: the scan itself and the neighbours of the scans next to it are mostly the same. */
+#define CACHED         4
+#define PACKED_AT_ONCE 65536u
+/* Poses that differ by less make the same normals. */
+#define POSE_STEP_M 0.0005
+#define POSE_STEP   2e-5
+
+static char *path_of(const site *s, uint32_t number)
+{
+	return g_strdup_printf("%s/geometry/%04u.geometry", site_path(s), number);
+}
+
+void scan_geometry_free(scan_geometry *g)
+{
+	if (!g)
+		return;
+	product_free(g->file);
+	g_free(g);
+}
+
+static const void *section(scan_geometry *g, const char *name, GError **error)
+{
+	uint64_t count;
+	const void *elements = product_section(g->file, name, 4, &count, error);
+	if (!elements)
+		return NULL;
+	if (!g->count)
+		g->count = count;
+	if (g->count == count)
+		return elements;
+	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
+		"'%s' has %" G_GUINT64_FORMAT " elements, not %" G_GUINT64_FORMAT, name, count,
+		g->count);
+	return NULL;
+}
+
+scan_geometry *scan_geometry_open(const site *s, uint32_t number, GError **error)
+{
+	g_autofree char *path = path_of(s, number);
+	g_autoptr(scan_geometry) g = g_new0(scan_geometry, 1);
+	g->file = product_open(path, SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION, error);
+	if (!g->file)
+		return NULL;
+	if (!(g->normal = section(g, "normal", error)) ||
+		!(g->plane_error_m = section(g, "plane_error", error)) ||
+		!(g->curvature = section(g, "curvature", error)) ||
+		!(g->point_size_m = section(g, "point_size", error)))
+		return g_prefix_error(error, "%s: ", path), NULL;
+	return g_steal_pointer(&g);
+}
+
+/* ---- what goes into each ---- */
+
+struct source {
+	uint32_t number, group;
+	enum scan_kind kind;
+	struct pose pose;
+	char *fingerprint;
+	uint32_t neighbours[GEOMETRY_NEIGHBOURS],
+		neighbour_count; /* indices of sources, nearest first */
+	char *key;
+};
+
+static void source_clear(gpointer data)
+{
+	struct source *s = data;
+	g_free(s->fingerprint);
+	g_free(s->key);
+}
+
+static struct source *source_at(GArray *sources, guint i)
+{
+	return &g_array_index(sources, struct source, i);
+}
+
+static const struct placed_scan *placed(const scan_graph *g, uint32_t number)
+{
+	for (guint i = 0; i < g->scans->len; i++) {
+		const struct placed_scan *p = &g_array_index(g->scans, struct placed_scan, i);
+		if (p->number == number && p->group)
+			return p;
+	}
+	return NULL;
+}
+
+static double apart_m(const struct source *a, const struct source *b)
+{
+	struct pose between = pose_between(&a->pose, &b->pose);
+	return pose_distance_m(&between);
+}
+
+/* The nearest scans with a grid in its group. */
+static void find_neighbours(GArray *sources, guint of)
+{
+	struct source *s = source_at(sources, of);
+	for (guint i = 0; i < sources->len; i++) {
+		const struct source *other = source_at(sources, i);
+		if (i == of || !s->group || other->group != s->group || other->kind == SCAN_CLOUD ||
+			apart_m(s, other) > GEOMETRY_REACH_M)
+			continue;
+		uint32_t at = s->neighbour_count;
+		while (at > 0 &&
+			apart_m(s, source_at(sources, s->neighbours[at - 1])) > apart_m(s, other))
+			at--;
+		if (at == GEOMETRY_NEIGHBOURS)
+			continue;
+		s->neighbour_count = MIN(s->neighbour_count + 1, GEOMETRY_NEIGHBOURS);
+		memmove(s->neighbours + at + 1, s->neighbours + at,
+			(s->neighbour_count - at - 1) * sizeof *s->neighbours);
+		s->neighbours[at] = i;
+	}
+}
+
+static char *key_of(GArray *sources, guint of)
+{
+	const struct source *s = source_at(sources, of);
+	g_autoptr(GString) text = g_string_new(NULL);
+	g_string_append_printf(
+		text, "%s %d %s", SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION, s->fingerprint);
+	for (uint32_t i = 0; i < s->neighbour_count; i++) {
+		const struct source *other = source_at(sources, s->neighbours[i]);
+		struct pose p = pose_between(&s->pose, &other->pose);
+		g_string_append_printf(text, "\n%s", other->fingerprint);
+		for (int a = 0; a < 3; a++)
+			for (int b = 0; b < 3; b++)
+				g_string_append_printf(
+					text, " %ld", lround(p.rotation[a][b] / POSE_STEP));
+		for (int a = 0; a < 3; a++)
+			g_string_append_printf(
+				text, " %ld", lround(p.translation_m[a] / POSE_STEP_M));
+	}
+	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text->str, -1);
+}
+
+static GArray *find_sources(const site *s, const scan_graph *graph, GError **error)
+{
+	g_autoptr(GArray) numbers = site_scans(s, error);
+	g_autoptr(GArray) sources = g_array_new(FALSE, TRUE, sizeof(struct source));
+	g_array_set_clear_func(sources, source_clear);
+	for (guint i = 0; numbers && i < numbers->len; i++) {
+		uint32_t number = g_array_index(numbers, uint32_t, i);
+		g_autoptr(scan_data) d = scan_data_peek(s, number, error);
+		if (!d)
+			return NULL;
+		const struct placed_scan *p = placed(graph, number);
+		struct source source = { .number = number,
+			.group = p ? p->group : 0,
+			.kind = d->kind,
+			.pose = p ? p->pose : POSE_IDENTITY,
+			.fingerprint = g_strdup(d->fingerprint) };
+		g_array_append_val(sources, source);
+	}
+	if (!numbers)
+		return NULL;
+	for (guint i = 0; i < sources->len; i++)
+		if (source_at(sources, i)->kind != SCAN_CLOUD)
+			find_neighbours(sources, i);
+	for (guint i = 0; i < sources->len; i++)
+		source_at(sources, i)->key = key_of(sources, i);
+	return g_steal_pointer(&sources);
+}
+
+/* Why it must be made; NULL: it need not. What cannot be read is made again. */
+static const char *why_due(const site *s, const struct source *source)
+{
+	g_autofree char *path = path_of(s, source->number);
+	if (!g_file_test(path, G_FILE_TEST_EXISTS))
+		return "has no normals";
+	g_autoptr(scan_geometry) g = scan_geometry_open(s, source->number, NULL);
+	if (!g)
+		return "has normals that cannot be read";
+	JsonNode *key = json_object_get_member(product_manifest(g->file), "key");
+	bool same = key && JSON_NODE_HOLDS_VALUE(key) &&
+		    g_strcmp0(json_node_get_string(key), source->key) == 0;
+	return same ? NULL : "or where it stands has changed";
+}
+
+bool geometry_site_is_due(
+	const site *s, const scan_graph *graph, bool *ret_due, char **ret_why, GError **error)
+{
+	g_autoptr(GArray) sources = find_sources(s, graph, error);
+	*ret_due = false;
+	if (ret_why)
+		*ret_why = NULL;
+	for (guint i = 0; sources && i < sources->len && !*ret_due; i++) {
+		const char *why = why_due(s, source_at(sources, i));
+		if (!why)
+			continue;
+		*ret_due = true;
+		if (ret_why)
+			*ret_why =
+				g_strdup_printf("scan %u %s", source_at(sources, i)->number, why);
+	}
+	return sources;
+}
+
+/* ---- making them ---- */
+
+struct box {
+	double low_m[3], high_m[3];
+};
+
+struct maker {
+	site *site;
+	GArray *sources;
+	const struct geometry_site_options *options;
+	GPtrArray *cache; /* of scan_data, the last used last */
+	uint32_t due, made;
+	uint32_t number;
+};
+
+static void free_data(gpointer data)
+{
+	scan_data_free(data);
+}
+
+/* Owned by the cache, until CACHED others were asked for. */
+static scan_data *load(struct maker *m, uint32_t number, GError **error)
+{
+	scan_data *d = NULL;
+	for (guint i = 0; i < m->cache->len && !d; i++)
+		if (((scan_data *)m->cache->pdata[i])->number == number)
+			d = g_ptr_array_steal_index(m->cache, i);
+	if (!d && m->cache->len == CACHED)
+		g_ptr_array_remove_index(m->cache, 0);
+	if (!d)
+		d = scan_data_load(m->site, number, error);
+	if (d)
+		g_ptr_array_add(m->cache, d);
+	return d;
+}
+
+/* Where its points are, in the site; every 16th is enough for that. */
+static struct box box_of(const range_grid *g, const struct pose *pose)
+{
+	struct box b = { { G_MAXDOUBLE, G_MAXDOUBLE, G_MAXDOUBLE },
+		{ -G_MAXDOUBLE, -G_MAXDOUBLE, -G_MAXDOUBLE } };
+	for (size_t i = 0; i < range_grid_cells(g); i += 16) {
+		double point[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+		if (!(g->range_m[i] > 0))
+			continue;
+		pose_apply(pose, point, point);
+		for (int k = 0; k < 3; k++) {
+			b.low_m[k] = fmin(b.low_m[k], point[k]);
+			b.high_m[k] = fmax(b.high_m[k], point[k]);
+		}
+	}
+	return b;
+}
+
+static bool boxes_meet(const struct box *a, const struct box *b)
+{
+	for (int k = 0; k < 3; k++)
+		if (a->low_m[k] > b->high_m[k] || b->low_m[k] > a->high_m[k])
+			return false;
+	return true;
+}
+
+static bool go_on(struct maker *m, double fraction, GError **error)
+{
+	g_autofree char *doing = g_strdup_printf("normals of scan %u", m->number);
+	double done = m->due ? (m->made + fraction) / m->due : 1;
+	if (!m->options || !m->options->progress ||
+		m->options->progress(done, doing, m->options->user_data))
+		return true;
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped at the normals of scan %u",
+		m->number);
+	return false;
+}
+
+static geometry *fit_grid(
+	struct maker *m, const struct source *s, const range_grid *grid, GError **error)
+{
+	struct posed_grid of = { .grid = grid, .pose = s->pose };
+	if (!s->neighbour_count)
+		return geometry_estimate(grid, NULL);
+	struct box box = box_of(grid, &s->pose);
+	g_autoptr(geometry_union) all = geometry_union_new(&of, NULL);
+	for (uint32_t i = 0; i < s->neighbour_count; i++) {
+		const struct source *other = source_at(m->sources, s->neighbours[i]);
+		if (!go_on(m, (i + 1.0) / (s->neighbour_count + 2.0), error))
+			return NULL;
+		const scan_data *d = load(m, other->number, error);
+		if (!d || !load(m, s->number, error)) /* which keeps the scan itself in the cache */
+			return NULL;
+		struct box there = box_of(d->grid, &other->pose);
+		struct posed_grid scan = { .grid = d->grid, .pose = other->pose };
+		if (boxes_meet(&box, &there))
+			geometry_union_add(all, &scan);
+	}
+	return geometry_union_finish(all);
+}
+
+struct planes {
+	uint64_t count;
+	const float *normal[3]; /* planes, or stride apart */
+	size_t stride;
+	const float *plane_error_m, *curvature, *point_size_m;
+};
+
+static bool write_normals(product_writer *w, const struct planes *p, GError **error)
+{
+	g_autofree int16_t(*packed)[2] = g_malloc(PACKED_AT_ONCE * sizeof *packed);
+	if (!product_writer_begin(w, "normal", sizeof *packed, error))
+		return false;
+	for (uint64_t from = 0; from < p->count; from += PACKED_AT_ONCE) {
+		uint64_t n = MIN(p->count - from, PACKED_AT_ONCE);
+		for (uint64_t i = 0; i < n; i++) {
+			size_t at = (from + i) * p->stride;
+			float normal[3] = { p->normal[0][at], p->normal[1][at], p->normal[2][at] };
+			bool none = normal[0] == 0 && normal[1] == 0 && normal[2] == 0;
+			packed[i][0] = packed[i][1] = -32768;
+			if (!none)
+				model_pack_normal(normal, packed[i]);
+		}
+		if (!product_writer_append(w, packed, n, error))
+			return false;
+	}
+	return true;
+}
+
+static bool write_floats(
+	product_writer *w, const char *name, const float *values, uint64_t count, GError **error)
+{
+	return product_writer_begin(w, name, sizeof *values, error) &&
+	       product_writer_append(w, values, count, error);
+}
+
+static bool write_file(
+	struct maker *m, const struct source *s, const struct planes *p, GError **error)
+{
+	g_autofree char *path = path_of(m->site, s->number);
+	g_autoptr(product_writer) w = product_writer_new(path, error);
+	if (!w || !write_normals(w, p, error) ||
+		!write_floats(w, "plane_error", p->plane_error_m, p->count, error) ||
+		!write_floats(w, "curvature", p->curvature, p->count, error) ||
+		!write_floats(w, "point_size", p->point_size_m, p->count, error))
+		return false;
+	JsonObject *made_from = json_object_new();
+	JsonArray *with = json_array_new();
+	for (uint32_t i = 0; i < s->neighbour_count; i++)
+		json_array_add_int_element(with, source_at(m->sources, s->neighbours[i])->number);
+	json_object_set_int_member(made_from, "scan", s->number);
+	json_object_set_array_member(made_from, "with", with);
+	json_object_set_string_member(made_from, "key", s->key);
+	return product_writer_finish(
+		w, SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION, made_from, error);
+}
+
+static bool make_grid(
+	struct maker *m, const struct source *s, const range_grid *grid, GError **error)
+{
+	g_autoptr(geometry) g = fit_grid(m, s, grid, error);
+	if (!g)
+		return false;
+	size_t cells = range_grid_cells(grid);
+	g_autofree float *size_m = g_new(float, cells);
+	for (size_t i = 0; i < cells; i++)
+		size_m[i] = grid->range_m[i] > 0 ? range_grid_point_size_m(grid, i) : NAN;
+	struct planes p = { cells, { g->normal_x, g->normal_y, g->normal_z }, 1, g->plane_error_m,
+		g->curvature, size_m };
+	return write_file(m, s, &p, error);
+}
+
+static bool cloud_progress(double fraction, gpointer user_data)
+{
+	return go_on(user_data, fraction, NULL);
+}
+
+static bool make_cloud(struct maker *m, const struct source *s, const points *cloud, GError **error)
+{
+	struct cloud_view v = cloud_view_of(cloud);
+	struct cloud_geometry_options options = { .progress = cloud_progress, .user_data = m };
+	g_autoptr(cloud_geometry) g = cloud_geometry_estimate(&v, &options, error);
+	if (!g)
+		return false;
+	const float *first = (const float *)g->normal;
+	struct planes p = { g->count, { first, first + 1, first + 2 }, 3, g->plane_error_m,
+		g->curvature, g->point_size_m };
+	return write_file(m, s, &p, error);
+}
+
+static bool make(struct maker *m, const struct source *s, GError **error)
+{
+	m->number = s->number;
+	if (!go_on(m, 0, error))
+		return false;
+	const scan_data *d = load(m, s->number, error);
+	return d && (d->kind == SCAN_CLOUD ? make_cloud(m, s, d->points, error)
+					   : make_grid(m, s, d->grid, error));
+}
+
+bool geometry_site(site *s, const scan_graph *graph, const struct geometry_site_options *options,
+	uint32_t *ret_made, GError **error)
+{
+	g_autoptr(GArray) sources = find_sources(s, graph, error);
+	g_autoptr(GPtrArray) cache = g_ptr_array_new_with_free_func(free_data);
+	g_autofree char *folder = g_build_filename(site_path(s), "geometry", NULL);
+	if (ret_made)
+		*ret_made = 0;
+	if (!sources || !files_make_folder(folder, error))
+		return false;
+	struct maker m = { .site = s, .sources = sources, .options = options, .cache = cache };
+	g_autofree bool *due = g_new0(bool, sources->len + 1);
+	for (guint i = 0; i < sources->len; i++)
+		m.due += due[i] = why_due(s, source_at(sources, i));
+	for (guint i = 0; i < sources->len; i++) {
+		if (!due[i])
+			continue;
+		if (!make(&m, source_at(sources, i), error))
+			return false;
+		m.made++;
+		if (ret_made)
+			*ret_made = m.made;
+	}
+	return true;
+}
