@@ -254,10 +254,139 @@ static void test_density(void)
 	g_assert_cmpuint(thin, <=, cells / 200);
 }
 
+/* Scanned twice from the same place: the points of the higher number go, all of them, and none of the lower. */
+static void test_same_twice(void)
+{
+	load_stations();
+	const struct station *s = &stations[0];
+	size_t n = range_grid_cells(s->grid);
+	g_autoptr(overlap_scan) a = overlap_scan_new(7, s->grid, &s->geometry);
+	g_autoptr(overlap_scan) b = overlap_scan_new(8, s->grid, NULL);
+	g_autofree uint8_t *of_a = g_malloc0(n), *of_b = g_malloc0(n);
+	a->pose = b->pose = s->scan->pose;
+	overlap_mark(a, b, NULL, of_a);
+	overlap_mark(b, a, NULL, of_b);
+	size_t a_drops = 0, b_stays = 0;
+	for (size_t i = 0; i < n; i++) {
+		a_drops += of_a[i];
+		b_stays += s->grid->range_m[i] > 0 && !of_b[i];
+	}
+	/* But for beams that round into the next cell. */
+	g_assert_cmpuint(a_drops, <=, n / 2000);
+	g_assert_cmpuint(b_stays, <=, n / 2000);
+}
+
+/* A wall that faces the scanner, distance_m away, 3 m wide and high. */
+static range_grid *wall_grid(double distance_m)
+{
+	enum { SIDE = 300 };
+	struct panorama_desc desc = { 2000, SIDE, -0.5, 0.5 };
+	g_autoptr(panorama) p = panorama_new(&desc, NULL);
+	for (uint32_t row = 0; row < SIDE; row++)
+		for (uint32_t column = 0; column < 2000; column++) {
+			double azimuth = (column + 0.5) * 2 * G_PI / 2000;
+			float elevation = (float)(0.5 - (row + 0.5) / SIDE);
+			float range = (float)(distance_m / (cos(azimuth) * cos(elevation)));
+			double across = distance_m * tan(azimuth), up = range * sin(elevation);
+			if (cos(azimuth) < 0.1 || fabs(across) > 1.5 || fabs(up) > 1.5)
+				range = 0;
+			uint16_t intensity = 1;
+			panorama_add(p, &azimuth, &elevation, &range, &intensity, 1);
+		}
+	return range_grid_from_panorama(p);
+}
+
+static scan_geometry *flat_geometry(const range_grid *g)
+{
+	size_t n = range_grid_cells(g);
+	int16_t(*normal)[2] = g_malloc(n * sizeof *normal);
+	for (size_t i = 0; i < n; i++)
+		model_pack_normal((float[3]){ 0, -1, 0 }, normal[i]);
+	scan_geometry *s = g_new0(scan_geometry, 1);
+	*s = (scan_geometry){ .count = n, .normal = normal, .plane_error_m = g_new0(float, n) };
+	return s;
+}
+
+static void free_flat(scan_geometry *g)
+{
+	g_free((void *)g->normal);
+	g_free((void *)g->plane_error_m);
+	g_free(g);
+}
+
+/* a in front of the wall, b nearer; either on the same side, or on the other side of a board of this thickness. */
+static size_t share_dropped(double thickness_m, bool other_side)
+{
+	g_autoptr(range_grid) far = wall_grid(6), near = wall_grid(3);
+	scan_geometry *of_far = flat_geometry(far), *of_near = flat_geometry(near);
+	g_autoptr(overlap_scan) a = overlap_scan_new(1, far, of_far);
+	g_autoptr(overlap_scan) b = overlap_scan_new(2, near, of_near);
+	b->pose.translation_m[1] = 3;
+	if (other_side)
+		b->pose = pose_from_yaw(G_PI, (const double[3]){ 0, 9 + thickness_m, 0 });
+	g_autofree uint8_t *dropped = g_malloc0(range_grid_cells(far));
+	size_t count = 0;
+	overlap_mark(a, b, NULL, dropped);
+	for (size_t i = 0; i < range_grid_cells(far); i++)
+		count += dropped[i];
+	size_t percent = 100 * count / range_grid_count(far);
+	free_flat(of_far);
+	free_flat(of_near);
+	return percent;
+}
+
+static void test_board(void)
+{
+	g_assert_cmpuint(share_dropped(0, false), >=, 97); /* all but the rim */
+	g_assert_cmpuint(share_dropped(0.03, true), ==, 0);
+}
+
+/* Where the beams of one scan are lost, the other fills in. */
+static void test_gap(void)
+{
+	g_autoptr(range_grid) far = wall_grid(6), near = wall_grid(3);
+	g_autoptr(overlap_scan) a = overlap_scan_new(1, far, NULL);
+	struct pose ahead = POSE_IDENTITY;
+	ahead.translation_m[1] = 3;
+	for (size_t i = 0; i < range_grid_cells(near); i++)
+		if (fabsf(near->x_m[i]) < 0.2f && near->range_m[i] > 0) {
+			near->x_m[i] = near->y_m[i] = near->z_m[i] = near->range_m[i] = 0;
+			near->cell[i] = CELL_EMPTY;
+		}
+	g_autoptr(overlap_scan) b = overlap_scan_new(2, near, NULL);
+	b->pose = ahead;
+	g_autofree uint8_t *dropped = g_malloc0(range_grid_cells(far));
+	overlap_mark(a, b, NULL, dropped);
+	for (size_t i = 0; i < range_grid_cells(far); i++) {
+		if (!(far->range_m[i] > 0) || fabsf(far->z_m[i]) > 1.3f)
+			continue;
+		if (fabsf(far->x_m[i]) < 0.18f)
+			g_assert_cmpuint(dropped[i], ==, 0);
+		else if (fabsf(far->x_m[i]) > 0.22f && fabsf(far->x_m[i]) < 1.4f)
+			g_assert_cmpuint(dropped[i], ==, 1);
+	}
+}
+
+static void free_stations(void)
+{
+	for (uint32_t i = 0; i < STATIONS; i++) {
+		range_grid_free(stations[i].grid);
+		overlap_scan_free(stations[i].scan);
+		g_free((void *)stations[i].geometry.normal);
+		g_free((void *)stations[i].geometry.plane_error_m);
+		g_free(stations[i].dropped);
+	}
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/overlap/no-holes", test_no_holes);
 	g_test_add_func("/overlap/density", test_density);
-	return g_test_run();
+	g_test_add_func("/overlap/same-twice", test_same_twice);
+	g_test_add_func("/overlap/board", test_board);
+	g_test_add_func("/overlap/gap", test_gap);
+	int status = g_test_run();
+	free_stations();
+	return status;
 }
