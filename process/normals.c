@@ -45,12 +45,13 @@ static int by_value(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-static float quartile(float *values, size_t count, float otherwise)
+/* The value that one in `part` is below. */
+static float low_quantile(float *values, size_t count, size_t part, float otherwise)
 {
 	if (!count)
 		return otherwise;
 	qsort(values, count, sizeof *values, by_value);
-	return values[count / 4];
+	return values[count / part];
 }
 
 /* Second differences of ranges along a row have sqrt(6) times their noise, and whatever uneven beams on slanting surfaces add.
@@ -65,34 +66,46 @@ static float noise_at_most_m(const range_grid *g)
 		if (column > 0 && column + 1 < g->columns && r[-1] > 0 && r[0] > 0 && r[1] > 0)
 			bend[count++] = fabsf(r[-1] - 2 * r[0] + r[1]);
 	}
-	return CLAMP(quartile(bend, count, 0) / (0.3186f * sqrtf(6)), NOISE_LEAST_M, NOISE_MOST_M);
+	return CLAMP(low_quantile(bend, count, 4, 0) / (0.3186f * sqrtf(6)), NOISE_LEAST_M,
+		NOISE_MOST_M);
 }
 
-/* What fits with that leave in a few small tiles: on smooth surfaces, noise and nothing else. */
-float normals_range_noise_m(const range_grid *g)
+/* What fits leave along the rays in a few small tiles. Windows on smooth surfaces leave noise and nothing else, all about the
+ * same; curved and cluttered ones leave more. */
+static float noise_left_m(const range_grid *g, const struct normals_options *o,
+	const struct normals_planes *p, tile *t)
 {
-	size_t cells = range_grid_cells(g), count = 0;
-	g_autofree float *error_m = g_new(float, cells + 64), *offset_m = g_new(float, cells + 64);
 	g_autofree float *left_m = g_new(float, NOISE_TILES *NOISE_TILE *NOISE_TILE);
-	struct normals_options options = { .radius_m = NOISE_RADIUS_M,
-		.range_noise_m = noise_at_most_m(g) };
-	struct normals_planes planes = { .error_m = error_m, .offset_m = offset_m };
-	tile *t = tile_new();
+	size_t count = 0;
 	for (uint32_t k = 0; k < NOISE_TILES; k++) {
-		struct tile_job job = { g, &options, &planes,
-			.columns = MIN(NOISE_TILE, g->columns), .rows = MIN(NOISE_TILE, g->rows),
+		struct tile_job job = { g, o, p, .columns = MIN(NOISE_TILE, g->columns),
+			.rows = MIN(NOISE_TILE, g->rows),
 			.reach_columns = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH) };
-		/* Golden ratios spread them evenly, whatever repeats in the scan. */
+		/* The golden ratio spreads them evenly, whatever repeats in the scan. */
 		job.column = (uint32_t)(fmod(k * 0.6180339887, 1) * (g->columns - job.columns));
 		job.row = (uint32_t)((k + 0.5) / NOISE_TILES * (g->rows - job.rows));
 		tile_fit(t, &job);
 		for (uint32_t i = 0; i < job.columns * job.rows; i++) {
 			size_t at = (size_t)(job.row + i / job.columns) * g->columns + job.column +
 				    i % job.columns;
-			if (offset_m[at] > 0)
-				left_m[count++] = error_m[at] * g->range_m[at] / offset_m[at];
+			if (p->offset_m[at] > 0)
+				left_m[count++] = p->error_m[at] * g->range_m[at] / p->offset_m[at];
 		}
 	}
+	return low_quantile(left_m, count, 8, o->range_noise_m);
+}
+
+float normals_range_noise_m(const range_grid *g)
+{
+	size_t cells = range_grid_cells(g);
+	g_autofree float *error_m = g_new(float, cells + 64), *offset_m = g_new(float, cells + 64);
+	struct normals_options options = { .radius_m = NOISE_RADIUS_M,
+		.range_noise_m = noise_at_most_m(g) };
+	struct normals_planes planes = { .error_m = error_m, .offset_m = offset_m };
+	tile *t = tile_new();
+	for (int round = 0; round < 2; round++) /* the first one's windows may be far too wide */
+		options.range_noise_m =
+			CLAMP(noise_left_m(g, &options, &planes, t), NOISE_LEAST_M, NOISE_MOST_M);
 	tile_free(t);
-	return CLAMP(quartile(left_m, count, options.range_noise_m), NOISE_LEAST_M, NOISE_MOST_M);
+	return options.range_noise_m;
 }
