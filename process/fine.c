@@ -21,13 +21,24 @@ static const struct fine_stage {
 };
 #define STAGES     G_N_ELEMENTS(stages)
 #define FINEST     (STAGES - 1)
-#define NEAR_STAGE 1
 
 #define KERNEL_SCALE 2.5 /* where the weight is a quarter */
 /* A pose where more than this stands where the other scan saw through is not the one that was looked for. From afar more
  * doubt is due: the next bay of a vaulted hall fits with 4 %. */
 #define THROUGH_MAX_COARSE 0.03
 #define THROUGH_MAX_NEAR   0.10
+
+/* Which stages. */
+static const struct {
+	size_t first, last;
+	double through_max;
+} reaches[] = {
+	[FINE_FROM_COARSE] = { 0, FINEST, THROUGH_MAX_COARSE },
+	[FINE_FROM_NEAR] = { 1, FINEST, THROUGH_MAX_NEAR },
+	[FINE_ROUGHLY] = { 0, 2, THROUGH_MAX_COARSE },
+	[FINE_FROM_ROUGH] = { 3, FINEST, THROUGH_MAX_COARSE },
+};
+
 #define PAIRS_MIN          100
 /* What is shared beyond a tile (one plane's points are in the planes of all its neighbours, and in many pairs), as measured:
  * against exact truth the normalised error is 1.4 to 3 without it. */
@@ -231,15 +242,15 @@ static size_t count_within(const float *residual, size_t count, double gate)
 	return within;
 }
 
-static bool judge(const fine_scan *a, const fine_scan *b, struct fine_result *ret)
+static bool judge(const fine_scan *a, const fine_scan *b, size_t last, struct fine_result *ret)
 {
 	struct equations e;
 	double scaled[6][6];
-	g_autofree float *residual = g_new(float, b->count[FINEST] + 1);
+	g_autofree float *residual = g_new(float, b->count[last] + 1);
 	g_autofree double(*tile)[6] = g_malloc0(PAIRS_TILES * sizeof *tile);
 	struct findings f = { .residual = residual, .tile = tile };
-	sum_both_ways(a, b, FINEST, stages[FINEST].slack_last_m, &ret->pose, &e, &f);
-	size_t within = count_within(residual, b->count[FINEST], KERNEL_SCALE);
+	sum_both_ways(a, b, last, stages[last].slack_last_m, &ret->pose, &e, &f);
+	size_t within = count_within(residual, b->count[last], KERNEL_SCALE);
 	ret->pairs = e.pairs;
 	ret->rms_m = e.weight > 0 ? sqrt(e.distance2_m2 / e.weight) : 0;
 	ret->inlier_share = f.look.seen ? (double)within / f.look.seen : 0;
@@ -255,12 +266,11 @@ bool fine_align(const fine_scan *a, const fine_scan *b, const struct pose *start
 {
 	*ret = (struct fine_result){ .pose = *start };
 	bool good = true;
-	for (size_t k = reach == FINE_FROM_NEAR ? NEAR_STAGE : 0; k < STAGES && good; k++)
+	size_t last = reaches[reach].last;
+	for (size_t k = reaches[reach].first; k <= last && good; k++)
 		good = run_stage(a, b, k, &ret->pose, ret);
 	pose_orthonormalise(&ret->pose);
-	good = judge(a, b, ret) && good;
-	ret->converged &=
-		good && ret->through_share <=
-				(reach == FINE_FROM_NEAR ? THROUGH_MAX_NEAR : THROUGH_MAX_COARSE);
+	good = judge(a, b, last, ret) && good;
+	ret->converged &= good && last == FINEST && ret->through_share <= reaches[reach].through_max;
 	return good;
 }

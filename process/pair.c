@@ -1,19 +1,125 @@
 #include "process/pair.h"
-#include "process/verify-compare.h"
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-#define CANDIDATES 16
+#define CANDIDATES 12
+/* Poses of a scan to itself: how a place repeats. */
+#define ALIKE_LOOKED_AT    8
+#define ALIKE_MAX          4
+#define ALIKE_MIN_SR       1.0
+#define ALIKE_CONFLICT_MAX 0.15
+#define SOLUTIONS_MAX      (CANDIDATES + 1 + 4 * ALIKE_MAX + 2)
 /* Poses nearer than this are one solution, found twice. */
-#define APART_M   0.10
-#define APART_RAD (0.5 * G_PI / 180)
+#define APART_M   0.15
+#define APART_RAD (0.7 * G_PI / 180)
 
 struct pair_scan {
 	coarse_scan *coarse;
 	fine_scan *fine;
 	struct verify_view *view;
+	struct pose alike[ALIKE_MAX];
+	size_t alikes;
 };
+
+static double cpu_seconds(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ---- solutions: starts, each refined and measured ---- */
+
+struct solution {
+	struct fine_result fine;
+	struct verification verification;
+};
+
+struct search {
+	const pair_scan *a, *b;
+	struct solution solution[SOLUTIONS_MAX];
+	size_t count;
+	double fine_s, verify_s;
+};
+
+static bool is_same(const struct pose *a, const struct pose *b)
+{
+	struct pose between = pose_between(a, b);
+	return pose_distance_m(&between) < APART_M && pose_angle_rad(&between) < APART_RAD;
+}
+
+static bool is_known(const struct search *s, const struct pose *pose)
+{
+	for (size_t i = 0; i < s->count; i++)
+		if (is_same(&s->solution[i].fine.pose, pose))
+			return true;
+	return false;
+}
+
+static void measure(struct search *s, struct solution *to, enum verify_care care)
+{
+	double before = cpu_seconds();
+	verify_measure(s->a->view, s->b->view, &to->fine, care, &to->verification, NULL);
+	s->verify_s += cpu_seconds() - before;
+}
+
+/* Refines a start, roughly; a solution that is new is measured and added. */
+static void try_start(struct search *s, const struct pose *start)
+{
+	if (s->count == SOLUTIONS_MAX || is_known(s, start))
+		return;
+	struct solution *next = &s->solution[s->count];
+	double before = cpu_seconds();
+	bool aligned = fine_align(s->a->fine, s->b->fine, start, FINE_ROUGHLY, &next->fine);
+	s->fine_s += cpu_seconds() - before;
+	if (!aligned || is_known(s, &next->fine.pose))
+		return;
+	measure(s, next, VERIFY_ROUGH);
+	s->count++;
+}
+
+static int by_contradiction(const void *x, const void *y)
+{
+	double a = verify_contradiction(&((const struct solution *)x)->verification),
+	       b = verify_contradiction(&((const struct solution *)y)->verification);
+	return (a > b) - (a < b);
+}
+
+/* The likeliest first. Of what shares next to nothing compared with the others, nothing can be said for or against it. */
+static void rank(struct search *s)
+{
+	struct verification most = { 0 };
+	size_t kept = 0;
+	for (size_t i = 0; i < s->count; i++)
+		if (s->solution[i].verification.agree_sr > most.agree_sr)
+			most = s->solution[i].verification;
+	for (size_t i = 0; i < s->count; i++)
+		if (verify_is_rival(&s->solution[i].verification, &most))
+			s->solution[kept++] = s->solution[i];
+	s->count = kept;
+	qsort(s->solution, s->count, sizeof *s->solution, by_contradiction);
+}
+
+/* ---- one scan ---- */
+
+/* A hall's half turn, a row of equal windows: where the scan comes to rest on itself elsewhere. */
+static void find_alikes(pair_scan *s)
+{
+	struct coarse_candidate c[ALIKE_LOOKED_AT];
+	size_t count = coarse_align(s->coarse, s->coarse, NULL, c, ALIKE_LOOKED_AT);
+	g_autofree struct search *self = g_new0(struct search, 1);
+	self->a = self->b = s;
+	for (size_t i = 0; i < count; i++)
+		try_start(self, &c[i].pose);
+	qsort(self->solution, self->count, sizeof *self->solution, by_contradiction);
+	for (size_t i = 0; i < self->count && s->alikes < ALIKE_MAX; i++) {
+		const struct verification *v = &self->solution[i].verification;
+		if (v->agree_sr >= ALIKE_MIN_SR && verify_contradiction(v) <= ALIKE_CONFLICT_MAX &&
+			!is_same(&self->solution[i].fine.pose, &POSE_IDENTITY))
+			s->alike[s->alikes++] = self->solution[i].fine.pose;
+	}
+}
 
 pair_scan *pair_scan_new(const range_grid *g)
 {
@@ -21,6 +127,7 @@ pair_scan *pair_scan_new(const range_grid *g)
 	s->coarse = coarse_scan_new(g);
 	s->fine = fine_scan_new(g);
 	s->view = verify_view_new(g, fine_scan_pyramid(s->fine));
+	find_alikes(s);
 	return s;
 }
 
@@ -34,104 +141,98 @@ void pair_scan_free(pair_scan *s)
 	g_free(s);
 }
 
-static double cpu_seconds(void)
+/* ---- the pair ---- */
+
+static void try_candidates(struct search *s, const struct pair_options *o, double *ret_coarse_s)
 {
-	struct timespec t;
-	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* ---- solutions: candidates, each refined and compared ---- */
-
-struct solution {
-	struct fine_result fine;
-	struct verification verification;
-};
-
-static bool is_known(const struct solution *s, size_t count, const struct pose *pose)
-{
-	for (size_t i = 0; i < count; i++) {
-		struct pose between = pose_between(&s[i].fine.pose, pose);
-		if (pose_distance_m(&between) < APART_M && pose_angle_rad(&between) < APART_RAD)
-			return true;
-	}
-	return false;
-}
-
-/* Refines a start; a solution that is new is compared and added. */
-static size_t add_solution(const pair_scan *a, const pair_scan *b, const struct pose *start,
-	enum fine_reach reach, struct solution *s, size_t count, struct pair_result *times)
-{
-	struct fine_result fine;
-	double t0 = cpu_seconds();
-	bool aligned = fine_align(a->fine, b->fine, start, reach, &fine);
-	double t1 = cpu_seconds();
-	times->fine_s += t1 - t0;
-	if (!aligned || is_known(s, count, &fine.pose))
-		return count;
-	s[count].fine = fine;
-	verify_measure(a->view, b->view, &fine, &s[count].verification, NULL);
-	times->verify_s += cpu_seconds() - t1;
-	return count + 1;
-}
-
-static size_t find_solutions(const pair_scan *a, const pair_scan *b, const struct pair_options *o,
-	struct solution *s, struct pair_result *times)
-{
-	struct coarse_candidate candidate[CANDIDATES];
+	struct coarse_candidate c[CANDIDATES];
 	struct coarse_options options = { .not_level = o && o->not_level };
-	size_t count = 0;
+	double before = cpu_seconds();
+	size_t count = coarse_align(s->a->coarse, s->b->coarse, &options, c, CANDIDATES);
+	*ret_coarse_s = cpu_seconds() - before;
 	if (o && o->start)
-		count = add_solution(a, b, o->start, FINE_FROM_NEAR, s, count, times);
-	double t0 = cpu_seconds();
-	size_t candidates = coarse_align(a->coarse, b->coarse, &options, candidate, CANDIDATES);
-	times->coarse_s = cpu_seconds() - t0;
-	for (size_t i = 0; i < candidates; i++)
-		count = add_solution(a, b, &candidate[i].pose, FINE_FROM_COARSE, s, count, times);
-	return count;
-}
-
-/* ---- the verdict ---- */
-
-static int by_contradiction(const void *x, const void *y)
-{
-	double a = verify_contradiction(&((const struct solution *)x)->verification),
-	       b = verify_contradiction(&((const struct solution *)y)->verification);
-	return (a > b) - (a < b);
-}
-
-/* The likeliest first; those that share next to nothing cannot speak against another. */
-static size_t rank(struct solution *s, size_t count)
-{
-	size_t kept = 0;
+		try_start(s, o->start);
 	for (size_t i = 0; i < count; i++)
-		if (verify_is_evidence(&s[i].verification))
-			s[kept++] = s[i];
-	if (!kept)
-		kept = MIN(count, 1);
-	qsort(s, kept, sizeof *s, by_contradiction);
-	return kept;
+		try_start(s, &c[i].pose);
+}
+
+/* Wherever either scan is like itself, the pair may be turned or shifted so. */
+static void try_rivals(struct search *s)
+{
+	struct pose best = s->solution[0].fine.pose;
+	for (int side = 0; side < 2; side++) {
+		const pair_scan *scan = side ? s->b : s->a;
+		for (size_t i = 0; i < scan->alikes; i++) {
+			struct pose back = pose_inverse(&scan->alike[i]);
+			struct pose one = side ? pose_compose(&best, &scan->alike[i])
+					       : pose_compose(&scan->alike[i], &best);
+			struct pose other =
+				side ? pose_compose(&best, &back) : pose_compose(&back, &best);
+			try_start(s, &one);
+			try_start(s, &other);
+		}
+	}
+}
+
+static bool finish(struct search *s, struct solution *solution)
+{
+	struct pose rough = solution->fine.pose;
+	double before = cpu_seconds();
+	bool good = fine_align(s->a->fine, s->b->fine, &rough, FINE_FROM_ROUGH, &solution->fine);
+	s->fine_s += cpu_seconds() - before;
+	measure(s, solution, VERIFY_FULL);
+	return good && is_same(&rough, &solution->fine.pose);
+}
+
+/* The best in full; and the rival too when it is a close thing. */
+static void decide(struct search *s, struct pair_result *ret)
+{
+	struct solution *best = &s->solution[0], *rival = s->count > 1 ? &s->solution[1] : NULL;
+	bool good = finish(s, best);
+	if (rival && verify_rivalry(&best->verification, &rival->verification) > 0.5) {
+		finish(s, rival);
+		if (by_contradiction(best, rival) > 0) {
+			struct solution swap = *best;
+			*best = *rival;
+			*rival = swap;
+		}
+	}
+	ret->fine = best->fine;
+	ret->pose = best->fine.pose;
+	ret->verification = best->verification;
+	if (good)
+		verify_judge(&ret->verification, rival ? &rival->verification : NULL);
+	else
+		verify_no_solution(&ret->verification);
 }
 
 void pair_align(const pair_scan *a, const pair_scan *b, const struct pair_options *options,
 	struct pair_result *ret)
 {
-	struct solution s[CANDIDATES + 1];
+	g_autofree struct search *s = g_new0(struct search, 1);
 	*ret = (struct pair_result){ .pose = POSE_IDENTITY };
-	size_t count = rank(s, find_solutions(a, b, options, s, ret));
-	if (!count) {
-		verify_no_solution(&ret->verification);
-		return;
+	s->a = a;
+	s->b = b;
+	try_candidates(s, options, &ret->coarse_s);
+	rank(s);
+	for (int pass = 0; pass < 2 && s->count; pass++) {
+		struct pose best = s->solution[0].fine.pose;
+		try_rivals(s);
+		rank(s);
+		if (is_same(&best, &s->solution[0].fine.pose))
+			break;
 	}
-	ret->fine = s[0].fine;
-	ret->pose = s[0].fine.pose;
-	ret->verification = s[0].verification;
-	verify_judge(&ret->verification, &ret->fine, count > 1 ? &s[1].verification : NULL);
+	if (s->count)
+		decide(s, ret);
+	else
+		verify_no_solution(&ret->verification);
+	ret->fine_s = s->fine_s;
+	ret->verify_s = s->verify_s;
 }
 
 void pair_verify(const pair_scan *a, const pair_scan *b, const struct fine_result *fine,
 	struct verification *ret, struct verify_map *ret_map)
 {
-	verify_measure(a->view, b->view, fine, ret, ret_map);
-	verify_judge(ret, fine, NULL);
+	verify_measure(a->view, b->view, fine, VERIFY_FULL, ret, ret_map);
+	verify_judge(ret, NULL);
 }

@@ -5,11 +5,11 @@
 #include "process/verify-view.h"
 
 enum compared {
-	COMPARED_NONE, /* no surface here, or none that can be told */
+	COMPARED_NONE, /* no surface, foliage, an edge: nothing that can be told */
 	COMPARED_AGREE,
 	COMPARED_HIDDEN,  /* behind what the other saw */
 	COMPARED_THROUGH, /* the other saw a surface farther away: it looked through here */
-	COMPARED_VOID,    /* the other saw nothing at all there */
+	COMPARED_VOID, /* the other saw nothing at all there, as it does of glass, water and black things */
 	COMPARED_MISSED,  /* a surface that faces the same way lies close by, but not here */
 	COMPARED_OUTSIDE, /* the other did not look there */
 	COMPARED_KINDS
@@ -17,16 +17,24 @@ enum compared {
 
 struct comparison {
 	double sr[COMPARED_KINDS]; /* solid angles, as the scan that is looked at from saw them */
-	double squares, weights, under_6mm; /* of agreeing distances */
+	double even_sr, squares,
+		under_6mm; /* of agreeing surfaces that are even: sums weighted by solid angle */
 	double facing
 		[3]
 		[3]; /* sum of normal * normal^T of the agreeing surfaces, in the other's frame */
 };
 
-/* Adds to *ret. pose takes from's frame to into's. slack_m: what the pose may be wrong by. ret_kind and ret_distance_m may be
- * NULL, else one of each per cell of from. */
+struct comparing {
+	float slack_m,
+		slack_rad; /* 1 sigma of what the pose may be wrong by; the second counts with the range */
+	uint32_t stride; /* of the rows and columns that are looked at */
+	/* NULL, or with one element a cell of `from`; only with stride 1. */
+	uint8_t *ret_kind;
+	float *ret_distance_m; /* of what agrees, positive: nearer to the other scanner; else 0 */
+};
+
+/* Adds to *ret. pose takes from's frame to into's. */
 void verify_compare(const struct verify_view *from, const struct verify_view *into,
-	const struct pose *pose, float slack_m, struct comparison *ret, uint8_t *ret_kind,
-	float *ret_distance_m);
+	const struct pose *pose, const struct comparing *how, struct comparison *ret);
 
 #endif

@@ -1,8 +1,14 @@
 #ifndef PROCESS_VERIFY_H
 #define PROCESS_VERIFY_H
-/* Is this pose between two scans true? Each scan is projected into the other's grid. A point agrees when the other scan
- * measured the same surface there, is occluded when the other saw something nearer, and conflicts when the other saw through
- * the place where it is: impossible, unless something moved. Both ways.
+/* Is this pose between two scans true? Each scan's surfaces are put into the other's view (verify-compare.h). A surface
+ * agrees when the other scan measured it there too, in its own plane and facing the same way; it is occluded when the other
+ * saw something nearer; it conflicts when the other saw through the place where it is: impossible, unless something moved.
+ * Both ways, by solid angle.
+ *
+ * Things that moved (people, cars, chairs) are some percent of a view at most. A wrong pose puts walls into places that the
+ * other saw through, but in a hall that is its own half turn, or along equal houses, only a few percent of them too. So what
+ * counts most is the comparison with rivals: other poses in which the same surfaces meet. One that contradicts itself about
+ * as little makes the answer ambiguous, whatever the figures of the best.
  *
  * A wrong pose that is accepted is the worst thing this program can do. */
 #include "process/fine.h"
@@ -23,49 +29,51 @@ extern const char *const verdict_names[VERDICTS]; /* "accepted", "no-overlap", .
 struct verification {
 	enum verdict verdict;
 	char reason[200]; /* one sentence for people, with figures */
-	/* Solid angles as the scanners saw them, sums over both ways, in sr. */
-	double agree_sr, occluded_sr;
-	double conflict_sr; /* the other scan saw a surface farther away, through this one */
-	double void_sr; /* the other saw nothing there: glass, water and black things do that too */
-	double missed_sr; /* a surface facing the same way lies within 0.3 m, but not here */
-	double outside_sr;
-	double overlap;   /* agree over all that the other looked at, 0..1 */
+	/* Sums over both ways, each surface weighted by the solid angle that it covers for the scan that saw it, in sr. */
+	double agree_sr, occluded_sr, conflict_sr, outside_sr;
+	double missed_sr; /* a parallel surface stands within 0.3 m, but not here */
+	double void_sr; /* the other saw nothing at all there, as it does of the sky, glass and water */
+	double overlap;   /* agree over agree, occluded, conflict and missed, 0..1 */
 	double agreement; /* agree / (agree + conflict + missed) */
 	double rms_m,
-		under_6mm; /* of the agreeing points' distance from the other's surface: rms, share under 6 mm */
+		under_6mm; /* of the distance of agreeing surfaces that are even: rms, share under 6 mm */
 	double balance; /* how evenly the agreeing surfaces hold the three directions: smallest eigenvalue of the mean of
 			   normal * normal^T, times 3, 0..1 */
-	double deviation_m, deviation_rad; /* 1 sigma of the pose in its worst direction */
-	double rival_score; /* contradictions of this pose over those of the likeliest other one, 0..1; 0: there is none */
+	double deviation_m,
+		deviation_rad; /* 1 sigma in the worst direction: of where b stands, of how it is turned */
+	/* How near the likeliest rival comes: what this pose may contradict itself at most to be told from it, over what it
+	 * does; 0: there is no rival, 1 and above: it cannot be told. */
+	double rival_score;
 };
 
-/* For the difference map: per cell of b, what it is in a. */
-enum verify_cell {
-	VERIFY_NONE,
-	VERIFY_AGREE,
-	VERIFY_OCCLUDED,
-	VERIFY_CONFLICT,
-	VERIFY_VOID,
-	VERIFY_MISSED,
-	VERIFY_OUTSIDE
-};
+/* For the difference map: per cell of b's view, what it is in a. */
+enum verify_cell { VERIFY_NONE, VERIFY_AGREE, VERIFY_OCCLUDED, VERIFY_CONFLICT, VERIFY_OUTSIDE };
 struct verify_map {
-	uint32_t columns, rows; /* of b's grid */
-	uint8_t *cell;          /* enum verify_cell */
-	float *distance_m;      /* from a's surface, signed; of agreeing cells, else 0 */
+	uint32_t columns, rows; /* of b's grid, or of blocks of it about half a degree wide */
+	uint8_t *cell;          /* enum verify_cell; a miss is a conflict */
+	float *distance_m; /* from a's surface, positive: nearer to a; of agreeing cells, else 0 */
 };
 void verify_map_clear(struct verify_map *m);
 
-/* Measures all but verdict, reason and rival_score. ret_map may be NULL. */
+/* How closely a pose is looked at. */
+enum verify_care {
+	VERIFY_ROUGH, /* a fourth of the surfaces, for poses that may be off by centimetres */
+	VERIFY_FULL,
+};
+
+/* Measures all but verdict, reason and rival_score. ret_map may be NULL, else care must be full. */
 void verify_measure(const struct verify_view *a, const struct verify_view *b,
-	const struct fine_result *fine, struct verification *ret, struct verify_map *ret_map);
-/* The share of what both looked at that contradicts the pose: what is compared between rivals. */
+	const struct fine_result *fine, enum verify_care care, struct verification *ret,
+	struct verify_map *ret_map);
+/* The share of what the scans should both see that contradicts the pose. */
 double verify_contradiction(const struct verification *v);
-/* Whether so much is shared that it says something for or against the pose. */
-bool verify_is_evidence(const struct verification *v);
-/* Verdict and reason of a pose that was measured; rival: the likeliest other one, or NULL. */
-void verify_judge(
-	struct verification *v, const struct fine_result *fine, const struct verification *rival);
+/* Whether a pose that was measured may stand for the truth beside another: it must share enough, and a quarter of what the
+ * other does. */
+bool verify_is_rival(const struct verification *v, const struct verification *of);
+/* Above 1, v cannot be told from the rival. */
+double verify_rivalry(const struct verification *v, const struct verification *rival);
+/* Verdict and reason of a pose that was measured in full; rival: the likeliest other one, or NULL. */
+void verify_judge(struct verification *v, const struct verification *rival);
 void verify_no_solution(struct verification *ret);
 
 #endif

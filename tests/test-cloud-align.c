@@ -229,8 +229,8 @@ static void test_unrelated_real(void)
 		return;
 	}
 	struct made a = made_from_file(sweep, &import_ply, 1),
-		    b = made_from_file(office, &import_pcd, 5),
-		    c = made_from_file(town, &import_las, 2);
+		    b = made_from_file(office, &import_pcd, 25),
+		    c = made_from_file(town, &import_las, 8);
 	assert_refused(&a, &b);
 	assert_refused(&a, &c);
 	made_clear(&a);

@@ -1,0 +1,135 @@
+/* The verdict on a pose that was measured. The limits come from simulated courts, streets, bridges and halls, some thousand
+ * poses right and wrong. */
+#include "process/verify.h"
+#include <stdarg.h>
+
+/* Things that moved make up to 3 % in a hall whose furniture all stands elsewhere, without them it is below 0.7 %. */
+#define CONFLICT_MAX 0.025
+#define DISAGREE_MAX 0.055 /* conflicts and misses together */
+#define AGREE_MIN_SR 0.6
+#define OVERLAP_MIN  0.15
+#define BALANCE_MIN  0.02
+/* A rival's contradictions must be twice ours and this much on top: where two poses are truly alike, they differ by up to
+ * 0.25 %. */
+#define RIVAL_FACTOR    2.0
+#define RIVAL_MARGIN    0.004
+#define RIVAL_MARGIN_SR 0.01
+#define RIVAL_MIN_SR    0.3
+#define RIVAL_SHARE     0.25
+/* Worse than this in its worst direction a pose slides; between, it is right, but not close enough. */
+#define SLIDING_M     0.02
+#define SLIDING_RAD   (0.2 * G_PI / 180)
+#define IMPRECISE_M   1.5e-3
+#define IMPRECISE_RAD (0.006 * G_PI / 180)
+
+double verify_contradiction(const struct verification *v)
+{
+	double sum = v->agree_sr + v->conflict_sr;
+	return sum > 0 ? v->conflict_sr / sum : 1;
+}
+
+bool verify_is_rival(const struct verification *v, const struct verification *of)
+{
+	return v->agree_sr >= fmax(RIVAL_MIN_SR, RIVAL_SHARE * of->agree_sr);
+}
+
+double verify_rivalry(const struct verification *v, const struct verification *rival)
+{
+	double ours = RIVAL_FACTOR * verify_contradiction(v) + RIVAL_MARGIN +
+		      RIVAL_MARGIN_SR / fmax(v->agree_sr, RIVAL_MIN_SR);
+	return ours / fmax(verify_contradiction(rival), 1e-6);
+}
+
+static void say(struct verification *v, enum verdict verdict, const char *format, ...)
+	G_GNUC_PRINTF(3, 4);
+static void say(struct verification *v, enum verdict verdict, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	v->verdict = verdict;
+	g_vsnprintf(v->reason, sizeof v->reason, format, args);
+	va_end(args);
+}
+
+void verify_no_solution(struct verification *ret)
+{
+	*ret = (struct verification){ 0 };
+	say(ret, VERDICT_NO_SOLUTION,
+		"No pose was found in which the two scans share enough surface to compare.");
+}
+
+static bool shares_enough(struct verification *v)
+{
+	if (v->agree_sr >= AGREE_MIN_SR && v->overlap >= OVERLAP_MIN)
+		return true;
+	say(v, VERDICT_NO_OVERLAP,
+		"In the best pose the scans share only %.2f sr of surface, %.0f %% of what both "
+		"look at: too little to tell.",
+		v->agree_sr, 100 * v->overlap);
+	return false;
+}
+
+static bool agrees(struct verification *v)
+{
+	double conflict = verify_contradiction(v);
+	if (conflict <= CONFLICT_MAX && 1 - v->agreement <= DISAGREE_MAX)
+		return true;
+	if (conflict > CONFLICT_MAX)
+		say(v, VERDICT_CONFLICT,
+			"In the best pose %.1f %% of the surfaces stand where the other scan saw "
+			"through (at most %.1f %% may).",
+			100 * conflict, 100 * CONFLICT_MAX);
+	else
+		say(v, VERDICT_CONFLICT,
+			"In the best pose %.1f %% of the surfaces miss the other scan's by "
+			"centimetres or stand where it saw through (at most %.0f %% may).",
+			100 * (1 - v->agreement), 100 * DISAGREE_MAX);
+	return false;
+}
+
+static bool is_held(struct verification *v)
+{
+	if (v->deviation_m <= SLIDING_M && v->deviation_rad <= SLIDING_RAD &&
+		v->balance >= BALANCE_MIN)
+		return true;
+	say(v, VERDICT_SLIDING,
+		"What the scans share leaves a direction open: it holds the pose to %.0f mm and "
+		"%.2f degrees, and %.1f %% of it face the weakest direction.",
+		1000 * v->deviation_m, v->deviation_rad * 180 / G_PI, 100 * v->balance / 3);
+	return false;
+}
+
+static bool is_alone(struct verification *v, const struct verification *rival)
+{
+	v->rival_score = rival ? verify_rivalry(v, rival) : 0;
+	if (v->rival_score < 1)
+		return true;
+	say(v, VERDICT_AMBIGUOUS,
+		"Another pose fits about as well: %.1f %% of the surfaces contradict it, %.1f %% "
+		"this one.",
+		100 * verify_contradiction(rival), 100 * verify_contradiction(v));
+	return false;
+}
+
+static bool is_precise(struct verification *v)
+{
+	if (v->deviation_m <= IMPRECISE_M && v->deviation_rad <= IMPRECISE_RAD)
+		return true;
+	say(v, VERDICT_IMPRECISE,
+		"It fits, but what the scans share holds it to %.1f mm and %.3f degrees only "
+		"(1 sigma).",
+		1000 * v->deviation_m, v->deviation_rad * 180 / G_PI);
+	return false;
+}
+
+void verify_judge(struct verification *v, const struct verification *rival)
+{
+	v->rival_score = rival ? verify_rivalry(v, rival) : 0;
+	if (shares_enough(v) && agrees(v) && is_alone(v, rival) && is_held(v) && is_precise(v))
+		say(v, VERDICT_ACCEPTED,
+			"%.0f %% of what both look at agrees and %.1f %% conflicts; held to %.1f "
+			"mm "
+			"and %.3f degrees.",
+			100 * v->overlap, 100 * (1 - v->agreement), 1000 * v->deviation_m,
+			v->deviation_rad * 180 / G_PI);
+}
