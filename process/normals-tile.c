@@ -627,7 +627,8 @@ void tile_fit(tile *t, const struct tile_job *job)
 		return;
 	}
 #if defined __x86_64__
-	if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+	if (!job->options->portable && __builtin_cpu_supports("avx2") &&
+		__builtin_cpu_supports("fma")) {
 		fit_tile_avx2(t, job);
 		return;
 	}
