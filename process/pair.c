@@ -4,6 +4,8 @@
 #include <time.h>
 
 #define CANDIDATES 12
+/* Candidates that score less than this share of the first are not worth their time. */
+#define SCORE_SHARE 0.45
 /* Poses of a scan to itself: how a place repeats. */
 #define ALIKE_LOOKED_AT    8
 #define ALIKE_MAX          4
@@ -13,6 +15,8 @@
 /* Poses nearer than this are one solution, found twice. */
 #define APART_M   0.15
 #define APART_RAD (0.7 * G_PI / 180)
+/* A rival this near is finished too. */
+#define CLOSE_THING 0.5
 
 struct pair_scan {
 	coarse_scan *coarse;
@@ -79,26 +83,17 @@ static void try_start(struct search *s, const struct pose *start)
 	s->count++;
 }
 
-static int by_contradiction(const void *x, const void *y)
+static int by_doubt(const void *x, const void *y)
 {
-	double a = verify_contradiction(&((const struct solution *)x)->verification),
-	       b = verify_contradiction(&((const struct solution *)y)->verification);
+	double a = verify_doubt(&((const struct solution *)x)->verification),
+	       b = verify_doubt(&((const struct solution *)y)->verification);
 	return (a > b) - (a < b);
 }
 
-/* The likeliest first. Of what shares next to nothing compared with the others, nothing can be said for or against it. */
+/* The likeliest first. */
 static void rank(struct search *s)
 {
-	struct verification most = { 0 };
-	size_t kept = 0;
-	for (size_t i = 0; i < s->count; i++)
-		if (s->solution[i].verification.agree_sr > most.agree_sr)
-			most = s->solution[i].verification;
-	for (size_t i = 0; i < s->count; i++)
-		if (verify_is_rival(&s->solution[i].verification, &most))
-			s->solution[kept++] = s->solution[i];
-	s->count = kept;
-	qsort(s->solution, s->count, sizeof *s->solution, by_contradiction);
+	qsort(s->solution, s->count, sizeof *s->solution, by_doubt);
 }
 
 /* ---- one scan ---- */
@@ -112,7 +107,7 @@ static void find_alikes(pair_scan *s)
 	self->a = self->b = s;
 	for (size_t i = 0; i < count; i++)
 		try_start(self, &c[i].pose);
-	qsort(self->solution, self->count, sizeof *self->solution, by_contradiction);
+	qsort(self->solution, self->count, sizeof *self->solution, by_doubt);
 	for (size_t i = 0; i < self->count && s->alikes < ALIKE_MAX; i++) {
 		const struct verification *v = &self->solution[i].verification;
 		if (v->agree_sr >= ALIKE_MIN_SR && verify_contradiction(v) <= ALIKE_CONFLICT_MAX &&
@@ -152,7 +147,7 @@ static void try_candidates(struct search *s, const struct pair_options *o, doubl
 	*ret_coarse_s = cpu_seconds() - before;
 	if (o && o->start)
 		try_start(s, o->start);
-	for (size_t i = 0; i < count; i++)
+	for (size_t i = 0; i < count && c[i].score >= SCORE_SHARE * c[0].score; i++)
 		try_start(s, &c[i].pose);
 }
 
@@ -184,19 +179,29 @@ static bool finish(struct search *s, struct solution *solution)
 	return good && is_same(&rough, &solution->fine.pose);
 }
 
+/* Of all but the first, the one that comes nearest to it. */
+static struct solution *find_rival(struct search *s)
+{
+	struct solution *rival = NULL;
+	double nearest = 0;
+	for (size_t i = 1; i < s->count; i++) {
+		double rivalry =
+			verify_rivalry(&s->solution[0].verification, &s->solution[i].verification);
+		if (rivalry > nearest) {
+			nearest = rivalry;
+			rival = &s->solution[i];
+		}
+	}
+	return rival;
+}
+
 /* The best in full; and the rival too when it is a close thing. */
 static void decide(struct search *s, struct pair_result *ret)
 {
-	struct solution *best = &s->solution[0], *rival = s->count > 1 ? &s->solution[1] : NULL;
+	struct solution *best = &s->solution[0], *rival = find_rival(s);
 	bool good = finish(s, best);
-	if (rival && verify_rivalry(&best->verification, &rival->verification) > 0.5) {
+	if (rival && verify_rivalry(&best->verification, &rival->verification) > CLOSE_THING)
 		finish(s, rival);
-		if (by_contradiction(best, rival) > 0) {
-			struct solution swap = *best;
-			*best = *rival;
-			*rival = swap;
-		}
-	}
 	ret->fine = best->fine;
 	ret->pose = best->fine.pose;
 	ret->verification = best->verification;

@@ -5,7 +5,8 @@
 #include "process/fine.h"
 #include "process/verify.h"
 
-/* All that aligning needs of one scan; keeps a reference to the grid, which must live longer. */
+/* All that aligning needs of one scan, and where it is like itself. Made once per scan, then used for all its pairs; const
+ * after, for any number of threads. Keeps nothing of the grid. */
 typedef struct pair_scan pair_scan;
 pair_scan *pair_scan_new(const range_grid *g);
 void pair_scan_free(pair_scan *s); /* NULL is fine */

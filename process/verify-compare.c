@@ -10,9 +10,11 @@
 /* How far along the surface the other's point may lie. */
 #define REACH_CELLS 3.0f
 #define REACH_M     0.05f
-/* A parallel surface nearer than this that is not the same is a miss. */
-#define MISS_M      0.30f
-#define MISS_FACING 0.95f
+/* A parallel surface nearer than this that is not the same is a miss, when so many cells see it as one plane: a wall, not the
+ * relief of a front. */
+#define MISS_M         0.30f
+#define MISS_FACING    0.95f
+#define MISS_CELLS_MIN 4
 /* By how much something must be in front to contradict: on its own, and of its range. */
 #define DEPTH_M     0.06f
 #define DEPTH_SHARE 0.004f
@@ -65,7 +67,12 @@ static struct seen see(const struct surfel *s, const struct motion *m, const str
 /* What the surfels around the direction say of it. */
 struct partner {
 	float distance_m; /* of the plane that it agrees with */
-	bool agrees, missed, even;
+	float variance;
+	const float *normal;
+	bool agrees, even;
+	/* Of the parallel planes that it does not agree with. */
+	int beside;
+	float beside_min_m, beside_max_m, tolerance_m;
 };
 
 static inline void look_at(
@@ -80,14 +87,29 @@ static inline void look_at(
 		return;
 	float variance =
 		s->sigma_m * s->sigma_m + p->sigma_m * p->sigma_m + p->slack_m * p->slack_m;
-	if (fabsf(distance) <= fminf(SIGMAS * sqrtf(variance), TOLERANCE_MAX_M)) {
+	float tolerance = fminf(SIGMAS * sqrtf(variance), TOLERANCE_MAX_M);
+	if (fabsf(distance) <= tolerance) {
 		if (!ret->agrees || fabsf(distance) < fabsf(ret->distance_m)) {
 			ret->distance_m = distance;
+			ret->normal = s->normal;
+			ret->variance = variance;
 			ret->even = fmaxf(s->sigma_m, p->sigma_m) < EVEN_M;
 		}
 		ret->agrees = true;
-	} else if (fabsf(distance) < MISS_M && facing > MISS_FACING)
-		ret->missed = true;
+	} else if (fabsf(distance) < MISS_M && facing > MISS_FACING) {
+		ret->beside_min_m = ret->beside ? fminf(ret->beside_min_m, distance) : distance;
+		ret->beside_max_m = ret->beside ? fmaxf(ret->beside_max_m, distance) : distance;
+		ret->tolerance_m = fmaxf(ret->tolerance_m, tolerance);
+		ret->beside++;
+	}
+}
+
+static bool is_missed(const struct partner *p)
+{
+	float spread = p->beside_max_m - p->beside_min_m,
+	      middle = 0.5f * fabsf(p->beside_max_m + p->beside_min_m);
+	return p->beside >= MISS_CELLS_MIN && p->beside_min_m * p->beside_max_m > 0 &&
+	       spread <= fmaxf(2 * p->tolerance_m, 0.5f * middle);
 }
 
 /* The cell itself tells; its neighbours are asked when it does not. */
@@ -116,7 +138,7 @@ static enum compared judge(const struct verify_view *v, const struct verify_arou
 		return COMPARED_AGREE;
 	if (around->empty == 9)
 		return p->range_m < v->range_max_m ? COMPARED_VOID : COMPARED_OUTSIDE;
-	if (partner->missed)
+	if (is_missed(partner))
 		return COMPARED_MISSED;
 	if (around->empty)
 		return COMPARED_NONE;
@@ -154,6 +176,20 @@ static void add_agreement(
 			c->facing[i][j] += sr * p->normal[i] * p->normal[j];
 }
 
+static void add_pull(
+	struct pull *pull, const struct seen *p, const struct partner *partner, double sr)
+{
+	const float *q = p->point, *n = partner->normal;
+	double j[6] = { q[1] * n[2] - q[2] * n[1], q[2] * n[0] - q[0] * n[2],
+		q[0] * n[1] - q[1] * n[0], n[0], n[1], n[2] };
+	double weight = sr / partner->variance;
+	for (int i = 0; i < 6; i++) {
+		pull->right[i] -= weight * j[i] * partner->distance_m;
+		for (int k = i; k < 6; k++)
+			pull->matrix[i][k] += weight * j[i] * j[k];
+	}
+}
+
 void verify_compare(const struct verify_view *from, const struct verify_view *into,
 	const struct pose *pose, const struct comparing *how, struct comparison *ret)
 {
@@ -172,6 +208,8 @@ void verify_compare(const struct verify_view *from, const struct verify_view *in
 			ret->sr[kind] += sr;
 			if (kind == COMPARED_AGREE)
 				add_agreement(ret, &p, &partner, sr);
+			if (kind == COMPARED_AGREE && how->ret_pull)
+				add_pull(how->ret_pull, &p, &partner, sr);
 			if (how->ret_kind) {
 				how->ret_kind[i] = (uint8_t)kind;
 				how->ret_distance_m[i] = partner.distance_m;

@@ -15,6 +15,11 @@ enum compared {
 	COMPARED_KINDS
 };
 
+/* Least squares for the twist (pose_perturb's, in the frame of `into`) that would bring what agrees to rest. */
+struct pull {
+	double matrix[6][6], right[6]; /* the upper half is filled */
+};
+
 struct comparison {
 	double sr[COMPARED_KINDS]; /* solid angles, as the scan that is looked at from saw them */
 	double even_sr, squares,
@@ -30,6 +35,7 @@ struct comparing {
 	uint32_t stride; /* of the rows and columns that are looked at */
 	/* NULL, or with one element a cell of `from`; only with stride 1. */
 	uint8_t *ret_kind;
+	struct pull *ret_pull; /* is added to */
 	float *ret_distance_m; /* of what agrees, positive: nearer to the other scanner; else 0 */
 };
 

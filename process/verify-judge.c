@@ -9,18 +9,21 @@
 #define AGREE_MIN_SR 0.6
 #define OVERLAP_MIN  0.15
 #define BALANCE_MIN  0.02
-/* A rival's contradictions must be twice ours and this much on top: where two poses are truly alike, they differ by up to
- * 0.25 %. */
-#define RIVAL_FACTOR    2.0
-#define RIVAL_MARGIN    0.004
-#define RIVAL_MARGIN_SR 0.01
-#define RIVAL_MIN_SR    0.3
-#define RIVAL_SHARE     0.25
+/* A rival must be twice as doubtful, and this much on top: where two poses are truly alike, they differ by up to 0.25 %. */
+#define RIVAL_FACTOR 2.0
+#define RIVAL_MARGIN 0.004
+#define RIVAL_MIN_SR 0.3
+#define RIVAL_SHARE  0.1
+/* Doubt that comes with every pose: who shares little proves little. */
+#define DOUBT_SR 0.01
 /* Worse than this in its worst direction a pose slides; between, it is right, but not close enough. */
-#define SLIDING_M     0.02
-#define SLIDING_RAD   (0.2 * G_PI / 180)
-#define IMPRECISE_M   1.5e-3
-#define IMPRECISE_RAD (0.006 * G_PI / 180)
+#define SLIDING_M   0.02
+#define SLIDING_RAD (0.2 * G_PI / 180)
+/* What agrees must be at rest: a wall whose bricks are as deep as the pose is wrong agrees with it all the same, but pulls. */
+#define REST_MAX_M    0.008
+#define REST_MAX_RAD  (0.05 * G_PI / 180)
+#define IMPRECISE_M   2.0e-3
+#define IMPRECISE_RAD (0.008 * G_PI / 180)
 
 double verify_contradiction(const struct verification *v)
 {
@@ -28,16 +31,17 @@ double verify_contradiction(const struct verification *v)
 	return sum > 0 ? v->conflict_sr / sum : 1;
 }
 
-bool verify_is_rival(const struct verification *v, const struct verification *of)
+double verify_doubt(const struct verification *v)
 {
-	return v->agree_sr >= fmax(RIVAL_MIN_SR, RIVAL_SHARE * of->agree_sr);
+	double doubt = v->conflict_sr + DOUBT_SR;
+	return doubt / (v->agree_sr + doubt);
 }
 
 double verify_rivalry(const struct verification *v, const struct verification *rival)
 {
-	double ours = RIVAL_FACTOR * verify_contradiction(v) + RIVAL_MARGIN +
-		      RIVAL_MARGIN_SR / fmax(v->agree_sr, RIVAL_MIN_SR);
-	return ours / fmax(verify_contradiction(rival), 1e-6);
+	if (rival->agree_sr < fmax(RIVAL_MIN_SR, RIVAL_SHARE * v->agree_sr))
+		return 0;
+	return (RIVAL_FACTOR * verify_doubt(v) + RIVAL_MARGIN) / verify_doubt(rival);
 }
 
 static void say(struct verification *v, enum verdict verdict, const char *format, ...)
@@ -111,6 +115,18 @@ static bool is_alone(struct verification *v, const struct verification *rival)
 	return false;
 }
 
+static bool is_at_rest(struct verification *v)
+{
+	if (v->rest_m <= REST_MAX_M && v->rest_rad <= REST_MAX_RAD)
+		return true;
+	say(v, VERDICT_IMPRECISE,
+		"It fits, but what agrees is not at rest: it would move the scan by another %.0f "
+		"mm "
+		"and %.2f degrees.",
+		1000 * v->rest_m, v->rest_rad * 180 / G_PI);
+	return false;
+}
+
 static bool is_precise(struct verification *v)
 {
 	if (v->deviation_m <= IMPRECISE_M && v->deviation_rad <= IMPRECISE_RAD)
@@ -125,7 +141,8 @@ static bool is_precise(struct verification *v)
 void verify_judge(struct verification *v, const struct verification *rival)
 {
 	v->rival_score = rival ? verify_rivalry(v, rival) : 0;
-	if (shares_enough(v) && agrees(v) && is_alone(v, rival) && is_held(v) && is_precise(v))
+	if (shares_enough(v) && agrees(v) && is_alone(v, rival) && is_held(v) && is_at_rest(v) &&
+		is_precise(v))
 		say(v, VERDICT_ACCEPTED,
 			"%.0f %% of what both look at agrees and %.1f %% conflicts; held to %.1f "
 			"mm "

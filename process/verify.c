@@ -1,4 +1,5 @@
 #include "process/verify.h"
+#include "process/fine-equations.h"
 #include "process/verify-compare.h"
 #include <string.h>
 
@@ -65,6 +66,20 @@ static void set_deviations(struct verification *v, const struct fine_result *fin
 	v->deviation_m = worst_deviation(moved, fine->covariance);
 }
 
+/* One step of least squares; none where a direction is open. */
+static void set_rest(struct verification *v, struct pull *pull, const struct pose *pose)
+{
+	double twist[6];
+	for (int i = 0; i < 6; i++)
+		for (int k = 0; k < i; k++)
+			pull->matrix[i][k] = pull->matrix[k][i];
+	if (!equations_solve(pull->matrix, pull->right, twist))
+		return;
+	struct pose moved = pose_perturb(pose, twist), off = pose_between(pose, &moved);
+	v->rest_rad = pose_angle_rad(&off);
+	v->rest_m = pose_distance_m(&off);
+}
+
 static double balance_of(const struct comparison *c)
 {
 	double mean[3][3], trace = c->facing[0][0] + c->facing[1][1] + c->facing[2][2];
@@ -127,6 +142,8 @@ void verify_measure(const struct verify_view *a, const struct verify_view *b,
 	struct comparison c = { 0 };
 	struct pose back = pose_inverse(&fine->pose);
 	struct comparing forth = cares[care];
+	struct pull pull = { 0 };
+	forth.ret_pull = &pull;
 	if (ret_map) {
 		make_map(ret_map, b);
 		forth.ret_kind = ret_map->cell;
@@ -135,6 +152,7 @@ void verify_measure(const struct verify_view *a, const struct verify_view *b,
 	verify_compare(b, a, &fine->pose, &forth, &c);
 	verify_compare(a, b, &back, &cares[care], &c);
 	fill(ret, &c, fine);
+	set_rest(ret, &pull, &fine->pose);
 	if (ret_map)
 		name_cells(ret_map);
 }

@@ -39,6 +39,8 @@ struct verification {
 		under_6mm; /* of the distance of agreeing surfaces that are even: rms, share under 6 mm */
 	double balance; /* how evenly the agreeing surfaces hold the three directions: smallest eigenvalue of the mean of
 			   normal * normal^T, times 3, 0..1 */
+	/* How far b would still have to go, and turn, for what agrees to come to rest. */
+	double rest_m, rest_rad;
 	double deviation_m,
 		deviation_rad; /* 1 sigma in the worst direction: of where b stands, of how it is turned */
 	/* How near the likeliest rival comes: what this pose may contradict itself at most to be told from it, over what it
@@ -67,10 +69,9 @@ void verify_measure(const struct verify_view *a, const struct verify_view *b,
 	struct verify_map *ret_map);
 /* The share of what the scans should both see that contradicts the pose. */
 double verify_contradiction(const struct verification *v);
-/* Whether a pose that was measured may stand for the truth beside another: it must share enough, and a quarter of what the
- * other does. */
-bool verify_is_rival(const struct verification *v, const struct verification *of);
-/* Above 1, v cannot be told from the rival. */
+/* The same with some doubt that only much agreement outweighs: the lower, the likelier is the pose. */
+double verify_doubt(const struct verification *v);
+/* Above 1, v cannot be told from the rival; 0: the other shares so little that it is none. */
 double verify_rivalry(const struct verification *v, const struct verification *rival);
 /* Verdict and reason of a pose that was measured in full; rival: the likeliest other one, or NULL. */
 void verify_judge(struct verification *v, const struct verification *rival);

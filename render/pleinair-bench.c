@@ -1,8 +1,9 @@
-/* pleinair bench WHAT: measures speed and memory. */
+/* pleinair bench WHAT: measures speed, memory and truth. */
 #include "acquire/bench-acquire.h"
 #include "acquire/cli.h"
 #include "acquire/preset.h"
 #include "process/bench-process.h"
+#include "process/bench-register.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -10,8 +11,9 @@
 
 static gboolean json;
 static double seconds = 60;
-static int beams = 1081, repeats = 5;
-static char *site_path, *preset;
+static int beams = 1081, repeats = 5, trials = 1000;
+static gint64 seed = 1;
+static char *site_path, *preset, *keep;
 
 static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
@@ -20,36 +22,80 @@ static const GOptionEntry entries[] = {
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_path,
 		"process: a site to take scans from (default: a simulated one)", "SITE" },
-	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
-		"process: how finely to scan the simulated one (default fine)", "PRESET" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
 		"process: how often each is measured; the median counts (default 5)", "N" },
+	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
+		"process, register: how finely is scanned (default fine, draft)",
+		"draft|standard|fine" },
+	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
+	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
+		"register: of the first sites; another one gives others (default 1)", "S" },
+	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
+		"register: where the scans stay, and are taken from the next time", "FOLDER" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
 
-static bool measure_acquire(GError **error)
+static int run_acquire(void)
 {
+	g_autoptr(GError) error = NULL;
 	struct bench_acquire_options options = {
 		.seconds = seconds, .beams = (uint32_t)beams, .json = json
 	};
-	return bench_acquire(&options, error);
+	if (!(seconds >= 1 && seconds <= 3600) || beams < 100 || beams > 9000 || beams % 6 != 1)
+		return cli_misuse(
+			COMMAND, "seconds go from 1 to 3600, beams from 103 to 8995 in steps of 6");
+	return bench_acquire(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
-static bool measure_process(GError **error)
+static int run_process(void)
 {
+	g_autoptr(GError) error = NULL;
 	struct bench_process_options options = {
 		.site = site_path, .preset = preset, .repeats = (uint32_t)repeats, .json = json
 	};
-	return bench_process(&options, error);
+	if (repeats < 1 || repeats > 1000)
+		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
+	return bench_process(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
+static struct cli_bar bar;
+
+static void show(double fraction, const char *doing)
+{
+	if (doing)
+		cli_bar_update(&bar, fraction, doing);
+	else
+		cli_bar_end(&bar);
+}
+
+static int run_register(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_register_options options = { .trials = (uint32_t)trials,
+		.seed = (uint64_t)seed,
+		.preset = preset ? preset : "draft",
+		.keep = keep,
+		.json = json,
+		.stop = cli_interrupted,
+		.progress = show };
+	if (trials < 1 || trials > 100000 || seed < 0 || seed > 1000000000)
+		return cli_misuse(
+			COMMAND, "trials go from 1 to 100000, seeds from 0 to 1000000000");
+	cli_catch_interrupts();
+	bar = cli_bar_begin(COMMAND);
+	bool good = bench_register(&options, &error);
+	cli_bar_end(&bar);
+	return good ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
 static const struct part {
 	const char *name;
-	bool (*measure)(GError **error);
+	int (*run)(void);
 } parts[] = {
-	{ "acquire", measure_acquire }, /* the one without a name given */
-	{ "process", measure_process },
+	{ "acquire", run_acquire }, /* the one without a name given */
+	{ "process", run_process },
+	{ "register", run_register },
 	{ NULL },
 };
 
@@ -64,22 +110,20 @@ static const struct part *find_part(const char *name)
 int main(int argc, char **argv)
 {
 	int status;
-	g_autoptr(GError) error = NULL;
-	if (!cli_parse(COMMAND, "[acquire | process]", "Measures speed and memory on this machine.",
+	if (!cli_parse(COMMAND, "[acquire | process | register]",
+		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
-		    "what was recorded.\nprocess: normals of a scan, beside those by PCL.\n",
+		    "what was recorded.\nprocess: normals of a scan, beside those by PCL.\n"
+		    "register: aligns pairs of scans of simulated sites, and counts what was "
+		    "found, refused, and accepted although wrong.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
-		return cli_misuse(
-			COMMAND, "there is no bench '%s': acquire, process", argv[argc - 1]);
-	if (!(seconds >= 1 && seconds <= 3600) || beams < 100 || beams > 9000 || beams % 6 != 1)
-		return cli_misuse(
-			COMMAND, "seconds go from 1 to 3600, beams from 103 to 8995 in steps of 6");
-	if (repeats < 1 || repeats > 1000)
-		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
+		return cli_misuse(COMMAND, "there is no bench '%s': acquire, process, register",
+			argv[argc - 1]);
 	if (preset && !preset_find(preset))
-		return cli_misuse(COMMAND, "there is no preset '%s'", preset);
-	return part->measure(&error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+		return cli_misuse(
+			COMMAND, "there is no preset '%s': draft, standard, fine", preset);
+	return part->run();
 }

@@ -1,0 +1,183 @@
+#include "process/bench-sites.h"
+#include "acquire/scan.h"
+#include <json-glib/json-glib.h>
+#include <unistd.h>
+
+static char *describe(const struct bench_site *s, bool moved)
+{
+	return g_strdup_printf("%s?seed=%" G_GUINT64_FORMAT "%s%s%s%s", s->scene, (guint64)s->seed,
+		s->variant ? "&" : "", s->variant ? s->variant : "", s->variant ? "=1" : "",
+		moved ? "&moved=1" : "");
+}
+
+/* ---- scanning ---- */
+
+static bool asked_to_stop(const struct run_progress *progress, gpointer user_data)
+{
+	bool (*stop)(void) = *(bool (**)(void))user_data;
+	(void)progress;
+	return stop && stop();
+}
+
+static bool stopped(bool (*stop)(void), GError **error)
+{
+	if (!stop || !stop())
+		return false;
+	g_clear_error(error);
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped");
+	return true;
+}
+
+static bool scan_station(struct bench_site *s, const struct bench_scan *at, site *to,
+	const struct preset *preset, bool (*stop)(void), GError **error)
+{
+	g_autofree char *what = describe(s, at->moved);
+	g_autofree char *device =
+		g_strdup_printf("sim:%s&station=%u&camera=none", what, at->station);
+	struct scan_options options = {
+		.device = device, .preset = preset, .progress = asked_to_stop, .user_data = &stop
+	};
+	struct scan_result result;
+	uint32_t partial;
+	if (!scan_record(to, &options, &result, &partial, error)) {
+		stopped(stop, error);
+		return false;
+	}
+	g_autofree char *folder = site_scan_path(to, result.number);
+	g_autofree char *record = g_build_filename(folder, "raw.rec", NULL);
+	unlink(record);
+	return true;
+}
+
+static bool scan_stations(struct bench_site *s, const char *path, const struct preset *preset,
+	bool (*stop)(void), GError **error)
+{
+	g_autoptr(site) to = site_open_for_writing(path, error);
+	uint32_t partial = 0;
+	if (!to || !site_find_partial(to, &partial, error) ||
+		(partial && !site_discard_partial(to, partial, error)))
+		return false;
+	g_autoptr(GArray) there = site_scans(to, error);
+	if (!there)
+		return false;
+	for (uint32_t i = there->len; i < s->count; i++)
+		if (!scan_station(s, &s->scans[i], to, preset, stop, error))
+			return false;
+	return true;
+}
+
+/* ---- the truth ---- */
+
+static char *find_simulator(void)
+{
+	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
+	g_autofree char *folder = g_path_get_dirname(self ? self : ".");
+	g_autofree char *beside = g_build_filename(folder, "pleinair-sim", NULL);
+	return g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE)
+		       ? g_steal_pointer(&beside)
+		       : g_find_program_in_path("pleinair-sim");
+}
+
+static JsonParser *ask_truth(const struct bench_site *s, bool moved, GError **error)
+{
+	g_autofree char *what = describe(s, moved), *program = find_simulator(), *said = NULL;
+	if (!program) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND,
+			"the program pleinair-sim is not installed");
+		return NULL;
+	}
+	g_autoptr(GSubprocess) process = g_subprocess_new(
+		G_SUBPROCESS_FLAGS_STDOUT_PIPE, error, program, "--truth-poses", what, NULL);
+	g_autoptr(JsonParser) parser = json_parser_new();
+	if (!process || !g_subprocess_communicate_utf8(process, NULL, NULL, &said, NULL, error) ||
+		!g_subprocess_wait_check(process, NULL, error) ||
+		!json_parser_load_from_data(parser, said, -1, error))
+		return NULL;
+	return g_steal_pointer(&parser);
+}
+
+static struct pose read_pose(JsonObject *o)
+{
+	struct pose p;
+	JsonArray *at = json_object_get_array_member(o, "position_m"),
+		  *rotation = json_object_get_array_member(o, "rotation");
+	for (guint i = 0; i < 3; i++) {
+		p.translation_m[i] = json_array_get_double_element(at, i);
+		for (guint j = 0; j < 3; j++)
+			p.rotation[i][j] = json_array_get_double_element(
+				json_array_get_array_element(rotation, i), j);
+	}
+	return p;
+}
+
+static bool place_scans(struct bench_site *s, bool moved, GError **error)
+{
+	g_autoptr(JsonParser) parser = ask_truth(s, moved, error);
+	if (!parser)
+		return false;
+	JsonArray *stations = json_node_get_array(json_parser_get_root(parser));
+	for (uint32_t i = 0; i < s->count; i++) {
+		if (s->scans[i].moved != moved)
+			continue;
+		if (s->scans[i].station > json_array_get_length(stations)) {
+			g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND,
+				"the scene %s has no station %u", s->scene, s->scans[i].station);
+			return false;
+		}
+		s->scans[i].truth =
+			read_pose(json_array_get_object_element(stations, s->scans[i].station - 1));
+	}
+	return true;
+}
+
+/* ---- all of it ---- */
+
+static void list_scans(struct bench_site *s)
+{
+	s->count = s->stations + s->moved_stations;
+	s->scans = g_new0(struct bench_scan, s->count);
+	for (uint32_t i = 0; i < s->count; i++) {
+		bool moved = i >= s->stations;
+		s->scans[i].moved = moved;
+		s->scans[i].station = moved ? 2 * (i - s->stations) + 1 : i + 1;
+	}
+}
+
+static bool load_scans(struct bench_site *s, const char *path, bool (*stop)(void), GError **error)
+{
+	g_autoptr(site) from = site_open(path, error);
+	if (!from)
+		return false;
+	for (uint32_t i = 0; i < s->count; i++) {
+		if (stopped(stop, error))
+			return false;
+		g_autoptr(panorama) p = scan_load(from, i + 1, false, error);
+		if (!p)
+			return false;
+		g_autoptr(range_grid) grid = range_grid_from_panorama(p);
+		s->scans[i].scan = pair_scan_new(grid);
+	}
+	return true;
+}
+
+bool bench_site_make(struct bench_site *s, const char *folder, const struct preset *preset,
+	bool (*stop)(void), GError **error)
+{
+	g_autofree char *name = g_strdup_printf("%s-%s%s%" G_GUINT64_FORMAT "-%s", s->scene,
+		s->variant ? s->variant : "", s->variant ? "-" : "", (guint64)s->seed,
+		preset->name);
+	g_autofree char *path = g_build_filename(folder, name, NULL);
+	list_scans(s);
+	return scan_stations(s, path, preset, stop, error) && place_scans(s, false, error) &&
+	       (!s->moved_stations || place_scans(s, true, error)) &&
+	       load_scans(s, path, stop, error);
+}
+
+void bench_site_clear(struct bench_site *s)
+{
+	for (uint32_t i = 0; i < s->count; i++)
+		pair_scan_free(s->scans[i].scan);
+	g_free(s->scans);
+	s->scans = NULL;
+	s->count = 0;
+}
