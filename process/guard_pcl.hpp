@@ -1,5 +1,5 @@
-#ifndef PROCESS_PCL_GUARD_HPP
-#define PROCESS_PCL_GUARD_HPP
+#ifndef PROCESS_GUARD_PCL_HPP
+#define PROCESS_GUARD_PCL_HPP
 /* What every bridge to PCL does at its border: nothing that is thrown gets out, and PCL prints nothing. Included first. */
 
 /* Memory goes to and fro between PCL and these files, so Eigen must take it from the same place in both; under AddressSanitizer
