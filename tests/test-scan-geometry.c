@@ -6,7 +6,7 @@
 #include "process/scan-geometry.h"
 #include "sim/truth.h"
 #include "tests/simulated.h"
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define SCENE "hall?seed=3&ares=360&camera=none&divergence_mrad=0&station="
@@ -17,14 +17,14 @@ struct fixture {
 	scan_graph graph;
 };
 
-static void scan(struct fixture *f, uint32_t station)
+static void scan(const char *path, uint32_t station)
 {
 	g_autoptr(GError) error = NULL;
 	struct scan_options options = { .preset = preset_find("draft") };
 	struct scan_result result;
 	uint32_t partial;
 	g_autofree char *description = g_strdup_printf(SCENE "%u", station);
-	simulated_scan(f->path, description, &options, NULL, NULL, &result, &partial, &error);
+	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
 	g_assert_no_error(error);
 }
 
@@ -63,11 +63,17 @@ static void set_up(struct fixture *f, gconstpointer data)
 {
 	g_autoptr(GError) error = NULL;
 	(void)data;
+	static char *scanned; /* once for all of them */
+	if (!scanned) {
+		scanned = simulated_folder();
+		scan(scanned, 1);
+		scan(scanned, 2);
+	}
 	f->path = simulated_folder();
+	g_autofree char *copy = g_strdup_printf("cp -r '%s'/. '%s'", scanned, f->path);
+	g_assert_cmpint(system(copy), ==, 0);
 	f->graph.scans = g_array_new(FALSE, TRUE, sizeof(struct placed_scan));
 	f->graph.edges = g_array_new(FALSE, TRUE, sizeof(struct edge));
-	scan(f, 1);
-	scan(f, 2);
 	place(f, 1);
 	place(f, 2);
 	f->site = site_open_existing(f->path, &error);
