@@ -1,7 +1,7 @@
 #ifndef PROCESS_CLOUD_LEVEL_PCL_HPP
 #define PROCESS_CLOUD_LEVEL_PCL_HPP
 /* A cloud thinned to voxels of one size, with normals and, where they are asked for, FPFH. Inside the bridge only. */
-#include "process/pcl-guard.hpp"
+#include "process/guard_pcl.hpp"
 extern "C" {
 #include "process/cloud.h"
 }

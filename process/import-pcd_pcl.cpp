@@ -1,4 +1,4 @@
-#include "process/pcl-guard.hpp"
+#include "process/guard_pcl.hpp"
 extern "C" {
 #include "process/import-pcd.h"
 }

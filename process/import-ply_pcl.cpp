@@ -1,6 +1,6 @@
 /* PCL's ply_parser tells of each element and property that it meets in the header, and takes a function for each; these put
  * the numbers of an element into one row. Our own reading of the header came before, so that here nothing is new. */
-#include "process/pcl-guard.hpp"
+#include "process/guard_pcl.hpp"
 extern "C" {
 #include "process/import-ply.h"
 }

@@ -20,7 +20,7 @@ static void pack_bits(const uint8_t *bytes, uint64_t count, uint64_t *words)
 
 /* compared: of every scan that it was compared with, its key. */
 static bool save(const site *s, const struct model_input *input, const uint8_t *dropped,
-	uint64_t cells, GHashTable *compared, GError **error)
+	uint64_t cells, double reach_m, GHashTable *compared, GError **error)
 {
 	g_autofree char *path = model_part_path(s, input->number, "overlap");
 	g_autoptr(product_writer) w = product_writer_new(path, error);
@@ -37,6 +37,7 @@ static bool save(const site *s, const struct model_input *input, const uint8_t *
 		json_array_add_string_element(keys, k->data);
 	json_object_set_string_member(made, "key", input->key);
 	json_object_set_int_member(made, "cells", (gint64)cells);
+	json_object_set_double_member(made, "reach_m", reach_m);
 	json_object_set_array_member(made, "compared", keys);
 	return product_writer_finish(w, KIND, VERSION, made, error);
 }
@@ -91,6 +92,7 @@ struct target {
 	GHashTable *compared; /* keys of the scans that its bits already know */
 	uint8_t *dropped;
 	uint64_t cells;
+	double reach_m; /* of the scan; negative: not known before it is loaded */
 	bool is_due;
 	overlap_scan *scan; /* while it is in memory */
 };
@@ -103,10 +105,15 @@ static void clear_target(gpointer data)
 	overlap_scan_free(t->scan);
 }
 
+static struct target *target_at(const GArray *targets, guint i)
+{
+	return &g_array_index(targets, struct target, i);
+}
+
 static bool is_known(const GArray *targets, const char *key)
 {
 	for (guint i = 0; i < targets->len; i++)
-		if (strcmp(g_array_index(targets, struct target, i).input->key, key) == 0)
+		if (strcmp(target_at(targets, i)->input->key, key) == 0)
 			return true;
 	return false;
 }
@@ -132,6 +139,9 @@ static void look_what_is_there(const site *s, struct target *t, const GArray *ta
 	uint64_t cells;
 	g_autoptr(product) p = open_current(s, t->input, &cells);
 	t->compared = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+	t->reach_m =
+		p ? json_object_get_double_member_with_default(product_manifest(p), "reach_m", -1)
+		  : -1;
 	if (p)
 		take_compared(t, targets, p);
 	/* A scan that stands alone needs a file too. */
@@ -148,7 +158,7 @@ static GArray *targets_new(const site *s, const model_inputs *inputs)
 			g_array_append_val(targets, t);
 	}
 	for (guint i = 0; i < targets->len; i++)
-		look_what_is_there(s, &g_array_index(targets, struct target, i), targets);
+		look_what_is_there(s, target_at(targets, i), targets);
 	return targets;
 }
 
@@ -163,6 +173,61 @@ static overlap_scan *load_scan(const site *s, const struct model_input *input, G
 	overlap_scan *scan = overlap_scan_new(input->number, d->grid, g);
 	scan->pose = input->pose;
 	return scan;
+}
+
+/* When few scans are new it pays to look how far they reach before all others are loaded. */
+static bool learn_reaches(const site *s, const GArray *targets, GError **error)
+{
+	guint unknown = 0;
+	for (guint i = 0; i < targets->len; i++)
+		unknown += target_at(targets, i)->reach_m < 0;
+	for (guint i = 0; i < targets->len && 2 * unknown < targets->len; i++) {
+		struct target *t = target_at(targets, i);
+		if (t->reach_m >= 0)
+			continue;
+		g_autoptr(overlap_scan) scan = load_scan(s, t->input, error);
+		if (!scan)
+			return false;
+		t->reach_m = scan->reach_m;
+	}
+	return true;
+}
+
+static bool are_apart(const struct target *a, const struct target *b)
+{
+	overlap_scan of_a = { .pose = a->input->pose, .reach_m = a->reach_m };
+	overlap_scan of_b = { .pose = b->input->pose, .reach_m = b->reach_m };
+	return a->reach_m >= 0 && b->reach_m >= 0 && !overlap_is_possible(&of_a, &of_b);
+}
+
+/* Scans that are too far away need no comparing, so a target that lacks no other is done without being loaded. */
+static bool pass_over_distant(
+	const site *s, const GArray *targets, struct target *t, GError **error)
+{
+	uint64_t cells;
+	g_autoptr(product) p = t->is_due ? open_current(s, t->input, &cells) : NULL;
+	if (!p || !g_hash_table_size(t->compared))
+		return true;
+	for (guint j = 0; j < targets->len; j++) {
+		const struct target *other = target_at(targets, j);
+		if (other != t && are_apart(t, other))
+			g_hash_table_add(t->compared, g_strdup(other->input->key));
+	}
+	if (g_hash_table_size(t->compared) != targets->len - 1)
+		return true;
+	t->is_due = false;
+	g_autofree uint8_t *dropped = bits_of(p, cells);
+	return save(s, t->input, dropped, cells, t->reach_m, t->compared, error);
+}
+
+static bool prepare(const site *s, const GArray *targets, GError **error)
+{
+	if (!learn_reaches(s, targets, error))
+		return false;
+	for (guint i = 0; i < targets->len; i++)
+		if (!pass_over_distant(s, targets, target_at(targets, i), error))
+			return false;
+	return true;
 }
 
 static bool open_target(const site *s, struct target *t, GError **error)
@@ -187,7 +252,7 @@ static bool open_block(const site *s, GArray *targets, guint first, uint64_t mem
 	uint64_t bytes = 0;
 	guint i = first;
 	for (; i < targets->len && bytes < memory_bytes; i++) {
-		struct target *t = &g_array_index(targets, struct target, i);
+		struct target *t = target_at(targets, i);
 		if (!t->is_due)
 			continue;
 		if (!open_target(s, t, error))
@@ -201,7 +266,7 @@ static bool open_block(const site *s, GArray *targets, guint first, uint64_t mem
 static bool is_wanted(const GArray *targets, guint first, guint end, const struct target *other)
 {
 	for (guint i = first; i < end; i++) {
-		const struct target *t = &g_array_index(targets, struct target, i);
+		const struct target *t = target_at(targets, i);
 		if (t->scan && t != other && !g_hash_table_contains(t->compared, other->input->key))
 			return true;
 	}
@@ -219,7 +284,7 @@ static bool compare_with(const site *s, GArray *targets, guint first, guint end,
 		return false;
 	const overlap_scan *b = other->scan ? other->scan : loaded;
 	for (guint i = first; i < end; i++) {
-		struct target *t = &g_array_index(targets, struct target, i);
+		struct target *t = target_at(targets, i);
 		if (!t->scan || t == other ||
 			!g_hash_table_add(t->compared, g_strdup(other->input->key)))
 			continue;
@@ -232,8 +297,9 @@ static bool compare_with(const site *s, GArray *targets, guint first, guint end,
 static bool close_block(const site *s, GArray *targets, guint first, guint end, GError **error)
 {
 	for (guint i = first; i < end; i++) {
-		struct target *t = &g_array_index(targets, struct target, i);
-		if (t->scan && !save(s, t->input, t->dropped, t->cells, t->compared, error))
+		struct target *t = target_at(targets, i);
+		if (t->scan && !save(s, t->input, t->dropped, t->cells, t->scan->reach_m,
+				       t->compared, error))
 			return false;
 		g_clear_pointer(&t->scan, overlap_scan_free);
 		g_clear_pointer(&t->dropped, g_free);
@@ -250,8 +316,7 @@ static bool do_block(const site *s, GArray *targets, guint first, guint *ret_end
 	for (guint j = 0; j < targets->len; j++) {
 		double done = (double)first / targets->len + share * j / targets->len;
 		if (!build_progress_step(progress, done, "comparing scans", error) ||
-			!compare_with(s, targets, first, *ret_end,
-				&g_array_index(targets, struct target, j), error))
+			!compare_with(s, targets, first, *ret_end, target_at(targets, j), error))
 			return false;
 	}
 	return close_block(s, targets, first, *ret_end, error);
@@ -261,6 +326,8 @@ bool model_overlaps_update(const site *s, const model_inputs *inputs,
 	const struct build_progress *progress, GError **error)
 {
 	g_autoptr(GArray) targets = targets_new(s, inputs);
+	if (!prepare(s, targets, error))
+		return false;
 	for (guint first = 0; first < targets->len;)
 		if (!do_block(s, targets, first, &first, progress, error))
 			return false;

@@ -3,3 +3,5 @@ programs += process/pleinair-import
 packages += g++ libpcl-dev libeigen3-dev
 cxx_pkgs += eigen3 pcl_common pcl_io pcl_features pcl_filters pcl_registration pcl_search pcl_kdtree pcl_sample_consensus
 cxx_libs += -lpcl_io_ply
+# Vectors as arguments of functions that are all inlined.
+$(BUILD)/process/normals-%.o: house_cflags += -Wno-psabi

@@ -48,7 +48,7 @@ struct morton_place {
 static inline bool morton_from_point(
 	const double point_m[3], double cell_m, struct morton_place *ret)
 {
-	ret->code = 0;
+	*ret = (struct morton_place){ 0 };
 	for (int i = 0; i < 3; i++) {
 		double at = point_m[i] / cell_m, cell = floor(at);
 		if (!(cell >= -MORTON_HALF && cell < MORTON_HALF))

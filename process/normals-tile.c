@@ -1,12 +1,12 @@
 #include "process/normals-tile.h"
+#include "process/normals-lanes.h"
 #include <string.h>
 
-#pragma GCC diagnostic ignored "-Wpsabi" /* vectors are passed to inlined functions alone */
-
-#define LANES  8
 #define GROUPS (TILE_COLUMNS / LANES)
 #define WIDTH  (TILE_COLUMNS + 2 * TILE_REACH)
 #define HEIGHT (TILE_ROWS + 2 * TILE_REACH)
+#define FRAME_STEP                                                                                 \
+	8 /* of that many cells one is enough for the frame; each column and row has its turn */
 #define MARGIN 8 /* columns, rows of nothing around it all */
 #define PITCH  (WIDTH + 2 * MARGIN)
 
@@ -19,12 +19,6 @@
 #define ARM_MIN   3
 #define COUNT_MIN 4
 
-typedef float vf __attribute__((vector_size(32)));
-typedef int32_t vi __attribute__((vector_size(32)));
-typedef float vf_loose __attribute__((vector_size(32), aligned(4), may_alias));
-typedef uint8_t vb __attribute__((vector_size(8), aligned(1), may_alias));
-typedef uint32_t vu_loose __attribute__((vector_size(32), aligned(4), may_alias));
-
 enum { N, U, V, W, UU, UV, VV, UW, VW, WW, SUMS };
 
 struct tile {
@@ -36,7 +30,8 @@ struct tile {
 	uint32_t segment[HEIGHT + 2 * MARGIN][PITCH];
 	vf sum[HEIGHT][GROUPS][SUMS];
 	float v_mean[HEIGHT + 2 * MARGIN], u_mean[GROUPS], level[HEIGHT + 2 * MARGIN];
-	float axis[3][3]; /* of the frame: right, up, ahead */
+	float axis[3][3];  /* of the frame: right, up, ahead */
+	int height, width; /* with the reach */
 	bool has_segments;
 };
 
@@ -50,68 +45,6 @@ void tile_free(tile *t)
 	g_aligned_free(t);
 }
 
-#define INLINE static inline __attribute__((always_inline))
-
-INLINE vf load(const float *at)
-{
-	return *(const vf_loose *)at;
-}
-
-INLINE void store(float *at, vf x)
-{
-	*(vf_loose *)at = x;
-}
-
-INLINE vf load_bytes(const uint8_t *at)
-{
-	return __builtin_convertvector(*(const vb *)at, vf);
-}
-
-INLINE vf choose(vi mask, vf yes, vf no)
-{
-	return (vf)(((vi)yes & mask) | ((vi)no & ~mask));
-}
-
-INLINE vf where(vi mask, vf x)
-{
-	return (vf)((vi)x & mask);
-}
-
-INLINE vf least(vf a, vf b)
-{
-	return choose(a < b, a, b);
-}
-
-INLINE vf most(vf a, vf b)
-{
-	return choose(a > b, a, b);
-}
-
-INLINE vf magnitude(vf x)
-{
-	return (vf)((vi)x & 0x7fffffff);
-}
-
-INLINE vf root(vf x)
-{
-	for (int k = 0; k < LANES; k++)
-		x[k] = __builtin_sqrtf(x[k]);
-	return x;
-}
-
-INLINE vf all(float x)
-{
-	return x - (vf){ 0 };
-}
-
-INLINE float largest(vf x)
-{
-	float y = x[0];
-	for (int k = 1; k < LANES; k++)
-		y = x[k] > y ? x[k] : y;
-	return y;
-}
-
 /* ---- the frame and the points in it ---- */
 
 /* Looks where the tile's points are on average. false: it has none. */
@@ -120,7 +53,7 @@ static bool set_frame(tile *t, const struct tile_job *job)
 	const range_grid *g = job->grid;
 	double ahead[3] = { 0 };
 	for (uint32_t r = 0; r < job->rows; r++)
-		for (uint32_t c = 0; c < job->columns; c++) {
+		for (uint32_t c = r % FRAME_STEP; c < job->columns; c += FRAME_STEP) {
 			size_t i = (size_t)(job->row + r) * g->columns + job->column + c;
 			if (!(g->range_m[i] > 0))
 				continue;
@@ -189,7 +122,7 @@ INLINE void place_row(tile *t, const struct tile_job *job, int y, vf *u_sum, vf 
 	copy_row(job, y, g->z_m, line[2]);
 	if (t->has_segments)
 		copy_row(job, y, (const float *)job->options->segment, (float *)t->segment[r]);
-	for (int c = MARGIN; c < MARGIN + WIDTH; c += LANES) {
+	for (int c = MARGIN; c < MARGIN + t->width; c += LANES) {
 		vf x = load(line[0] + c), yy = load(line[1] + c), z = load(line[2] + c),
 		   range = load(t->range[r] + c);
 		vf depth = axis[2][0] * x + axis[2][1] * yy + axis[2][2] * z;
@@ -211,6 +144,8 @@ INLINE void place_row(tile *t, const struct tile_job *job, int y, vf *u_sum, vf 
 			u_count[group] += one;
 		}
 	}
+	store(t->w[r] + MARGIN + t->width, (vf){ 0 });
+	store(t->range[r] + MARGIN + t->width, (vf){ 0 });
 	float n = 0, v_all = 0, level_all = 0;
 	for (int k = 0; k < LANES; k++) {
 		n += count[k];
@@ -219,7 +154,7 @@ INLINE void place_row(tile *t, const struct tile_job *job, int y, vf *u_sum, vf 
 	}
 	t->v_mean[r] = n > 0 ? v_all / n : 0;
 	t->level[r] = n > 0 ? level_all / n : 1;
-	for (int c = MARGIN; n > 0 && c < MARGIN + WIDTH; c += LANES) {
+	for (int c = MARGIN; n > 0 && c < MARGIN + t->width; c += LANES) {
 		vf w = load(t->w[r] + c);
 		store(t->v[r] + c, where(w > 0, load(t->v[r] + c) - t->v_mean[r]));
 	}
@@ -228,8 +163,10 @@ INLINE void place_row(tile *t, const struct tile_job *job, int y, vf *u_sum, vf 
 INLINE void place(tile *t, const struct tile_job *job)
 {
 	vf u_sum[GROUPS] = { 0 }, u_count[GROUPS] = { 0 };
-	for (int y = 0; y < HEIGHT; y++)
+	for (int y = 0; y < t->height; y++)
 		place_row(t, job, y, u_sum, u_count);
+	for (int r = MARGIN + t->height; r < 2 * MARGIN + t->height; r++)
+		memset(t->w[r], 0, sizeof t->w[r]); /* a tile before may have been higher */
 	for (int group = 0; group < GROUPS; group++) {
 		float sum = 0, count = 0;
 		for (int k = 0; k < LANES; k++) {
@@ -307,28 +244,28 @@ INLINE void store_bits(uint8_t *at, vi mask)
 /* Turns links into how many of them follow each other. */
 INLINE void find_arms(tile *t, const struct tile_job *job)
 {
-	for (int y = 0; y < HEIGHT; y++) {
+	const int end = MARGIN + t->width - TILE_REACH;
+	for (int y = 0; y < t->height; y++) {
 		uint8_t *right = t->right[y], *left = t->left[y];
-		for (int c = MARGIN; c < MARGIN + WIDTH; c += LANES)
+		for (int c = MARGIN; c < MARGIN + t->width; c += LANES)
 			store_bits(right + c, link_right(t, y + MARGIN, c, job));
-		right[MARGIN + WIDTH - 1] = 0;
+		right[MARGIN + t->width - 1] = 0;
 		left[MARGIN] = 0;
-		for (int c = MARGIN + 1; c < MARGIN + WIDTH; c++)
+		for (int c = MARGIN + 1; c < MARGIN + t->width; c++)
 			left[c] = (uint8_t)((left[c - 1] + 1) & -right[c - 1]);
-		for (int c = MARGIN + WIDTH - 2; c >= MARGIN; c--)
+		for (int c = MARGIN + t->width - 2; c >= MARGIN; c--)
 			right[c] = (uint8_t)((right[c + 1] + 1) & -right[c]);
 	}
-	for (int y = 0; y < HEIGHT - 1; y++)
-		for (int c = MARGIN + TILE_REACH; c < MARGIN + TILE_REACH + TILE_COLUMNS;
-			c += LANES)
+	for (int y = 0; y < t->height - 1; y++)
+		for (int c = MARGIN + TILE_REACH; c < end; c += LANES)
 			store_bits(t->down[y] + c, link_down(t, y + MARGIN, c, job));
 	for (int c = 0; c < PITCH; c++)
-		t->up[0][c] = t->down[HEIGHT - 1][c] = 0;
-	for (int y = 1; y < HEIGHT; y++)
-		for (int c = MARGIN + TILE_REACH; c < MARGIN + TILE_REACH + TILE_COLUMNS; c++)
+		t->up[0][c] = t->down[t->height - 1][c] = 0;
+	for (int y = 1; y < t->height; y++)
+		for (int c = MARGIN + TILE_REACH; c < end; c++)
 			t->up[y][c] = (uint8_t)((t->up[y - 1][c] + 1) & -t->down[y - 1][c]);
-	for (int y = HEIGHT - 2; y >= 0; y--)
-		for (int c = MARGIN + TILE_REACH; c < MARGIN + TILE_REACH + TILE_COLUMNS; c++)
+	for (int y = t->height - 2; y >= 0; y--)
+		for (int c = MARGIN + TILE_REACH; c < end; c++)
 			t->down[y][c] = (uint8_t)((t->down[y + 1][c] + 1) & -t->down[y][c]);
 }
 
@@ -377,7 +314,7 @@ INLINE void sum_row(tile *t, const struct tile_job *job, int y)
 	int r = y + MARGIN;
 	const float column_rad = (float)job->grid->column_rad * t->level[r],
 		    row_rad = (float)job->grid->row_rad;
-	for (int group = 0; group < GROUPS; group++) {
+	for (int group = 0; group < (t->width - 2 * TILE_REACH) / LANES; group++) {
 		int c = MARGIN + TILE_REACH + group * LANES;
 		vf *s = t->sum[y][group];
 		vf here = load(t->w[r] + c), range = load(t->range[r] + c);
@@ -574,7 +511,7 @@ INLINE void fit_tile(tile *t, const struct tile_job *job)
 {
 	place(t, job);
 	find_arms(t, job);
-	for (int y = 0; y < (int)job->rows + 2 * TILE_REACH; y++)
+	for (int y = 0; y < t->height; y++)
 		sum_row(t, job, y);
 	for (int y = TILE_REACH; y < TILE_REACH + (int)job->rows; y++) {
 		size_t at = (size_t)(job->row + y - TILE_REACH) * job->grid->columns + job->column;
@@ -622,12 +559,15 @@ static void put_nothing(const struct tile_job *job)
 void tile_fit(tile *t, const struct tile_job *job)
 {
 	t->has_segments = job->options->segment;
+	t->height = (int)job->rows + 2 * TILE_REACH;
+	t->width = (int)(job->columns + LANES - 1) / LANES * LANES + 2 * TILE_REACH;
 	if (!set_frame(t, job)) {
 		put_nothing(job);
 		return;
 	}
 #if defined __x86_64__
-	if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+	if (!job->options->portable && __builtin_cpu_supports("avx2") &&
+		__builtin_cpu_supports("fma")) {
 		fit_tile_avx2(t, job);
 		return;
 	}

@@ -3,7 +3,10 @@
 
 /* No tile with its reach looks wider than this: far from its middle the frame would be squeezed. */
 #define TILE_WIDEST_RAD 1.4
-#define NOISE_SAMPLES   20000u
+#define NOISE_SAMPLES   4000u
+#define NOISE_TILES     24
+#define NOISE_TILE      16
+#define NOISE_RADIUS_M  0.06f
 #define NOISE_LEAST_M   5e-4f
 #define NOISE_MOST_M    0.05f
 
@@ -42,9 +45,18 @@ static int by_value(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Second differences of ranges along a row have sqrt(6) times their noise. Most of a scan is smooth, but far from all: the
- * lower quartile, which is 0.3186 sigma of a normal distribution, is less led astray than the median. */
-float normals_range_noise_m(const range_grid *g)
+/* The value that one in `part` is below. */
+static float low_quantile(float *values, size_t count, size_t part, float otherwise)
+{
+	if (!count)
+		return otherwise;
+	qsort(values, count, sizeof *values, by_value);
+	return values[count / part];
+}
+
+/* Second differences of ranges along a row have sqrt(6) times their noise, and whatever uneven beams on slanting surfaces add.
+ * Most of a scan is smooth, but far from all: the lower quartile, 0.3186 sigma of a normal distribution, is not led astray. */
+static float noise_at_most_m(const range_grid *g)
 {
 	size_t n = range_grid_cells(g), stride = n / NOISE_SAMPLES + 1, count = 0;
 	g_autofree float *bend = g_new(float, NOISE_SAMPLES + 1);
@@ -54,8 +66,46 @@ float normals_range_noise_m(const range_grid *g)
 		if (column > 0 && column + 1 < g->columns && r[-1] > 0 && r[0] > 0 && r[1] > 0)
 			bend[count++] = fabsf(r[-1] - 2 * r[0] + r[1]);
 	}
-	if (!count)
-		return NOISE_LEAST_M;
-	qsort(bend, count, sizeof *bend, by_value);
-	return CLAMP(bend[count / 4] / (0.3186f * sqrtf(6)), NOISE_LEAST_M, NOISE_MOST_M);
+	return CLAMP(low_quantile(bend, count, 4, 0) / (0.3186f * sqrtf(6)), NOISE_LEAST_M,
+		NOISE_MOST_M);
+}
+
+/* What fits leave along the rays in a few small tiles. Windows on smooth surfaces leave noise and nothing else, all about the
+ * same; curved and cluttered ones leave more. */
+static float noise_left_m(const range_grid *g, const struct normals_options *o,
+	const struct normals_planes *p, tile *t)
+{
+	g_autofree float *left_m = g_new(float, NOISE_TILES *NOISE_TILE *NOISE_TILE);
+	size_t count = 0;
+	for (uint32_t k = 0; k < NOISE_TILES; k++) {
+		struct tile_job job = { g, o, p, .columns = MIN(NOISE_TILE, g->columns),
+			.rows = MIN(NOISE_TILE, g->rows),
+			.reach_columns = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH) };
+		/* The golden ratio spreads them evenly, whatever repeats in the scan. */
+		job.column = (uint32_t)(fmod(k * 0.6180339887, 1) * (g->columns - job.columns));
+		job.row = (uint32_t)((k + 0.5) / NOISE_TILES * (g->rows - job.rows));
+		tile_fit(t, &job);
+		for (uint32_t i = 0; i < job.columns * job.rows; i++) {
+			size_t at = (size_t)(job.row + i / job.columns) * g->columns + job.column +
+				    i % job.columns;
+			if (p->offset_m[at] > 0)
+				left_m[count++] = p->error_m[at] * g->range_m[at] / p->offset_m[at];
+		}
+	}
+	return low_quantile(left_m, count, 8, o->range_noise_m);
+}
+
+float normals_range_noise_m(const range_grid *g)
+{
+	size_t cells = range_grid_cells(g);
+	g_autofree float *error_m = g_new(float, cells + 64), *offset_m = g_new(float, cells + 64);
+	struct normals_options options = { .radius_m = NOISE_RADIUS_M,
+		.range_noise_m = noise_at_most_m(g) };
+	struct normals_planes planes = { .error_m = error_m, .offset_m = offset_m };
+	tile *t = tile_new();
+	for (int round = 0; round < 2; round++) /* the first one's windows may be far too wide */
+		options.range_noise_m =
+			CLAMP(noise_left_m(g, &options, &planes, t), NOISE_LEAST_M, NOISE_MOST_M);
+	tile_free(t);
+	return options.range_noise_m;
 }

@@ -17,6 +17,7 @@ struct normals_options {
 	const uint32_t *
 		segment; /* leaf of each cell, 0: not known; no link between known ones that differ; NULL */
 	bool single_thread;
+	bool portable; /* without the vectors of this very processor: for tests */
 };
 
 /* Planes of all cells; those that are NULL are not filled. */

@@ -24,6 +24,12 @@ uint64_t overlap_scan_bytes(const overlap_scan *s)
 	return cells * sizeof *s->point + (s->lattice.cell ? lattice * sizeof *s->lattice.cell : 0);
 }
 
+/* A cell without a point tells in its place what it is. */
+static bool has_point(const struct overlap_point *p)
+{
+	return p->position_m[0] != 0 || p->position_m[1] != 0 || p->position_m[2] != 0;
+}
+
 static void take_normal(struct overlap_point *p, const scan_geometry *geometry, size_t cell)
 {
 	p->normal[0] = p->normal[1] = MODEL_NORMAL_NONE;
@@ -45,7 +51,10 @@ overlap_scan *overlap_scan_new(uint32_t number, const range_grid *g, const scan_
 	s->point = g_new(struct overlap_point, cells);
 	for (size_t i = 0; i < cells; i++) {
 		s->point[i] = (struct overlap_point){ { g->x_m[i], g->y_m[i], g->z_m[i] } };
-		take_normal(&s->point[i], geometry, i);
+		if (has_point(&s->point[i]))
+			take_normal(&s->point[i], geometry, i);
+		else
+			s->point[i].normal[0] = g->cell[i];
 		s->reach_m = fmax(s->reach_m, g->range_m[i]);
 	}
 	s->lattice = g->lattice;
@@ -61,18 +70,15 @@ struct seen {
 	bool has_normal;
 };
 
-static bool look_at(const overlap_scan *s, size_t cell, struct seen *ret)
+static void look_at(const overlap_scan *s, size_t cell, struct seen *ret)
 {
 	const struct overlap_point *p = &s->point[cell];
-	if (p->position_m[0] == 0 && p->position_m[1] == 0 && p->position_m[2] == 0)
-		return false;
 	float n[3];
 	model_unpack_normal(p->normal, n);
 	ret->has_normal = n[0] != 0 || n[1] != 0 || n[2] != 0;
 	pose_apply(&s->pose,
 		(const double[3]){ p->position_m[0], p->position_m[1], p->position_m[2] }, ret->at);
 	pose_rotate(&s->pose, (const double[3]){ n[0], n[1], n[2] }, ret->normal);
-	return true;
 }
 
 /* The cell of s that looks towards a place in the site. */
@@ -143,6 +149,40 @@ static bool is_same_surface(const struct seen *p, const struct seen *q, const do
 	return fabs(along) <= off && (!p->has_normal || !q->has_normal || dot > NORMALS_DOT_MIN);
 }
 
+/* The point of the eight cells around one that lies nearest to a place. */
+static bool look_around(const overlap_scan *s, uint32_t cell, const double at[3], struct seen *ret)
+{
+	int64_t row = cell / s->columns, column = cell % s->columns;
+	double nearest = INFINITY;
+	for (int64_t r = MAX(row - 1, 0); r <= MIN(row + 1, s->rows - 1); r++)
+		for (int64_t k = column - 1; k <= column + 1; k++) {
+			int64_t c = s->lattice.wraps ? (k + s->columns) % s->columns : k;
+			size_t i = (size_t)(r * s->columns + c);
+			if (c < 0 || c >= s->columns || !has_point(&s->point[i]))
+				continue;
+			struct seen other;
+			look_at(s, i, &other);
+			double distance = squared_distance(other.at, at);
+			if (distance < nearest)
+				*ret = other;
+			nearest = fmin(nearest, distance);
+		}
+	return nearest < INFINITY;
+}
+
+/* What s measured where that place is. No beam goes to a cell when beams are sparser than cells, or when a few were lost; then
+ * those around it tell. */
+static bool look_towards(const overlap_scan *s, const double at[3], struct seen *ret)
+{
+	uint32_t cell = find(s, at);
+	if (cell == RANGE_GRID_NONE)
+		return false;
+	const struct overlap_point *p = &s->point[cell];
+	if (has_point(p))
+		return look_at(s, cell, ret), true;
+	return p->normal[0] != CELL_NO_RETURN && look_around(s, cell, at, ret);
+}
+
 enum verdict_of_pair { NO_PARTNER, PARTNER_IS_WORSE, PARTNER_IS_BETTER };
 
 /* Point p of a against what b measured there. */
@@ -150,8 +190,7 @@ static enum verdict_of_pair compare(const overlap_scan *a, const overlap_scan *b
 	const struct seen *p, double noise_m, struct seen *ret_partner)
 {
 	struct seen *q = ret_partner;
-	uint32_t cell = find(b, p->at);
-	if (cell == RANGE_GRID_NONE || !look_at(b, cell, q))
+	if (!look_towards(b, p->at, q))
 		return NO_PARTNER;
 	double middle[3], normal[3];
 	for (int i = 0; i < 3; i++)
@@ -175,8 +214,10 @@ static bool is_worth_looking(const overlap_scan *a, const overlap_scan *b, const
 static bool is_better_in(const overlap_scan *a, const overlap_scan *b, size_t cell, double noise_m)
 {
 	struct seen p, q, again;
-	return look_at(a, cell, &p) && is_worth_looking(a, b, &p) &&
-	       compare(a, b, &p, noise_m, &q) == PARTNER_IS_BETTER &&
+	if (!has_point(&a->point[cell]))
+		return false;
+	look_at(a, cell, &p);
+	return is_worth_looking(a, b, &p) && compare(a, b, &p, noise_m, &q) == PARTNER_IS_BETTER &&
 	       compare(b, a, &q, noise_m, &again) != PARTNER_IS_BETTER;
 }
 

@@ -16,7 +16,8 @@
 #include "process/scan-geometry.h"
 
 struct overlap_point {
-	float position_m[3]; /* scanner frame; 0 0 0: none */
+	float position_m
+		[3]; /* scanner frame; 0 0 0: none, and normal[0] is its enum panorama_cell */
 	int16_t normal
 		[2]; /* octahedral, scanner frame; none where the surface is not flat: leaves, edges */
 };

@@ -18,45 +18,6 @@ static char *path_of(const site *s, uint32_t number)
 	return g_strdup_printf("%s/geometry/%04u.geometry", site_path(s), number);
 }
 
-void scan_geometry_free(scan_geometry *g)
-{
-	if (!g)
-		return;
-	product_free(g->file);
-	g_free(g);
-}
-
-static const void *section(scan_geometry *g, const char *name, GError **error)
-{
-	uint64_t count;
-	const void *elements = product_section(g->file, name, 4, &count, error);
-	if (!elements)
-		return NULL;
-	if (!g->count)
-		g->count = count;
-	if (g->count == count)
-		return elements;
-	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
-		"'%s' has %" G_GUINT64_FORMAT " elements, not %" G_GUINT64_FORMAT, name, count,
-		g->count);
-	return NULL;
-}
-
-scan_geometry *scan_geometry_open(const site *s, uint32_t number, GError **error)
-{
-	g_autofree char *path = path_of(s, number);
-	g_autoptr(scan_geometry) g = g_new0(scan_geometry, 1);
-	g->file = product_open(path, SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION, error);
-	if (!g->file)
-		return NULL;
-	if (!(g->normal = section(g, "normal", error)) ||
-		!(g->plane_error_m = section(g, "plane_error", error)) ||
-		!(g->curvature = section(g, "curvature", error)) ||
-		!(g->point_size_m = section(g, "point_size", error)))
-		return g_prefix_error(error, "%s: ", path), NULL;
-	return g_steal_pointer(&g);
-}
-
 /* ---- what goes into each ---- */
 
 struct source {

@@ -1,29 +1,35 @@
-/* pleinair bench WHAT: measures speed and memory. */
+/* pleinair bench WHAT: measures speed, memory and truth. */
 #include "acquire/bench-acquire.h"
 #include "acquire/cli.h"
 #include "acquire/preset.h"
+#include "process/bench-process.h"
 #include "process/bench-register.h"
 #include <stdio.h>
+#include <string.h>
 
 #define COMMAND "bench"
 
 static gboolean json;
 static double seconds = 60;
-static int beams = 1081;
-static int trials = 1000;
+static int beams = 1081, repeats = 5, trials = 1000;
 static gint64 seed = 1;
-static char *preset = "draft", *keep;
+static char *site_path, *preset, *keep;
 
 static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
 		"acquire: how long the lidar streams (default 60)", "S" },
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
+	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_path,
+		"process: a site to take scans from (default: a simulated one)", "SITE" },
+	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
+		"process: how often each is measured; the median counts (default 5)", "N" },
+	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
+		"process, register: how finely is scanned (default fine, draft)",
+		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
 		"register: of the first sites; another one gives others (default 1)", "S" },
-	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
-		"register: how finely is scanned (default draft)", "draft|standard|fine" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
 		"register: where the scans stay, and are taken from the next time", "FOLDER" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
@@ -42,6 +48,17 @@ static int run_acquire(void)
 	return bench_acquire(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_process(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_process_options options = {
+		.site = site_path, .preset = preset, .repeats = (uint32_t)repeats, .json = json
+	};
+	if (repeats < 1 || repeats > 1000)
+		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
+	return bench_process(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static struct cli_bar bar;
 
 static void show(double fraction, const char *doing)
@@ -57,7 +74,7 @@ static int run_register(void)
 	g_autoptr(GError) error = NULL;
 	struct bench_register_options options = { .trials = (uint32_t)trials,
 		.seed = (uint64_t)seed,
-		.preset = preset,
+		.preset = preset ? preset : "draft",
 		.keep = keep,
 		.json = json,
 		.stop = cli_interrupted,
@@ -65,9 +82,6 @@ static int run_register(void)
 	if (trials < 1 || trials > 100000 || seed < 0 || seed > 1000000000)
 		return cli_misuse(
 			COMMAND, "trials go from 1 to 100000, seeds from 0 to 1000000000");
-	if (!preset_find(preset))
-		return cli_misuse(
-			COMMAND, "there is no preset '%s': draft, standard, fine", preset);
 	cli_catch_interrupts();
 	bar = cli_bar_begin(COMMAND);
 	bool good = bench_register(&options, &error);
@@ -75,22 +89,41 @@ static int run_register(void)
 	return good ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static const struct part {
+	const char *name;
+	int (*run)(void);
+} parts[] = {
+	{ "acquire", run_acquire }, /* the one without a name given */
+	{ "process", run_process },
+	{ "register", run_register },
+	{ NULL },
+};
+
+static const struct part *find_part(const char *name)
+{
+	for (const struct part *p = parts; p->name; p++)
+		if (!name || strcmp(p->name, name) == 0)
+			return p;
+	return NULL;
+}
+
 int main(int argc, char **argv)
 {
 	int status;
-	if (!cli_parse(COMMAND, "[acquire|register]",
+	if (!cli_parse(COMMAND, "[acquire | process | register]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
-		    "what was recorded.\n"
+		    "what was recorded.\nprocess: normals of a scan, beside those by PCL.\n"
 		    "register: aligns pairs of scans of simulated sites, and counts what was "
-		    "found, "
-		    "refused, and accepted although wrong.\n",
+		    "found, refused, and accepted although wrong.\n",
 		    entries, &argc, &argv, &status))
 		return status;
-	const char *what = argc > 1 ? argv[1] : "acquire";
-	if (argc <= 2 && g_str_equal(what, "acquire"))
-		return run_acquire();
-	if (argc <= 2 && g_str_equal(what, "register"))
-		return run_register();
-	return cli_misuse(COMMAND, "there is no bench '%s': acquire, register", argv[argc - 1]);
+	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
+	if (!part)
+		return cli_misuse(COMMAND, "there is no bench '%s': acquire, process, register",
+			argv[argc - 1]);
+	if (preset && !preset_find(preset))
+		return cli_misuse(
+			COMMAND, "there is no preset '%s': draft, standard, fine", preset);
+	return part->run();
 }

@@ -17,9 +17,9 @@ check acquire 'acquire/|firmware-io/'
 check process 'process/|acquire/|firmware-io/'
 check render 'render/|process/|acquire/|firmware-io/'
 # C++ libraries are named only behind their bridges.
-bridges=$(grep -lE '#include <(pcl|opencv2)/' -r sim firmware-io acquire process render 2>/dev/null | grep -vE '_(pcl|cv)\.cpp$' || true)
+bridges=$(grep -lE '#include <(pcl|opencv2)/' -r sim firmware-io acquire process render 2>/dev/null | grep -vE '_(pcl|cv)\.[ch]pp$' || true)
 if [ -n "$bridges" ]; then
-	echo "layers: PCL and OpenCV belong in *_pcl.cpp and *_cv.cpp: $bridges" >&2
+	echo "layers: PCL and OpenCV belong in *_pcl.[ch]pp and *_cv.[ch]pp: $bridges" >&2
 	status=1
 fi
 [ $status -eq 0 ] && echo "layers: every folder includes only itself and what stands left of it"

@@ -1,6 +1,12 @@
-#ifndef PROCESS_PCL_GUARD_HPP
-#define PROCESS_PCL_GUARD_HPP
-/* What every bridge to PCL does at its border: nothing that is thrown gets out, and PCL prints nothing. */
+#ifndef PROCESS_GUARD_PCL_HPP
+#define PROCESS_GUARD_PCL_HPP
+/* What every bridge to PCL does at its border: nothing that is thrown gets out, and PCL prints nothing. Included first. */
+
+/* Memory goes to and fro between PCL and these files, so Eigen must take it from the same place in both; under AddressSanitizer
+ * its headers would choose another one than Debian's PCL did. */
+#if defined(__LP64__) && !defined(EIGEN_MALLOC_ALREADY_ALIGNED)
+#define EIGEN_MALLOC_ALREADY_ALIGNED 1
+#endif
 #include <exception>
 #include <gio/gio.h>
 #include <new>

@@ -1,0 +1,123 @@
+#include "process/bench-process.h"
+#include "process/geometry.h"
+#include <stdlib.h>
+
+/* A cell whose range is not that of the truth is a mixed one, or one with another edge: no normal is right there. */
+#define TRUE_WITHIN_M 0.1f
+#define TRUE_WITHIN   0.02f
+
+static int by_double(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+static int by_float(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+static double quantile(GArray *values, double at)
+{
+	if (!values->len)
+		return NAN;
+	g_array_sort(values, by_float);
+	return g_array_index(values, float, (guint)(at * (values->len - 1)));
+}
+
+/* Directions count, not signs: PCL's are turned towards the origin as ours are, but a wrong side is no worse for being one. */
+static float angle_deg(const float a[3], const float b[3])
+{
+	double cross[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+		a[0] * b[1] - a[1] * b[0] };
+	double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+	return (float)(atan2(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]),
+			       fabs(dot)) *
+		       180 / G_PI);
+}
+
+static void score(
+	const struct bench_scan *scan, const float *const normal[3], struct bench_line *line)
+{
+	const range_grid *g = scan->grid;
+	size_t none = 0, measured = range_grid_count(g);
+	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(float));
+	g_autoptr(GArray) smooth = g_array_new(FALSE, FALSE, sizeof(float));
+	for (size_t i = 0; i < range_grid_cells(g); i++) {
+		float n[3] = { normal[0][i], normal[1][i], normal[2][i] };
+		const struct bench_truth *t = scan->truth ? &scan->truth[i] : NULL;
+		if (!(g->range_m[i] > 0))
+			continue;
+		if (n[0] == 0 && n[1] == 0 && n[2] == 0) {
+			none++;
+			continue;
+		}
+		if (!t || fabsf(t->range_m - g->range_m[i]) >
+				  TRUE_WITHIN_M + TRUE_WITHIN * g->range_m[i])
+			continue;
+		float angle = angle_deg(n, t->normal);
+		g_array_append_val(all, angle);
+		if (t->smooth)
+			g_array_append_val(smooth, angle);
+	}
+	line->points = (double)measured;
+	line->none_percent = 100.0 * (double)none / (double)measured;
+	line->median_deg = quantile(smooth, 0.5);
+	line->p90_deg = quantile(smooth, 0.9);
+	line->all_median_deg = quantile(all, 0.5);
+	line->all_p90_deg = quantile(all, 0.9);
+}
+
+static double median(double *values, uint32_t count)
+{
+	qsort(values, count, sizeof *values, by_double);
+	return values[count / 2];
+}
+
+static void measure_ours(const struct bench_data *data, GArray *lines)
+{
+	struct bench_line line = { .method = "pleinair" };
+	g_autofree double *cpu_s = g_new(double, data->repeats);
+	g_autoptr(geometry) g = NULL;
+	struct geometry_options options = { .single_thread = true };
+	for (uint32_t i = 0; i < data->repeats; i++) {
+		g_clear_pointer(&g, geometry_free);
+		double start_s = bench_cpu_s();
+		g = geometry_estimate(data->scan[0].grid, &options);
+		cpu_s[i] = bench_cpu_s() - start_s;
+	}
+	const float *normal[3] = { g->normal_x, g->normal_y, g->normal_z };
+	score(&data->scan[0], normal, &line);
+	line.cpu_s = median(cpu_s, data->repeats);
+	g_array_append_val(lines, line);
+}
+
+static bool measure_pcl(const struct bench_data *data, enum bench_pcl method, const char *name,
+	GArray *lines, GError **error)
+{
+	struct bench_line line = { .method = name };
+	uint32_t repeats =
+		method == BENCH_PCL_NEIGHBOURS ? 1 : data->repeats; /* it takes seconds */
+	g_autofree double *cpu_s = g_new(double, repeats);
+	size_t cells = range_grid_cells(data->scan[0].grid);
+	g_autofree float *planes = g_new(float, 3 * cells);
+	float *const normal[3] = { planes, planes + cells, planes + 2 * cells };
+	for (uint32_t i = 0; i < repeats; i++)
+		if (!bench_pcl_normals(data->scan[0].grid, method, normal, &cpu_s[i], error))
+			return false;
+	score(&data->scan[0], (const float *const *)normal, &line);
+	line.cpu_s = median(cpu_s, repeats);
+	g_array_append_val(lines, line);
+	return true;
+}
+
+bool bench_normals(const struct bench_data *data, GArray *lines, GError **error)
+{
+	measure_ours(data, lines);
+	return measure_pcl(data, BENCH_PCL_GRADIENT, "PCL AVERAGE_3D_GRADIENT", lines, error) &&
+	       measure_pcl(data, BENCH_PCL_COVARIANCE, "PCL COVARIANCE_MATRIX", lines, error) &&
+	       measure_pcl(
+		       data, BENCH_PCL_DEPTH_CHANGE, "PCL AVERAGE_DEPTH_CHANGE", lines, error) &&
+	       measure_pcl(data, BENCH_PCL_NEIGHBOURS, "PCL k = 20", lines, error);
+}

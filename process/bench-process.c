@@ -1,0 +1,258 @@
+#include "process/bench-process.h"
+#include "acquire/cli.h"
+#include "acquire/scan.h"
+#include "firmware-io/files.h"
+#include "process/scan-data.h"
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#define SCENE        "court?seed=7&camera=none&station="
+#define SMOOTH_CELLS 4 /* no edge this near */
+#define SMOOTH_COS   0.9994f
+#define LEAVES       2 /* vegetation's class in the truth */
+
+static const struct section {
+	const char *title, *key;
+	bench_section run;
+} sections[] = {
+	{ "normals", "normals", bench_normals },
+	{ NULL },
+};
+
+double bench_cpu_s(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ---- the truth, as pleinair-sim --truth writes it (sim/truth.h) ---- */
+
+struct truth_header {
+	char magic[8];
+	uint32_t columns, rows;
+	double elevation_max_rad, elevation_min_rad, position_m[3], rotation[9];
+};
+struct truth_record {
+	float range_m, normal[3];
+	uint16_t instance;
+	uint8_t class, optics;
+};
+_Static_assert(sizeof(struct truth_header) == 128 && sizeof(struct truth_record) == 20,
+	"the file's own layout");
+
+static bool is_smooth(
+	const range_grid *g, const struct truth_record *t, uint32_t row, uint32_t column)
+{
+	const struct truth_record *here = &t[(size_t)row * g->columns + column];
+	if (here->class == LEAVES || row < SMOOTH_CELLS || row + SMOOTH_CELLS >= g->rows)
+		return false;
+	for (int down = -SMOOTH_CELLS; down <= SMOOTH_CELLS; down += 2)
+		for (int right = -SMOOTH_CELLS; right <= SMOOTH_CELLS; right += 2) {
+			uint32_t c = (column + g->columns + right) % g->columns;
+			const struct truth_record *k = &t[(size_t)(row + down) * g->columns + c];
+			float dot = k->normal[0] * here->normal[0] +
+				    k->normal[1] * here->normal[1] + k->normal[2] * here->normal[2];
+			if (k->instance != here->instance || dot < SMOOTH_COS ||
+				fabsf(k->range_m - here->range_m) > 0.2f + 0.1f * here->range_m)
+				return false;
+		}
+	return true;
+}
+
+static bool read_truth(struct bench_scan *scan, const char *path, GError **error)
+{
+	size_t length, cells = range_grid_cells(scan->grid);
+	size_t wanted = sizeof(struct truth_header) + cells * sizeof(struct truth_record);
+	g_autofree char *bytes = files_read(path, wanted, &length, error);
+	const struct truth_header *h = (const struct truth_header *)bytes;
+	if (!bytes)
+		return false;
+	if (length != wanted || memcmp(h->magic, "PLTRUTH1", 8) ||
+		h->columns != scan->grid->columns) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
+			"%s: is not the truth of this scan", path);
+		return false;
+	}
+	const struct truth_record *t = (const struct truth_record *)(bytes + sizeof *h);
+	scan->truth = g_new0(struct bench_truth, cells);
+	for (size_t i = 0; i < cells; i++) {
+		scan->truth[i].range_m = t[i].range_m;
+		memcpy(scan->truth[i].normal, t[i].normal, sizeof t[i].normal);
+		scan->truth[i].smooth = is_smooth(scan->grid, t,
+			(uint32_t)(i / scan->grid->columns), (uint32_t)(i % scan->grid->columns));
+	}
+	return true;
+}
+
+static char *find_simulator(void)
+{
+	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
+	g_autofree char *folder = self ? g_path_get_dirname(self) : g_strdup(".");
+	char *beside = g_build_filename(folder, "pleinair-sim", NULL);
+	if (g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE))
+		return beside;
+	g_free(beside);
+	return g_strdup("pleinair-sim");
+}
+
+static bool ask_truth(
+	struct bench_scan *scan, const char *description, const char *path, GError **error)
+{
+	g_autofree char *simulator = find_simulator();
+	g_autofree char *columns = g_strdup_printf("--columns=%u", scan->grid->columns);
+	g_autofree char *rows = g_strdup_printf("--rows=%u", scan->grid->rows);
+	g_autoptr(GSubprocess) p = g_subprocess_new(G_SUBPROCESS_FLAGS_NONE, error, simulator,
+		"--truth", columns, rows, "-o", path, description, NULL);
+	return p && g_subprocess_wait_check(p, NULL, error) && read_truth(scan, path, error);
+}
+
+/* ---- the scans ---- */
+
+static bool simulate(
+	struct bench_data *data, const char *folder, const char *preset, GError **error)
+{
+	g_autofree char *path = g_build_filename(folder, "site", NULL);
+	g_autofree char *truth = g_build_filename(folder, "truth", NULL);
+	g_autoptr(site) s = site_open_for_writing(path, error);
+	for (uint32_t i = 0; s && i < G_N_ELEMENTS(data->scan); i++) {
+		g_autofree char *description = g_strdup_printf(SCENE "%u", i + 1);
+		g_autofree char *device = g_strconcat("sim:", description, NULL);
+		struct scan_options options = { .device = device, .preset = preset_find(preset) };
+		struct scan_result result;
+		uint32_t partial;
+		if (!scan_record(s, &options, &result, &partial, error))
+			return false;
+		g_autoptr(panorama) p = scan_load(s, result.number, false, error);
+		if (!p)
+			return false;
+		data->scan[i].grid = range_grid_from_panorama(p);
+		if (!ask_truth(&data->scan[i], description, truth, error))
+			return false;
+	}
+	return s;
+}
+
+static bool load_site(struct bench_data *data, const char *path, GError **error)
+{
+	g_autoptr(site) s = site_open(path, error);
+	g_autoptr(GArray) numbers = s ? site_scans(s, error) : NULL;
+	uint32_t found = 0;
+	for (guint i = 0; numbers && i < numbers->len && found < G_N_ELEMENTS(data->scan); i++) {
+		g_autoptr(scan_data) d =
+			scan_data_load(s, g_array_index(numbers, uint32_t, i), error);
+		if (!d)
+			return false;
+		if (d->grid)
+			data->scan[found++].grid = g_steal_pointer(&d->grid);
+	}
+	if (numbers && !found)
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "%s: has no scan with a grid",
+			path);
+	return found;
+}
+
+static bool prepare(struct bench_data *data, const struct bench_process_options *o, GError **error)
+{
+	if (o->site)
+		return load_site(data, o->site, error);
+	g_autofree char *folder = g_dir_make_tmp("pleinair-bench-XXXXXX", error);
+	if (!folder)
+		return false;
+	bool good = simulate(data, folder, o->preset ? o->preset : "fine", error);
+	return files_remove_tree(folder, good ? error : NULL) && good;
+}
+
+static void clear(struct bench_data *data)
+{
+	for (size_t i = 0; i < G_N_ELEMENTS(data->scan); i++) {
+		range_grid_free(data->scan[i].grid);
+		g_free(data->scan[i].truth);
+	}
+}
+
+/* ---- what comes out ---- */
+
+static const char *number(double value, int digits, char into[static 32])
+{
+	if (isnan(value))
+		return "-";
+	g_snprintf(into, 32, "%.*f", digits, value);
+	return into;
+}
+
+static void print_table(const struct section *s, GArray *lines)
+{
+	printf("%s, one thread\n  %-26s %8s %8s %18s %18s %9s\n", s->title, "", "CPU s", "Mpt/s",
+		"smooth med / p90", "all med / p90", "none %");
+	for (guint i = 0; i < lines->len; i++) {
+		const struct bench_line *l = &g_array_index(lines, struct bench_line, i);
+		char b[7][32];
+		printf("  %-26s %8s %8s %8s /%7s %8s /%7s %9s\n", l->method,
+			number(l->cpu_s, 3, b[0]), number(l->points / l->cpu_s * 1e-6, 2, b[1]),
+			number(l->median_deg, 2, b[2]), number(l->p90_deg, 2, b[3]),
+			number(l->all_median_deg, 2, b[4]), number(l->all_p90_deg, 2, b[5]),
+			number(l->none_percent, 2, b[6]));
+	}
+}
+
+static void add_number(JsonObject *j, const char *key, double value)
+{
+	if (!isnan(value))
+		json_object_set_double_member(j, key, value);
+}
+
+static JsonArray *json_of(GArray *lines)
+{
+	JsonArray *array = json_array_new();
+	for (guint i = 0; i < lines->len; i++) {
+		const struct bench_line *l = &g_array_index(lines, struct bench_line, i);
+		JsonObject *j = json_object_new();
+		json_object_set_string_member(j, "method", l->method);
+		add_number(j, "cpu_s", l->cpu_s);
+		add_number(j, "points", l->points);
+		add_number(j, "smooth_median_deg", l->median_deg);
+		add_number(j, "smooth_p90_deg", l->p90_deg);
+		add_number(j, "all_median_deg", l->all_median_deg);
+		add_number(j, "all_p90_deg", l->all_p90_deg);
+		add_number(j, "none_percent", l->none_percent);
+		json_array_add_object_element(array, j);
+	}
+	return array;
+}
+
+static bool measure(const struct bench_data *data, JsonObject *json, GError **error)
+{
+	for (const struct section *s = sections; s->run; s++) {
+		g_autoptr(GArray) lines = g_array_new(FALSE, FALSE, sizeof(struct bench_line));
+		if (!s->run(data, lines, error))
+			return false;
+		if (json)
+			json_object_set_array_member(json, s->key, json_of(lines));
+		else
+			print_table(s, lines);
+	}
+	return true;
+}
+
+bool bench_process(const struct bench_process_options *o, GError **error)
+{
+	struct bench_data data = { .repeats = o->repeats ? o->repeats : 5 };
+	JsonObject *json = o->json ? json_object_new() : NULL;
+	bool good = prepare(&data, o, error);
+	if (good && json) {
+		json_object_set_int_member(json, "columns", data.scan[0].grid->columns);
+		json_object_set_int_member(json, "rows", data.scan[0].grid->rows);
+	} else if (good) {
+		printf("process: %u x %u cells, %zu measured\n", data.scan[0].grid->columns,
+			data.scan[0].grid->rows, range_grid_count(data.scan[0].grid));
+	}
+	good = good && measure(&data, json, error);
+	clear(&data);
+	if (good && json)
+		cli_print_json(json);
+	else if (json)
+		json_object_unref(json);
+	return good;
+}
