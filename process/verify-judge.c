@@ -9,8 +9,8 @@
 #define AGREE_MIN_SR 0.6
 #define OVERLAP_MIN  0.15
 #define BALANCE_MIN  0.02
-/* A rival must be twice as doubtful, and this much on top: where two poses are truly alike, they differ by up to 0.25 %. */
-#define RIVAL_FACTOR 2.0
+/* A rival must be so much more doubtful, and this on top: where two poses are truly alike, they differ by up to 0.25 %. */
+#define RIVAL_FACTOR 1.7
 #define RIVAL_MARGIN 0.004
 #define RIVAL_MIN_SR 0.3
 #define RIVAL_SHARE  0.1
@@ -23,7 +23,7 @@
 #define REST_MAX_M    0.008
 #define REST_MAX_RAD  (0.05 * G_PI / 180)
 #define IMPRECISE_M   2.0e-3
-#define IMPRECISE_RAD (0.008 * G_PI / 180)
+#define IMPRECISE_RAD (0.010 * G_PI / 180)
 
 double verify_contradiction(const struct verification *v)
 {

@@ -1,7 +1,7 @@
 #ifndef TESTS_PLACED_SCANS_H
 #define TESTS_PLACED_SCANS_H
 /* Drafts of simulated sites as grids, with where they really stand. Made once per program and description. */
-#include "process/range-grid.h"
+#include "process/pair.h"
 #include "sim/truth.h"
 #include "tests/simulated.h"
 #include <string.h>
@@ -49,11 +49,26 @@ static inline const struct placed *placed_scan(const char *what)
 	if (p)
 		return p;
 	g_autofree char *description =
-		g_strconcat(what, "&ares=1080&camera=none&divergence_mrad=0", NULL);
+		g_strconcat(what, "&ares=720&camera=none&divergence_mrad=0", NULL);
 	p = g_new(struct placed, 1);
 	*p = (struct placed){ draft_of(description), true_pose_of(description) };
 	g_hash_table_insert(known, g_strdup(what), p);
 	return p;
+}
+
+/* All that aligning needs of it. */
+static inline const pair_scan *pair_scan_of(const char *what)
+{
+	static GHashTable *known;
+	if (!known)
+		known = g_hash_table_new_full(
+			g_str_hash, g_str_equal, g_free, (GDestroyNotify)pair_scan_free);
+	pair_scan *s = g_hash_table_lookup(known, what);
+	if (!s) {
+		s = pair_scan_new(placed_scan(what)->grid);
+		g_hash_table_insert(known, g_strdup(what), s);
+	}
+	return s;
 }
 
 /* How far a pose between b and a is from the true one. */

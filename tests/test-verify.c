@@ -1,19 +1,4 @@
-#include "process/pair.h"
 #include "tests/placed-scans.h"
-
-static const pair_scan *pair_scan_of(const char *what)
-{
-	static GHashTable *known;
-	if (!known)
-		known = g_hash_table_new_full(
-			g_str_hash, g_str_equal, g_free, (GDestroyNotify)pair_scan_free);
-	pair_scan *s = g_hash_table_lookup(known, what);
-	if (!s) {
-		s = pair_scan_new(placed_scan(what)->grid);
-		g_hash_table_insert(known, g_strdup(what), s);
-	}
-	return s;
-}
 
 static struct verification verify_at(
 	const char *a, const char *b, const double twist[6], struct verify_map *map)
