@@ -18,6 +18,10 @@
 /* A rival this near is finished too. */
 #define CLOSE_THING 0.5
 
+/* What stands beside the pyramid, about: the plans and views; per surfel, the samples and what is around it. */
+#define COARSE_BYTES 2000000u
+#define SURFEL_BYTES (sizeof(struct surfel) + 30)
+
 struct pair_scan {
 	coarse_scan *coarse;
 	fine_scan *fine;
@@ -136,6 +140,15 @@ void pair_scan_free(pair_scan *s)
 	g_free(s);
 }
 
+uint64_t pair_scan_bytes(const pair_scan *s)
+{
+	const pyramid *p = fine_scan_pyramid(s->fine);
+	uint64_t bytes = sizeof *s + COARSE_BYTES;
+	for (int i = 0; i < PYRAMID_LEVELS; i++)
+		bytes += (uint64_t)p->level[i].columns * p->level[i].rows * SURFEL_BYTES;
+	return bytes;
+}
+
 /* ---- the pair ---- */
 
 static void try_candidates(struct search *s, const struct pair_options *o, double *ret_coarse_s)
@@ -233,6 +246,42 @@ void pair_align(const pair_scan *a, const pair_scan *b, const struct pair_option
 		verify_no_solution(&ret->verification);
 	ret->fine_s = s->fine_s;
 	ret->verify_s = s->verify_s;
+}
+
+/* The pose that is kept though it could be refined: what that would change is taken for noise. */
+static void keep_pose(struct fine_result *fine, const struct pose *kept)
+{
+	double twist[6];
+	pose_difference(kept, &fine->pose, twist);
+	fine->pose = *kept;
+	for (int i = 0; i < 6; i++)
+		for (int j = 0; j < 6; j++)
+			fine->covariance[i][j] += twist[i] * twist[j];
+}
+
+void pair_near(const pair_scan *a, const pair_scan *b, const struct pose *start, bool refine,
+	const struct verification *rival, struct pair_result *ret)
+{
+	double begin = cpu_seconds();
+	*ret = (struct pair_result){ .pose = *start };
+	bool good = fine_align(a->fine, b->fine, start, FINE_FROM_NEAR, &ret->fine);
+	double middle = cpu_seconds();
+	ret->fine_s = middle - begin;
+	if (!good) {
+		verify_no_solution(&ret->verification);
+		return;
+	}
+	struct fine_result fine = ret->fine;
+	if (!refine)
+		ret->fine.pose = *start;
+	verify_measure(a->view, b->view, &ret->fine, VERIFY_FULL, &ret->verification, NULL);
+	verify_judge(&ret->verification, rival);
+	if (!refine) {
+		ret->fine = fine;
+		keep_pose(&ret->fine, start);
+	}
+	ret->pose = ret->fine.pose;
+	ret->verify_s = cpu_seconds() - middle;
 }
 
 void pair_verify(const pair_scan *a, const pair_scan *b, const struct fine_result *fine,

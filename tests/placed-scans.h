@@ -83,7 +83,7 @@ static inline struct pose pose_off(
 static inline range_grid *corridor_grid(void)
 {
 	enum { COLUMNS = 360, ROWS = 90, CELLS = COLUMNS * ROWS };
-	g_autofree double *points = g_new0(double, 3 * CELLS);
+	g_autofree double *xyz = g_new0(double, 3 * CELLS);
 	g_autofree uint8_t *cell = g_malloc(CELLS);
 	g_autoptr(GError) error = NULL;
 	for (int i = 0; i < CELLS; i++) {
@@ -95,13 +95,13 @@ static inline range_grid *corridor_grid(void)
 			(d[2] > 0 ? 1.2 : 1.5) / fmax(fabs(d[2]), 1e-9));
 		cell[i] = range < 30 ? CELL_MEASURED : CELL_NO_RETURN;
 		for (int k = 0; k < 3; k++)
-			points[k * CELLS + i] = range < 30 ? range * d[k] : 0;
+			xyz[k * CELLS + i] = range < 30 ? range * d[k] : 0;
 	}
 	struct range_grid_desc desc = { .columns = COLUMNS,
 		.rows = ROWS,
-		.x_m = points,
-		.y_m = points + CELLS,
-		.z_m = points + 2 * CELLS,
+		.x_m = xyz,
+		.y_m = xyz + CELLS,
+		.z_m = xyz + 2 * CELLS,
 		.cell = cell };
 	range_grid *g = range_grid_new(&desc, &error);
 	g_assert_no_error(error);
