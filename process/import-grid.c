@@ -9,6 +9,8 @@
 #define CLEARLY 2.0
 /* Makes the nearest of equals the best: every second column is a column too. */
 #define DISTANCE_WEIGHT 0.05
+/* Beams that differ by less are one. */
+#define SPACING_MIN_RAD 1e-6
 #define BAND_BYTES      (16u << 20)
 
 /* ---- which cells are neighbours ---- */
@@ -140,12 +142,21 @@ static bool choose(const struct neighbours n[2], bool same, struct answer *ret)
 
 /* ---- the layout ---- */
 
+static bool any_apart(const GArray *differences)
+{
+	for (guint i = 0; i < differences->len; i++)
+		if (fabs(g_array_index(differences, double, i)) > SPACING_MIN_RAD)
+			return true;
+	return false;
+}
+
 static void set_directions(struct grid_layout *l, const struct neighbours *n)
 {
 	const GArray *across = l->column_by_column ? n->outer.across : n->inner.across;
 	const GArray *up = l->column_by_column ? n->inner.up : n->outer.up;
 	l->anticlockwise = median(across, false) < 0;
 	l->upwards = median(up, false) > 0;
+	l->is_grid = any_apart(across) && any_apart(up);
 }
 
 static void set_sizes(struct grid_layout *l, uint32_t first, uint32_t second, uint32_t run)

@@ -17,6 +17,7 @@ struct grid_layout {
 	bool upwards;          /* rows of the file */
 	bool told;             /* by the points */
 	bool assumed;          /* nothing tells: as files usually have it */
+	bool is_grid; /* has neighbours along rows and along columns; else it is a list of points */
 };
 
 /* Records in the order of the file. */

@@ -177,6 +177,10 @@ static bool turn_grid(
 	struct grid_records records = { scratch_read, scratch };
 	if (!grid_layout_find(&records, scan->order, scan->columns, scan->rows, l, error))
 		return false;
+	if (!l->is_grid) {
+		s->no_grid = "no points are neighbours in it";
+		return copy_cloud(r, scratch, error);
+	}
 	if (l->columns > PANORAMA_COLUMNS_MAX)
 		return import_refuse(error, r->file, G_IO_ERROR_NOT_SUPPORTED,
 			"has a grid of %u columns; at most %u are read", l->columns,
@@ -216,12 +220,13 @@ static bool read_grid(struct reading *r, const struct import_scan *scan, GError 
 			" cells, and only %" G_GUINT64_FORMAT " are there",
 			scan->columns, scan->rows, cells, s->records);
 	/* What looked like a grid may have turned out to be none. */
+	s->no_grid = scan->no_grid;
 	good = good && (scan->columns ? turn_grid(r, &scratch, scan, error)
 				      : copy_cloud(r, &scratch, error));
 	if (scratch.fd >= 0)
 		close(scratch.fd);
-	if (good && !scan->columns)
-		s->result.grid = g_strdup_printf("given up: %s", scan->no_grid);
+	if (good && s->no_grid)
+		s->result.grid = g_strdup_printf("given up: %s", s->no_grid);
 	return good;
 }
 
@@ -314,7 +319,7 @@ static void set_grid(manifest *m, const struct staged_scan *s)
 {
 	const struct grid_layout *l = &s->layout;
 	bool kept = s->result.columns;
-	g_autofree char *why = g_strdup_printf("no: %s", s->scan.no_grid);
+	g_autofree char *why = g_strdup_printf("no: %s", s->no_grid);
 	manifest_set_string(m, "source.grid.kept", kept ? "yes" : why);
 	manifest_set_int(m, "source.grid.first_size", s->columns_in_file);
 	manifest_set_int(m, "source.grid.second_size", s->rows_in_file);

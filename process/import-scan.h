@@ -10,6 +10,7 @@ struct staged_scan {
 	struct import_scan scan;   /* as the reader left it */
 	struct grid_layout layout; /* of a grid */
 	bool was_grid;             /* the file had it in columns and rows, whatever came of them */
+	const char *no_grid;       /* why they were given up; NULL: they were not */
 	uint32_t columns_in_file, rows_in_file;
 	uint64_t bytes, records; /* of points.ply */
 	import_hash *hash;       /* of points.ply, under way */

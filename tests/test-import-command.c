@@ -225,9 +225,10 @@ static void test_recorded_and_imported(void)
 	g_autoptr(GString) map = g_string_new(AT("0") CELLS);
 	g_string_replace(map, "1.01 2", "700000 2", 0);
 	g_string_replace(map, "1 2 0.5 0.5", "700001 2 0.5 0.5", 0);
-	/* 4 x 1: as small as a panorama can be */
+	/* 4 x 2: as small as a panorama can be, with neighbours */
 	g_autofree char *row = write_file(&f, "row.ptx",
-		"4\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" CELLS);
+		"4\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n" CELLS
+			CELLS);
 	g_autofree char *cloud = write_file(&f, "cloud.ptx", map->str);
 	g_auto(answer) a = commands_run("import", f.site, row, cloud);
 	commands_assert_done(&a);

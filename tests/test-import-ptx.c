@@ -234,30 +234,52 @@ static void test_scan_data(void)
 	place_clear(&at);
 }
 
+#define CELLS    "1 2 0.5 0.5\n1.01 2 0.4 0.25\n0 0 0 0.5\n1.03 2.01 0.4 1\n"
+#define HEAD     "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+#define IDENTITY "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+#define TURNED   "0 1 0 0\n-1 0 0 0\n0 0 1 0\n500010.25 4000020.5 31.125 1\n"
+
 /* Where points tell nothing, it is as files usually have it, and said so. */
 static void test_assumed(void)
 {
 	struct place at = place_new();
-	const char *text = "1\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
-			   "1 2 0.1 0.5\n1 2 0.2 0.5\n0 0 0 0.5\n1 2 0.4 0.5\n";
+	const char *text = HEAD IDENTITY CELLS;
 	g_autofree char *path = place_write(&at, "one.ptx", text, strlen(text));
 	g_autoptr(GArray) scans = place_import(&at, path);
 	g_autoptr(manifest) m = place_manifest(&at, 1);
 	g_autoptr(points) p = place_points(&at, 1);
 	manifest_assert_string(m, "source.grid.told_by", "habit");
-	g_assert_cmpuint(p->columns, ==, 1);
-	g_assert_cmpuint(p->rows, ==, 4);
-	g_assert_cmpfloat(p->record[0].z_m, ==, 0.4); /* the highest first */
+	g_assert_cmpuint(p->columns, ==, 2);
+	g_assert_cmpuint(p->rows, ==, 2);
+	g_assert_cmpfloat(p->record[0].z_m, ==, 0.5); /* the highest first */
 	g_assert_nonnull(strstr(g_array_index(scans, struct imported, 0).grid, "(assumed)"));
 	place_clear(&at);
 }
 
-/* ---- several scans, and where they stand ---- */
+/* One column, or two with a point in only one of them, are no grid that anything could be made of. */
+static void test_list(gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	struct place at = place_new();
+	const char *sizes = data;
+	g_autofree char *text = g_strconcat(sizes, "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", TURNED,
+		"1 2 0.1 0.5\n1 2 0.2 0.5\n0 0 0 0.5\n1 2 0.4 0.5\n",
+		*sizes == '2' ? "0 0 0 0.5\n0 0 0 0.5\n0 0 0 0.5\n0 0 0 0.5\n" : "", NULL);
+	g_autofree char *path = place_write(&at, "list.ptx", text, strlen(text));
+	g_autoptr(GArray) scans = place_import(&at, path);
+	const struct imported *i = &g_array_index(scans, struct imported, 0);
+	g_autoptr(scan_data) d = scan_data_load(at.site, 1, &error);
+	g_assert_no_error(error);
+	g_assert_cmpint(d->kind, ==, SCAN_CLOUD);
+	g_assert_cmpuint(d->points->count, ==, 3);
+	g_assert_cmpfloat(d->points->record[2].z_m, ==, 0.4); /* in the order of the file */
+	g_assert_true(d->has_given_pose);
+	g_assert_cmpfloat(i->position_m[2], ==, 31.125);
+	g_assert_cmpstr(i->grid, ==, "given up: no points are neighbours in it");
+	place_clear(&at);
+}
 
-#define CELLS    "1 2 0.5 0.5\n1.01 2 0.4 0.25\n0 0 0 0.5\n1.03 2.01 0.4 1\n"
-#define HEAD     "2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
-#define IDENTITY "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
-#define TURNED   "0 1 0 0\n-1 0 0 0\n0 0 1 0\n500010.25 4000020.5 31.125 1\n"
+/* ---- several scans, and where they stand ---- */
 
 static void test_several(void)
 {
@@ -688,7 +710,7 @@ static void test_conformance(void)
 			  c = place_import(&at, plain);
 	g_assert_cmpuint(g_array_index(a, struct imported, 0).points, ==, 1065);
 	g_assert_cmpuint(g_array_index(b, struct imported, 0).points, ==, 4);
-	g_assert_cmpuint(g_array_index(b, struct imported, 0).columns, ==, 2);
+	g_assert_cmpuint(g_array_index(b, struct imported, 0).columns, ==, 0); /* all in one */
 	g_assert_true(g_array_index(b, struct imported, 0).has_pose);
 	g_assert_cmpfloat(g_array_index(b, struct imported, 0).position_m[0], ==, -3.028748);
 	g_assert_cmpuint(g_array_index(c, struct imported, 0).points, ==, 15);
@@ -709,6 +731,9 @@ int main(int argc, char **argv)
 	g_test_add_func("/import-ptx/sparse", test_sparse);
 	g_test_add_func("/import-ptx/scan-data", test_scan_data);
 	g_test_add_func("/import-ptx/assumed", test_assumed);
+	g_test_add_data_func("/import-ptx/list/column", "1\n4\n", test_list);
+	g_test_add_data_func("/import-ptx/list/row", "4\n1\n", test_list);
+	g_test_add_data_func("/import-ptx/list/half", "2\n4\n", test_list);
 	g_test_add_func("/import-ptx/several", test_several);
 	g_test_add_func("/import-ptx/rolled-back", test_rolled_back);
 	g_test_add_func("/import-ptx/site-origin", test_site_origin);
