@@ -1,3 +1,4 @@
+#include "process/pose-json.h"
 #include "process/report-private.h"
 #include <math.h>
 
@@ -8,25 +9,6 @@ static void set_number(JsonObject *o, const char *key, double value)
 		json_object_set_double_member(o, key, value);
 	else
 		json_object_set_null_member(o, key);
-}
-
-static JsonArray *numbers(const double *value, int count)
-{
-	JsonArray *array = json_array_new();
-	for (int i = 0; i < count; i++)
-		json_array_add_double_element(array, value[i]);
-	return array;
-}
-
-static JsonObject *pose_object(const struct pose *p)
-{
-	JsonObject *o = json_object_new();
-	JsonArray *rotation = json_array_new();
-	for (int i = 0; i < 3; i++)
-		json_array_add_array_element(rotation, numbers(p->rotation[i], 3));
-	json_object_set_array_member(o, "rotation", rotation);
-	json_object_set_array_member(o, "translation_m", numbers(p->translation_m, 3));
-	return o;
 }
 
 static JsonObject *scan_object(const struct report_scan *s)
@@ -44,7 +26,7 @@ static JsonObject *scan_object(const struct report_scan *s)
 	if (!p->group)
 		return o;
 	json_object_set_int_member(o, "group", p->group);
-	json_object_set_object_member(o, "pose", pose_object(&p->pose));
+	json_object_set_member(o, "pose", json_write_pose(&p->pose));
 	set_number(o, "yaw_deg", s->yaw_deg);
 	set_number(o, "tilt_deg", s->tilt_deg);
 	set_number(o, "deviation_mm", 1000 * p->deviation_m);
@@ -85,7 +67,7 @@ static JsonObject *edge_object(const struct report_edge *facts)
 	set_verification(o, &e->verification);
 	set_number(o, "loop_mm", 1000 * e->loop_m);
 	set_number(o, "loop_deg", e->loop_rad * 180 / G_PI);
-	json_object_set_object_member(o, "pose", pose_object(&e->pose));
+	json_object_set_member(o, "pose", json_write_pose(&e->pose));
 	return o;
 }
 
