@@ -7,7 +7,6 @@
 #include <string.h>
 
 #define SCHEMA 1
-#define ROOT   6 /* of the covariance's numbers, by row from the diagonal on: 21 */
 
 static const char *const origin_names[] = { "automatic", "picked", "given" };
 static const char *const decision_names[] = { "none", "accepted", "refused" };
@@ -36,6 +35,7 @@ static const struct {
 
 /* ---- writing ---- */
 
+/* By row from the diagonal on. */
 static JsonNode *write_covariance(const double m[6][6])
 {
 	double number[21];
@@ -133,13 +133,12 @@ bool scan_graph_save_file(const scan_graph *g, const char *path, GError **error)
 
 bool scan_graph_equal(const scan_graph *a, const scan_graph *b)
 {
-	g_autoptr(manifest) p = manifest_new("a"), *q = manifest_new("b");
+	g_autoptr(manifest) p = manifest_new("a");
+	g_autoptr(manifest) q = manifest_new("b");
 	write_content(a, p);
 	write_content(b, q);
 	g_autofree char *text = manifest_to_text(p), *other = manifest_to_text(q);
-	bool equal = strcmp(text, other) == 0;
-	manifest_free(q);
-	return equal;
+	return strcmp(text, other) == 0;
 }
 
 /* ---- reading ---- */
@@ -211,10 +210,10 @@ static bool read_covariance(const struct reading *r, JsonObject *o, double ret[6
 	int n = 0;
 	if (!json_read_numbers(json_object_get_member(o, "covariance"), 21, number))
 		return refuse_key(r, "covariance", "is not 21 numbers");
-	for (int i = 0; i < ROOT; i++)
-		for (int j = i; j < ROOT; j++)
+	for (int i = 0; i < 6; i++)
+		for (int j = i; j < 6; j++)
 			ret[i][j] = ret[j][i] = number[n++];
-	for (int i = 0; i < ROOT; i++)
+	for (int i = 0; i < 6; i++)
 		if (ret[i][i] < 0)
 			return refuse_key(r, "covariance", "has a negative variance");
 	return true;
