@@ -152,13 +152,10 @@ static void tell_pairs(struct aligning *w, const GArray *pairs, const struct pic
 }
 
 /* The pose that the pairs tell: takes the scan with the higher number to the other. */
-static bool fit_pairs(struct aligning *w, const scan_data *low, const scan_data *high,
-	struct pose *ret, guint *ret_pairs, GError **error)
+static bool fit_pairs(struct aligning *w, const GArray *pairs, const scan_data *low,
+	const scan_data *high, struct pose *ret, guint *ret_pairs, GError **error)
 {
 	struct picks_fit fit;
-	g_autoptr(GArray) pairs = pick_file_read(pairs_path, error);
-	if (!pairs)
-		return false;
 	g_autofree struct pick *pick = g_new(struct pick, pairs->len + 1);
 	bool swapped = w->a > w->b;
 	if (!pick_file_resolve(
@@ -202,20 +199,36 @@ static void ready_clear(struct ready *r)
 }
 G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(ready, ready_clear)
 
+static gpointer make_one(gpointer data)
+{
+	return align_scan_new(data, NULL);
+}
+
+/* Both at once. They were loaded with their points, so nothing is refused. */
+static void make_both(scan_data *low, scan_data *high, struct ready *ret)
+{
+	GThread *other = g_thread_new("align", make_one, high);
+	ret->low = make_one(low);
+	ret->high = g_thread_join(other);
+}
+
 static bool prepare(struct aligning *w, struct ready *ret, GError **error)
 {
 	g_autoptr(scan_data) low = NULL;
 	g_autoptr(scan_data) high = NULL;
+	g_autoptr(GArray) pairs = pairs_path ? pick_file_read(pairs_path, error) : NULL;
+	if (pairs_path && !pairs)
+		return false;
 	if (!step_on(w, 0, "reading", error) ||
 		!(low = scan_data_load(w->site, MIN(w->a, w->b), error)) ||
 		!(high = scan_data_load(w->site, MAX(w->a, w->b), error)))
 		return false;
-	ret->has_start = pairs_path != NULL;
-	if (pairs_path && !fit_pairs(w, low, high, &ret->start, &ret->pairs, error))
+	ret->has_start = pairs != NULL;
+	if (pairs && !fit_pairs(w, pairs, low, high, &ret->start, &ret->pairs, error))
 		return false;
-	if (!step_on(w, 0.2, "preparing", error) || !(ret->low = align_scan_new(low, error)) ||
-		!(ret->high = align_scan_new(high, error)))
+	if (!step_on(w, 0.2, "preparing", error))
 		return false;
+	make_both(low, high, ret);
 	return step_on(w, 0.5, "aligning", error);
 }
 
