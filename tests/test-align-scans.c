@@ -120,6 +120,33 @@ static void test_start(void)
 	g_free(e.inputs);
 }
 
+/* The scanner lay askew: its rows are not level, and what is up must be found. */
+static void test_tilted(void)
+{
+	double twist[6] = { 0.5, 0.3, 0 };
+	struct pose tilt = pose_perturb(&POSE_IDENTITY, twist), back = pose_inverse(&tilt);
+	const range_grid *g = station(2)->grid;
+	size_t cells = range_grid_cells(g);
+	g_autofree double *xyz = g_new0(double, 3 * cells);
+	g_autoptr(GError) error = NULL;
+	for (size_t i = 0; i < cells; i++) {
+		double at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+		pose_apply(&tilt, at, at);
+		for (size_t k = 0; k < 3; k++)
+			xyz[k * cells + i] = at[k];
+	}
+	struct range_grid_desc desc = { g->columns, g->rows, xyz, xyz + cells, xyz + 2 * cells,
+		g->cell, NULL, NULL };
+	g_autoptr(range_grid) tilted = range_grid_new(&desc, &error);
+	g_assert_no_error(error);
+	g_autoptr(align_scan) b = scan_of_grid(2, SCAN_ORDERED, tilted);
+	struct edge e = align(grid_scan(1), b, NULL);
+	struct pose between = right_pose(), right = pose_compose(&between, &back);
+	g_assert_cmpint(e.verification.verdict, ==, VERDICT_ACCEPTED);
+	assert_apart(&right, &e.pose, 0.02, 0.1 * DEGREE);
+	g_free(e.inputs);
+}
+
 static struct edge check(const align_scan *a, const align_scan *b, const struct pose *given)
 {
 	struct edge e;
@@ -215,6 +242,7 @@ int main(int argc, char **argv)
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/align-scans/grids", test_grids);
 	g_test_add_func("/align-scans/start", test_start);
+	g_test_add_func("/align-scans/tilted", test_tilted);
 	g_test_add_func("/align-scans/given", test_given);
 	g_test_add_func("/align-scans/cloud", test_cloud);
 	g_test_add_func("/align-scans/small", test_small);
