@@ -1,4 +1,5 @@
 /* pleinair align as people type it: picked pairs, verdicts, decisions, and what they do to the poses. */
+#include "acquire/cli.h"
 #include "process/pick-file.h"
 #include "process/scan-graph.h"
 #include "tests/commands.h"
@@ -406,6 +407,32 @@ static void test_locked(void)
 	folder_clear(&f);
 }
 
+/* Stopped while it works, or with a disk that is full: what was there stays. */
+static void test_stopped(void)
+{
+	struct folder f = folder_new();
+	g_auto(answer) one = commands_run("align", f.site, "1", "2");
+	commands_assert_done(&one);
+	g_autofree char *before = commands_snapshot(f.site);
+	const char *const arguments[] = { "align", f.site, "2", "3", NULL };
+	const struct surroundings small = { .file_bytes_max = 1500 };
+	g_auto(answer) full = commands_run_in(&small, arguments);
+	commands_assert_refused(&full, 1, "File too large");
+	g_autofree char *after = commands_snapshot(f.site);
+	g_assert_cmpstr(before, ==, after);
+	running r = commands_start(arguments);
+	g_usleep(300000);
+	kill(r.pid, SIGTERM);
+	g_auto(answer) a = commands_end(&r);
+	if (a.status == CLI_DONE)
+		g_test_message("it was done before it could be stopped");
+	else if (a.status == 1)
+		g_assert_nonnull(strstr(a.err, "stopped; nothing was changed"));
+	g_autofree char *last = commands_snapshot(f.site);
+	g_assert_true(a.status == CLI_DONE || strcmp(before, last) == 0);
+	folder_clear(&f);
+}
+
 /* A grid and a cloud without one. */
 static void test_cloud(void)
 {
@@ -463,6 +490,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/align-command/decisions", test_decisions);
 	g_test_add_func("/align-command/empty-list", test_empty_list);
 	g_test_add_func("/align-command/locked", test_locked);
+	g_test_add_func("/align-command/stopped", test_stopped);
 	g_test_add_func("/align-command/cloud", test_cloud);
 	return g_test_run();
 }
