@@ -92,12 +92,12 @@ static void tell_change(struct aligning *w)
 	if (!moves->len)
 		say("no scan moved");
 	say("revision %u: %s; %u of %u scans are placed", w->graph->revision, w->graph->change,
-		placed, w->graph->scans->len);
+		placed, w->given->len);
 	json_object_set_int_member(w->told, "revision", w->graph->revision);
 	json_object_set_string_member(w->told, "change", w->graph->change);
 	json_object_set_array_member(w->told, "moves", scan_moves_json(moves));
 	json_object_set_int_member(w->told, "placed", placed);
-	json_object_set_int_member(w->told, "scans", w->graph->scans->len);
+	json_object_set_int_member(w->told, "scans", w->given->len);
 }
 
 static bool save(struct aligning *w, const char *change, GError **error)

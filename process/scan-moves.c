@@ -43,6 +43,12 @@ GArray *scan_moves(const GArray *before, const GArray *after)
 		if (compare(find(before, p->number), p, &m))
 			g_array_append_val(moves, m);
 	}
+	for (guint i = 0; i < before->len; i++) {
+		const struct placed_scan *p = &g_array_index(before, struct placed_scan, i);
+		struct scan_move gone = { .number = p->number, .kind = SCAN_NOT_PLACED };
+		if (p->group && !find(after, p->number))
+			g_array_append_val(moves, gone);
+	}
 	return moves;
 }
 

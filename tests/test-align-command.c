@@ -386,6 +386,26 @@ static void test_decisions(void)
 	folder_clear(&f);
 }
 
+/* Back to before the first change, and no further. */
+static void test_undo_all(void)
+{
+	struct folder f = folder_new();
+	g_auto(answer) one = commands_run("align", f.site, "1", "2");
+	commands_assert_done(&one);
+	g_auto(answer) undone = commands_run("align", f.site, "--undo", "--json");
+	commands_assert_done(&undone);
+	g_autoptr(JsonNode) node = commands_json(&undone);
+	JsonObject *move = json_array_get_object_element(list_member(node, "moves", 2), 1);
+	g_assert_cmpint(json_object_get_int_member(move, "scan"), ==, 2);
+	g_assert_cmpstr(json_object_get_string_member(move, "what"), ==, "not placed");
+	JsonObject *o = json_node_get_object(node);
+	g_assert_cmpint(json_object_get_int_member(o, "placed"), ==, 0);
+	g_assert_cmpint(json_object_get_int_member(o, "scans"), ==, 3);
+	g_auto(answer) again = commands_run("align", f.site, "--undo");
+	commands_assert_refused(&again, 1, "no alignment left to undo");
+	folder_clear(&f);
+}
+
 /* A list of nothing is no error. */
 static void test_empty_list(void)
 {
@@ -488,6 +508,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/align-command/cells", test_cells);
 	g_test_add_func("/align-command/wrong-pairs", test_wrong_pairs);
 	g_test_add_func("/align-command/decisions", test_decisions);
+	g_test_add_func("/align-command/undo-all", test_undo_all);
 	g_test_add_func("/align-command/empty-list", test_empty_list);
 	g_test_add_func("/align-command/locked", test_locked);
 	g_test_add_func("/align-command/stopped", test_stopped);
