@@ -80,7 +80,7 @@ static char *tell_scan(const char *line, const char *what)
 static char *what_changed(const char *before, const char *now)
 {
 	if (!before)
-		return g_strdup("not registered yet");
+		return g_strdup("for the first time");
 	g_auto(GStrv) old = g_strsplit(before, "\n", -1), new = g_strsplit(now, "\n", -1);
 	if (!old[0] || strcmp(old[0], new[0]) != 0)
 		return g_strdup("this version registers better");
@@ -292,7 +292,7 @@ static char *describe_change(const struct work *w, const char *why)
 		used += edge_is_used(&g_array_index(w->graph->edges, struct edge, i));
 	for (guint i = 0; i < w->graph->scans->len; i++)
 		placed += g_array_index(w->graph->scans, struct placed_scan, i).group > 0;
-	return g_strdup_printf("registered, %s: %u of %u scans placed by %u of %u pairs",
+	return g_strdup_printf("registered (%s): %u of %u scans placed by %u of %u pairs",
 		why ? why : "anew", placed, w->graph->scans->len, used, w->graph->edges->len);
 }
 

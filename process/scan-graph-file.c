@@ -363,6 +363,12 @@ scan_graph *scan_graph_load_file(const char *path, GError **error)
 	return m ? read_graph(m, error) : NULL;
 }
 
+scan_graph *scan_graph_parse(const char *text, size_t length, const char *path, GError **error)
+{
+	g_autoptr(manifest) m = manifest_parse(text, length, path, SCHEMA, error);
+	return m ? read_graph(m, error) : NULL;
+}
+
 /* ---- revisions ---- */
 
 static char *folder_of(const site *s)

@@ -86,15 +86,24 @@ struct placed_scan *scan_graph_scan(const scan_graph *g, uint32_t number)
 	return NULL;
 }
 
+/* Rounding leaves a covariance not quite symmetric; a file has one half of it, and must give the same solution. */
+static void make_symmetric(struct edge *e)
+{
+	for (int i = 0; i < 6; i++)
+		for (int j = 0; j < i; j++)
+			e->covariance[i][j] = e->covariance[j][i];
+}
+
 void scan_graph_set_edge(scan_graph *g, const struct edge *edge)
 {
-	struct edge *old = scan_graph_edge(g, edge->a, edge->b);
+	struct edge *old = scan_graph_edge(g, edge->a, edge->b), copy = *edge;
+	make_symmetric(&copy);
 	if (!old) {
-		g_array_insert_vals(g->edges, find_edge(g, edge->a, edge->b), edge, 1);
+		g_array_insert_vals(g->edges, find_edge(g, edge->a, edge->b), &copy, 1);
 		return;
 	}
 	edge_clear(old);
-	*old = *edge;
+	*old = copy;
 }
 
 void scan_graph_remove_edge(scan_graph *g, uint32_t a, uint32_t b)

@@ -60,6 +60,8 @@ bool scan_graph_save(scan_graph *g, const site *s, const char *change, GError **
 scan_graph *scan_graph_undo(const site *s, GError **error);
 /* The same text in any file: what is not finished yet. */
 scan_graph *scan_graph_load_file(const char *path, GError **error);
+/* The same for text at hand; path is what messages say. */
+scan_graph *scan_graph_parse(const char *text, size_t length, const char *path, GError **error);
 bool scan_graph_save_file(const scan_graph *g, const char *path, GError **error);
 /* Whether edges, poses and inputs are the same: the rest tells only of how they came about. */
 bool scan_graph_equal(const scan_graph *a, const scan_graph *b);
