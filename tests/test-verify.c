@@ -51,7 +51,7 @@ static void test_shifted(gconstpointer data)
 			struct verification v = verify_at(g->a, g->b, twist, NULL);
 			g_assert_cmpint(v.verdict, !=, VERDICT_ACCEPTED);
 			g_assert_cmpfloat(v.agreement, <, right.agreement);
-			g_assert_cmpfloat(v.rest_m, >, 10 * right.rest_m);
+			g_assert_cmpfloat(v.rest_m, >, 5 * right.rest_m);
 		}
 	for (int axis = 0; axis < 3; axis++)
 		for (gsize i = 0; i < G_N_ELEMENTS(turns); i++) {
@@ -105,10 +105,11 @@ static void test_map(void)
 	count_cells(&map, wrong);
 	verify_map_clear(&map);
 	g_assert_null(map.cell);
-	g_assert_cmpuint(right[VERIFY_AGREE], >, 30000);
+	g_assert_cmpuint(right[VERIFY_AGREE], >, 20000);
 	g_assert_cmpuint(right[VERIFY_OCCLUDED], >, 1000);
 	g_assert_cmpuint(wrong[VERIFY_CONFLICT], >, 5 * right[VERIFY_CONFLICT] + 1000);
-	g_assert_cmpuint(wrong[VERIFY_AGREE], <, right[VERIFY_AGREE] * 2 / 3);
+	g_assert_cmpuint(
+		wrong[VERIFY_AGREE], <, right[VERIFY_AGREE] * 17 / 20); /* walls still do */
 }
 
 /* Walls, floor and ceiling agree wherever along the corridor one stands. */
