@@ -17,7 +17,7 @@
  * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.3 %; a hall's half turn that its
  * furniture tells apart, 1.1 % and more. */
 #define RIVAL_FACTOR 1.7
-#define RIVAL_MARGIN 0.0045
+#define RIVAL_MARGIN 0.007
 #define RIVALRY_MAX  99
 #define RIVAL_MIN_SR 0.3
 #define RIVAL_SHARE  0.1
