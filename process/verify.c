@@ -104,6 +104,7 @@ static void fill(struct verification *v, const struct comparison *c, const struc
 		.occluded_sr = sr[COMPARED_HIDDEN],
 		.conflict_sr = sr[COMPARED_THROUGH],
 		.outside_sr = sr[COMPARED_OUTSIDE],
+		.together_sr = c->together_sr,
 		.missed_sr = sr[COMPARED_MISSED],
 		.void_sr = sr[COMPARED_VOID],
 		.overlap = share(agree, against + sr[COMPARED_HIDDEN]),
