@@ -14,13 +14,15 @@
 #define OVERLAP_MIN      0.15
 #define BALANCE_MIN      0.02
 /* A rival is refuted by things that it puts where they were seen through, and which this pose explains: by so much more of
- * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.3 %; a hall's half turn that its
- * furniture tells apart, 1.1 % and more. */
-#define RIVAL_FACTOR 1.7
-#define RIVAL_MARGIN 0.007
-#define RIVALRY_MAX  99
-#define RIVAL_MIN_SR 0.3
-#define RIVAL_SHARE  0.1
+ * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.4 %, and up to 1 % where each surface
+ * rests on one beam, which may have met an edge; a hall's half turn that its furniture tells apart, 1.1 % and more. */
+#define RIVAL_FACTOR     1.7
+#define RIVAL_MARGIN     0.0045
+#define RIVAL_MARGIN_ONE 0.010
+#define BEAMS_MANY       3
+#define RIVALRY_MAX      99
+#define RIVAL_MIN_SR     0.3
+#define RIVAL_SHARE      0.1
 /* Doubt that comes with every pose: who shares little proves little. */
 #define DOUBT_SR 0.01
 /* Worse than this in its worst direction a pose slides; between, it is right, but not close enough. */
@@ -49,7 +51,8 @@ double verify_rivalry(const struct verification *v, const struct verification *r
 	if (rival->agree_sr < fmax(RIVAL_MIN_SR, RIVAL_SHARE * v->agree_sr))
 		return 0;
 	double doubt = v->together_sr + DOUBT_SR,
-	       may = RIVAL_FACTOR * doubt / (v->agree_sr + doubt) + RIVAL_MARGIN,
+	       margin = v->beams < BEAMS_MANY ? RIVAL_MARGIN_ONE : RIVAL_MARGIN,
+	       may = RIVAL_FACTOR * doubt / (v->agree_sr + doubt) + margin,
 	       does = rival->together_sr / (rival->agree_sr + rival->together_sr);
 	return may < RIVALRY_MAX * does ? may / does : RIVALRY_MAX;
 }

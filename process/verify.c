@@ -153,6 +153,7 @@ void verify_measure(const struct verify_view *a, const struct verify_view *b,
 	verify_compare(b, a, &fine->pose, &forth, &c);
 	verify_compare(a, b, &back, &cares[care], &c);
 	fill(ret, &c, fine);
+	ret->beams = fmin(a->beams, b->beams);
 	set_rest(ret, &pull, &fine->pose);
 	if (ret_map)
 		name_cells(ret_map);

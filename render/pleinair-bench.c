@@ -26,7 +26,7 @@ static const GOptionEntry entries[] = {
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
 		"process: how often each is measured; the median counts (default 5)", "N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
-		"process, register: how finely is scanned (default fine, draft)",
+		"process, register: how finely is scanned (default fine, standard)",
 		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
@@ -96,7 +96,7 @@ static int run_register(void)
 	g_autoptr(GError) error = NULL;
 	struct bench_register_options options = { .trials = (uint32_t)trials,
 		.seed = (uint64_t)seed,
-		.preset = preset ? preset : "draft",
+		.preset = preset ? preset : "standard",
 		.keep = keep,
 		.json = json,
 		.stop = cli_interrupted,
