@@ -41,7 +41,7 @@ check-tests: all tests
 check-sanitized: check-asan
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:
-	$(MAKE) BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O1 -g' check-tests
+	$(MAKE) BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1' check-tests
 #: make check-ubsan     all tests under UndefinedBehaviorSanitizer alone
 check-ubsan:
 	$(MAKE) BUILD=build-ubsan SANITIZE=undefined CFLAGS='-O1 -g' check-tests
