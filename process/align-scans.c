@@ -198,11 +198,36 @@ static bool may_tilt(const align_scan *a, const align_scan *b, const struct veri
 				  v->verdict == VERDICT_CONFLICT);
 }
 
+/* A person should know that there is one that fits. */
+static void mention_other(struct verification *v, const struct apart *d)
+{
+	size_t length = strlen(v->reason);
+	g_snprintf(v->reason + length, sizeof v->reason - length,
+		" Another pose, %.2f m and %.1f degrees away, fits.", d->m, d->rad * 180 / G_PI);
+}
+
+/* The search ended elsewhere than the start: what is at the start has that as its rival. */
+static void stay_at_start(
+	const align_scan *a, const align_scan *b, const struct pose *start, struct pair_result *r)
+{
+	struct pair_result other = *r;
+	const struct verification *rival = &other.verification;
+	if (rival->verdict == VERDICT_NO_SOLUTION)
+		rival = NULL;
+	pair_near(a->pair, b->pair, start, true, rival, r);
+	if (!is_near(b, start, &r->pose))
+		pair_near(a->pair, b->pair, start, false, rival, r);
+	struct apart d = apart(b, start, &other.pose);
+	if (rival && rival->verdict == VERDICT_ACCEPTED &&
+		r->verification.verdict != VERDICT_ACCEPTED)
+		mention_other(&r->verification, &d);
+}
+
 static void align_grids(
 	const align_scan *a, const align_scan *b, const struct pose *start, struct edge *e)
 {
 	struct pair_options options = { .start = start };
-	struct pair_result r, tilted, near;
+	struct pair_result r, tilted;
 	pair_align(a->pair, b->pair, &options, &r);
 	if (may_tilt(a, b, &r.verification)) {
 		options.not_level = true;
@@ -210,14 +235,8 @@ static void align_grids(
 		if (tilted.verification.verdict == VERDICT_ACCEPTED)
 			r = tilted;
 	}
-	if (start && !is_near(b, start, &r.pose)) {
-		bool solved = r.verification.verdict != VERDICT_NO_SOLUTION;
-		pair_near(a->pair, b->pair, start, true, solved ? &r.verification : NULL, &near);
-		if (!is_near(b, start, &near.pose))
-			pair_near(a->pair, b->pair, start, false, solved ? &r.verification : NULL,
-				&near);
-		r = near;
-	}
+	if (start && !is_near(b, start, &r.pose))
+		stay_at_start(a, b, start, &r);
 	take(e, &r.pose, &r.fine, &r.verification);
 }
 

@@ -15,8 +15,9 @@
 /* Poses nearer than this are one solution, found twice. */
 #define APART_M   0.15
 #define APART_RAD (0.7 * G_PI / 180)
-/* A rival this near is finished too. */
-#define CLOSE_THING 0.5
+/* Rivals this near are finished too, so many at most. */
+#define CLOSE_THING 0.4
+#define FINISHED    5
 
 /* What stands beside the pyramid, about: the plans and views; per surfel, the samples and what is around it. */
 #define COARSE_BYTES 2000000u
@@ -42,6 +43,7 @@ static double cpu_seconds(void)
 struct solution {
 	struct fine_result fine;
 	struct verification verification;
+	bool finished; /* and came to rest where it was roughly */
 };
 
 struct search {
@@ -192,33 +194,50 @@ static bool finish(struct search *s, struct solution *solution)
 	return good && is_same(&rough, &solution->fine.pose);
 }
 
-/* Of all but the first, the one that comes nearest to it. */
-static struct solution *find_rival(struct search *s)
+static double rivalry(const struct search *s, size_t i)
 {
-	struct solution *rival = NULL;
+	const struct solution *best = &s->solution[0], *other = &s->solution[i];
+	return is_same(&best->fine.pose, &other->fine.pose)
+		       ? 0
+		       : verify_rivalry(&best->verification, &other->verification);
+}
+
+/* Of all but the first, the one that comes nearest to it. */
+static const struct solution *find_rival(const struct search *s)
+{
+	const struct solution *rival = NULL;
 	double nearest = 0;
-	for (size_t i = 1; i < s->count; i++) {
-		double rivalry =
-			verify_rivalry(&s->solution[0].verification, &s->solution[i].verification);
-		if (rivalry > nearest) {
-			nearest = rivalry;
+	for (size_t i = 1; i < s->count; i++)
+		if (rivalry(s, i) > nearest) {
+			nearest = rivalry(s, i);
 			rival = &s->solution[i];
 		}
-	}
 	return rival;
 }
 
-/* The best in full; and the rival too when it is a close thing. */
+/* The likeliest in full, and its rivals where it is a close thing: seen so, another may be the likeliest. */
+static void finish_likely(struct search *s)
+{
+	size_t count = 1;
+	for (size_t i = 1; i < s->count && count < FINISHED; i++)
+		if (rivalry(s, i) > CLOSE_THING) {
+			struct solution close = s->solution[i];
+			s->solution[i] = s->solution[count];
+			s->solution[count++] = close;
+		}
+	for (size_t i = 0; i < count; i++)
+		s->solution[i].finished = finish(s, &s->solution[i]);
+	qsort(s->solution, count, sizeof *s->solution, by_doubt);
+}
+
 static void decide(struct search *s, struct pair_result *ret)
 {
-	struct solution *best = &s->solution[0], *rival = find_rival(s);
-	bool good = finish(s, best);
-	if (rival && verify_rivalry(&best->verification, &rival->verification) > CLOSE_THING)
-		finish(s, rival);
+	finish_likely(s);
+	const struct solution *best = &s->solution[0], *rival = find_rival(s);
 	ret->fine = best->fine;
 	ret->pose = best->fine.pose;
 	ret->verification = best->verification;
-	if (good)
+	if (best->finished)
 		verify_judge(&ret->verification, rival ? &rival->verification : NULL);
 	else
 		verify_no_solution(&ret->verification);

@@ -4,6 +4,10 @@
 #include <math.h>
 #include <string.h>
 
+/* Poses of files that are off by more than this are wrong, not only rough. */
+#define GIVEN_OFF_M   0.3
+#define GIVEN_OFF_RAD (1 * G_PI / 180)
+
 void edge_clear(struct edge *e)
 {
 	g_clear_pointer(&e->inputs, g_free);
@@ -135,8 +139,21 @@ static size_t find_given(const struct scan_given *given, size_t count, uint32_t 
 	return i;
 }
 
-/* Refuted: a comparison with another given pose was refused, and none was accepted. */
-static bool holds(const scan_graph *g, const struct scan_given *s)
+/* Accepted, by the scans themselves or by a person, with another pose than the files say. */
+static bool contradicts_given(const struct edge *e, const struct scan_given *given, size_t count)
+{
+	size_t a = find_given(given, count, e->a), b = find_given(given, count, e->b);
+	if (e->origin == EDGE_GIVEN || !is_accepted(e) || a == count || b == count ||
+		!given[a].has_pose || !given[b].has_pose)
+		return false;
+	struct pose between = pose_between(&given[a].pose, &given[b].pose);
+	struct pose off = pose_between(&between, &e->pose);
+	return pose_distance_m(&off) > GIVEN_OFF_M || pose_angle_rad(&off) > GIVEN_OFF_RAD;
+}
+
+/* Refuted: a comparison with another given pose was refused or came out otherwise, and none was accepted. */
+static bool holds(const scan_graph *g, const struct scan_given *s, const struct scan_given *given,
+	size_t count)
 {
 	bool refused = false;
 	if (!s->has_pose)
@@ -149,6 +166,7 @@ static bool holds(const scan_graph *g, const struct scan_given *s)
 			return true;
 		refused |= e->decision == DECISION_REFUSED && e->origin == EDGE_GIVEN;
 		refused |= e->origin == EDGE_GIVEN && e->verification.verdict == VERDICT_CONFLICT;
+		refused |= contradicts_given(e, given, count);
 	}
 	return !refused;
 }
@@ -158,7 +176,7 @@ static struct pose_node *make_nodes(
 {
 	struct pose_node *node = g_new0(struct pose_node, count + 1);
 	for (size_t i = 0; i < count; i++) {
-		node[i].fixed = holds(g, &given[i]);
+		node[i].fixed = holds(g, &given[i], given, count);
 		node[i].pose = node[i].fixed ? given[i].pose : POSE_IDENTITY;
 	}
 	return node;

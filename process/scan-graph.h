@@ -45,9 +45,9 @@ struct scan_graph {
 	uint32_t revision, parent; /* number of the file; of the one it was made from, 0: none */
 	char *change;              /* what was done, a sentence */
 	char *time;                /* UTC */
-	char *inputs; /* of register_site, when it came to its end with these edges; else NULL */
-	GArray *edges;             /* of struct edge, sorted by a, b */
-	GArray *scans;             /* of struct placed_scan, sorted by number */
+	char *inputs;  /* of register_site, when it came to its end with these edges; else NULL */
+	GArray *edges; /* of struct edge, sorted by a, b */
+	GArray *scans; /* of struct placed_scan, sorted by number */
 };
 
 scan_graph *scan_graph_new(void);

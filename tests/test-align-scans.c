@@ -120,6 +120,33 @@ static void test_start(void)
 	g_free(e.inputs);
 }
 
+/* The scanner lay askew: its rows are not level, and what is up must be found. */
+static void test_tilted(void)
+{
+	double twist[6] = { 0.5, 0.3, 0 };
+	struct pose tilt = pose_perturb(&POSE_IDENTITY, twist), back = pose_inverse(&tilt);
+	const range_grid *g = station(2)->grid;
+	size_t cells = range_grid_cells(g);
+	g_autofree double *xyz = g_new0(double, 3 * cells);
+	g_autoptr(GError) error = NULL;
+	for (size_t i = 0; i < cells; i++) {
+		double at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+		pose_apply(&tilt, at, at);
+		for (size_t k = 0; k < 3; k++)
+			xyz[k * cells + i] = at[k];
+	}
+	struct range_grid_desc desc = { g->columns, g->rows, xyz, xyz + cells, xyz + 2 * cells,
+		g->cell, NULL, NULL };
+	g_autoptr(range_grid) tilted = range_grid_new(&desc, &error);
+	g_assert_no_error(error);
+	g_autoptr(align_scan) b = scan_of_grid(2, SCAN_ORDERED, tilted);
+	struct edge e = align(grid_scan(1), b, NULL);
+	struct pose between = right_pose(), right = pose_compose(&between, &back);
+	g_assert_cmpint(e.verification.verdict, ==, VERDICT_ACCEPTED);
+	assert_apart(&right, &e.pose, 0.02, 0.1 * DEGREE);
+	g_free(e.inputs);
+}
+
 static struct edge check(const align_scan *a, const align_scan *b, const struct pose *given)
 {
 	struct edge e;
@@ -202,6 +229,45 @@ static void test_small(void)
 	}
 }
 
+static struct edge accepted(
+	uint32_t a, uint32_t b, enum edge_origin origin, const struct pose *pose)
+{
+	struct edge e = { .a = a, .b = b, .origin = origin, .pose = *pose };
+	e.verification.verdict = VERDICT_ACCEPTED;
+	return e;
+}
+
+/* Scan 3 came with a wrong pose. Picked pairs put it right; the others stay where their files say. */
+static void test_wrong_given(void)
+{
+	struct scan_given given[3] = { { 1, true, POSE_IDENTITY }, { 2, true, POSE_IDENTITY },
+		{ 3, true, POSE_IDENTITY } };
+	g_autoptr(scan_graph) g = scan_graph_new();
+	given[0].pose.translation_m[0] = 100;
+	given[1].pose = off_by(&given[0].pose, 20 * DEGREE, 8);
+	given[2].pose = off_by(&given[0].pose, 90 * DEGREE, 20);
+	struct pose right = pose_from_yaw(1, (double[3]){ 3, 4, 0 });
+	struct pose between = pose_between(&given[0].pose, &given[1].pose);
+	struct edge one = accepted(1, 2, EDGE_GIVEN, &between),
+		    two = accepted(2, 3, EDGE_PICKED, &right);
+	scan_graph_set_edge(g, &one);
+	scan_graph_set_edge(g, &two);
+	scan_graph_solve(g, given, 3);
+	for (uint32_t i = 0; i < 2; i++) {
+		struct pose at = scan_graph_scan(g, i + 1)->pose;
+		g_assert_true(memcmp(&at, &given[i].pose, sizeof at) == 0);
+	}
+	struct pose is = pose_between(&scan_graph_scan(g, 2)->pose, &scan_graph_scan(g, 3)->pose);
+	assert_apart(&right, &is, 1e-6, 1e-6);
+	g_assert_true(edge_is_used(scan_graph_edge(g, 2, 3)));
+	/* A little off is no contradiction: the files' poses hold. */
+	between = pose_between(&given[1].pose, &given[2].pose);
+	scan_graph_edge(g, 2, 3)->pose = off_by(&between, 0, 0.004);
+	scan_graph_solve(g, given, 3);
+	is = scan_graph_scan(g, 3)->pose;
+	g_assert_true(memcmp(&is, &given[2].pose, sizeof is) == 0);
+}
+
 static void test_no_points(void)
 {
 	struct scan_data d = { .number = 7, .fingerprint = (char *)"x" };
@@ -215,9 +281,11 @@ int main(int argc, char **argv)
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/align-scans/grids", test_grids);
 	g_test_add_func("/align-scans/start", test_start);
+	g_test_add_func("/align-scans/tilted", test_tilted);
 	g_test_add_func("/align-scans/given", test_given);
 	g_test_add_func("/align-scans/cloud", test_cloud);
 	g_test_add_func("/align-scans/small", test_small);
+	g_test_add_func("/align-scans/wrong-given", test_wrong_given);
 	g_test_add_func("/align-scans/no-points", test_no_points);
 	return g_test_run();
 }
