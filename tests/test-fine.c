@@ -222,7 +222,7 @@ static void test_basin(void)
 	g_autoptr(fine_scan) fb = fine_scan_new(b.grid);
 	struct pose exact = pose_between(&a.pose, &b.pose);
 	g_autoptr(GRand) chance = g_rand_new_with_seed(11);
-	int right = 0, trials = 12;
+	int right = 0, trials = 8;
 	for (int trial = 0; trial < trials; trial++) {
 		struct pose start = off_by(&exact, 15, 3, chance);
 		struct fine_result r;
@@ -248,7 +248,7 @@ static void test_other_places(void)
 	g_autoptr(fine_scan) fa = fine_scan_new(a->grid);
 	g_autoptr(fine_scan) fb = fine_scan_new(b.grid);
 	g_autoptr(GRand) chance = g_rand_new_with_seed(2);
-	for (int trial = 0; trial < 5; trial++) {
+	for (int trial = 0; trial < 3; trial++) {
 		struct pose start = POSE_IDENTITY;
 		start = off_by(&start, 90, 5, chance);
 		struct fine_result r;
