@@ -15,7 +15,7 @@
 
 typedef struct manifest manifest;
 
-#define MANIFEST_BYTES_MAX (4 << 20)
+#define MANIFEST_BYTES_MAX (32 << 20)
 
 #define MANIFEST_ERROR (manifest_error_quark())
 GQuark manifest_error_quark(void);

@@ -15,6 +15,9 @@ static const struct {
 } commands[] = {
 	{ "scan", "record one scan into a site" },
 	{ "import", "import scans of other scanners into a site" },
+	{ "process", "register the scans of a site and build its point model" },
+	{ "align", "align two scans from picked pairs, or decide about a pair" },
+	{ "report", "write how well the scans of a site fit, as a page" },
 	{ "panoramas", "write a site's panoramas as pictures and a page" },
 	{ "bench", "measure speed and memory" },
 };

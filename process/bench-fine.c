@@ -1,96 +1,22 @@
 #include "process/bench-fine.h"
-#include "acquire/scan.h"
 #include "process/fine.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
 #define DEGREE        (G_PI / 180)
-#define SCENE         "court?seed=7"
-#define TRIALS        5
 #define TRIALS_MAX    100
 #define START_DEGREES 3.0
 #define START_M       0.5
 
-static const char *const titles[] = { "ours", "PCL GICP", "PCL point-to-plane" };
-static const char *const keys[] = { "ours", "pcl_gicp", "pcl_point_to_plane" };
+static const char *const titles[] = { "pleinair", "PCL GICP", "PCL point-to-plane" };
+static const char *const keys[] = { "pleinair", "pcl_gicp", "pcl_point_to_plane" };
 
 static double cpu_s(void)
 {
 	struct timespec t;
 	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
 	return t.tv_sec + t.tv_nsec * 1e-9;
-}
-
-/* ---- the scans and the truth ---- */
-
-static bool simulate(const char *scene, const char *path, GError **error)
-{
-	g_autoptr(site) s = site_open_for_writing(path, error);
-	for (int station = 1; s && station <= 2; station++) {
-		g_autofree char *uri =
-			g_strdup_printf("sim:%s&station=%d&camera=none", scene, station);
-		struct scan_options options = { .device = uri, .preset = preset_find("fine") };
-		struct scan_result result;
-		uint32_t partial;
-		if (!scan_record(s, &options, &result, &partial, error))
-			return false;
-	}
-	return s != NULL;
-}
-
-static range_grid *load(const site *s, uint32_t number, GError **error)
-{
-	g_autoptr(panorama) p = scan_load(s, number, false, error);
-	return p ? range_grid_from_panorama(p) : NULL;
-}
-
-static double number_in(JsonArray *a, guint i)
-{
-	return json_array_get_double_element(a, i);
-}
-
-static struct pose pose_in(JsonArray *stations, guint i)
-{
-	JsonObject *o = json_array_get_object_element(stations, i);
-	JsonArray *position = json_object_get_array_member(o, "position_m"),
-		  *rotation = json_object_get_array_member(o, "rotation");
-	struct pose p;
-	for (guint k = 0; k < 3; k++) {
-		p.translation_m[k] = number_in(position, k);
-		for (guint m = 0; m < 3; m++)
-			p.rotation[k][m] = number_in(json_array_get_array_element(rotation, k), m);
-	}
-	return p;
-}
-
-/* The simulator stands beside this program, or on the path. */
-static char *simulator(void)
-{
-	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
-	g_autofree char *folder = self ? g_path_get_dirname(self) : g_strdup(".");
-	char *beside = g_build_filename(folder, "pleinair-sim", NULL);
-	if (g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE))
-		return beside;
-	g_free(beside);
-	return g_strdup("pleinair-sim");
-}
-
-static bool true_pose(const char *scene, struct pose *ret, GError **error)
-{
-	g_autofree char *program = simulator(), *json = NULL;
-	g_autoptr(JsonParser) parser = json_parser_new();
-	const char *argv[] = { program, "--truth-poses", scene, NULL };
-	int status;
-	if (!g_spawn_sync(NULL, (char **)argv, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, &json, NULL,
-		    &status, error) ||
-		!g_spawn_check_wait_status(status, error) ||
-		!json_parser_load_from_data(parser, json, -1, error))
-		return false;
-	JsonArray *stations = json_node_get_array(json_parser_get_root(parser));
-	struct pose a = pose_in(stations, 0), b = pose_in(stations, 1);
-	*ret = pose_between(&a, &b);
-	return true;
 }
 
 /* ---- trials ---- */
@@ -178,9 +104,8 @@ static void tell(
 	       mm = rank(o, count, offsetof(struct outcome, mm), 0.5),
 	       mm_most = rank(o, count, offsetof(struct outcome, mm), 1);
 	if (!json) {
-		printf("%-20s prepare %6.3f s  align %6.3f s  error %.4f (worst %.4f) degrees, "
-		       "%.2f "
-		       "(worst %.2f) mm\n",
+		printf("  %-20s prepare %6.3f s  align %6.3f s  error %.4f (worst %.4f) degrees, "
+		       "%.2f (worst %.2f) mm\n",
 			titles[method], prepare, align, degrees, degrees_most, mm, mm_most);
 		fflush(stdout);
 		return;
@@ -197,48 +122,15 @@ static void tell(
 	json_array_add_object_element(json, j);
 }
 
-static bool measure(
-	const char *site_path, const char *scene, uint32_t trials, JsonArray *json, GError **error)
+bool bench_fine(const struct bench_fine_input *in, uint32_t trials, JsonArray *json, GError **error)
 {
-	g_autoptr(site) s = site_open(site_path, error);
-	g_autoptr(range_grid) a = s ? load(s, 1, error) : NULL;
-	g_autoptr(range_grid) b = a ? load(s, 2, error) : NULL;
-	struct pose exact;
 	struct outcome outcome[TRIALS_MAX];
-	if (!b || !true_pose(scene, &exact, error))
-		return false;
+	trials = CLAMP(trials, 1, TRIALS_MAX);
 	for (int method = 0; method < BENCH_FINE_METHODS; method++) {
 		for (uint32_t t = 0; t < trials; t++)
-			if (!try_once(method, a, b, &exact, t, &outcome[t], error))
+			if (!try_once(method, in->a, in->b, &in->exact, t, &outcome[t], error))
 				return false;
 		tell(method, outcome, trials, json);
 	}
 	return true;
-}
-
-static void remove_folder(const char *path)
-{
-	const char *argv[] = { "rm", "-rf", "--", path, NULL };
-	g_spawn_sync(
-		NULL, (char **)argv, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, NULL, NULL, NULL, NULL);
-}
-
-bool bench_fine(const struct bench_fine_options *o, JsonArray **ret_json, GError **error)
-{
-	const char *scene = o->scene ? o->scene : SCENE;
-	uint32_t trials = CLAMP(o->trials ? o->trials : TRIALS, 1, TRIALS_MAX);
-	g_autofree char *folder = o->site ? NULL : g_dir_make_tmp("pleinair-bench-XXXXXX", error);
-	g_autofree char *path = o->site  ? g_strdup(o->site)
-				: folder ? g_build_filename(folder, "site", NULL)
-					 : NULL;
-	JsonArray *json = ret_json ? json_array_new() : NULL;
-	bool good = path && (o->site || simulate(scene, path, error)) &&
-		    measure(path, scene, trials, json, error);
-	if (folder)
-		remove_folder(folder);
-	if (good && ret_json)
-		*ret_json = json;
-	else if (json)
-		json_array_unref(json);
-	return good;
 }

@@ -5,16 +5,14 @@
 #include "process/range-grid.h"
 #include <json-glib/json-glib.h>
 
-struct bench_fine_options {
-	const char *
-		site; /* whose scans 1 and 2 are of stations 1 and 2 of the scene; NULL: they are simulated first */
-	const char *scene; /* "court?seed=7"; NULL: that */
-	uint32_t trials;   /* 0: 5 */
+struct bench_fine_input {
+	const range_grid *a, *b;
+	struct pose exact; /* takes b to a */
 };
-
-/* Prints a table, or, when ret_json is not NULL, gives what it measured: per method the median CPU time of preparing both
- * scans and aligning them, on one thread, and the median and worst error against the true pose, which pleinair-sim tells. */
-bool bench_fine(const struct bench_fine_options *options, JsonArray **ret_json, GError **error);
+/* Prints a table, or, when json is not NULL, adds what it measured: per method the median CPU time of preparing both scans and
+ * aligning them, on one thread, and the median and worst error against the true pose. */
+bool bench_fine(
+	const struct bench_fine_input *in, uint32_t trials, JsonArray *json, GError **error);
 
 /* ---- the other side: bench-fine_pcl.cpp ---- */
 

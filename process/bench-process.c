@@ -2,6 +2,7 @@
 #include "acquire/cli.h"
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
+#include "process/bench-fine.h"
 #include "process/scan-data.h"
 #include <stdio.h>
 #include <string.h>
@@ -75,6 +76,10 @@ static bool read_truth(struct bench_scan *scan, const char *path, GError **error
 			"%s: is not the truth of this scan", path);
 		return false;
 	}
+	memcpy(scan->pose.translation_m, h->position_m, sizeof h->position_m);
+	memcpy(scan->pose.rotation, h->rotation, sizeof h->rotation);
+	scan->elevation_max_rad = h->elevation_max_rad;
+	scan->elevation_min_rad = h->elevation_min_rad;
 	const struct truth_record *t = (const struct truth_record *)(bytes + sizeof *h);
 	scan->truth = g_new0(struct bench_truth, cells);
 	for (size_t i = 0; i < cells; i++) {
@@ -84,6 +89,31 @@ static bool read_truth(struct bench_scan *scan, const char *path, GError **error
 			(uint32_t)(i / scan->grid->columns), (uint32_t)(i % scan->grid->columns));
 	}
 	return true;
+}
+
+range_grid *bench_exact_grid(const struct bench_scan *scan, GError **error)
+{
+	const range_grid *g = scan->grid;
+	size_t cells = range_grid_cells(g);
+	double row_rad = (scan->elevation_max_rad - scan->elevation_min_rad) / g->rows;
+	g_autofree double *x = g_new0(double, cells), *y = g_new0(double, cells),
+			  *z = g_new0(double, cells);
+	g_autofree uint8_t *cell = g_new0(uint8_t, cells);
+	for (size_t i = 0; i < cells; i++) {
+		double range_m = scan->truth[i].range_m;
+		double azimuth = ((double)(i % g->columns) + 0.5) * 2 * G_PI / g->columns;
+		double elevation =
+			scan->elevation_max_rad - ((double)(i / g->columns) + 0.5) * row_rad;
+		cell[i] = CELL_NO_RETURN;
+		if (!(range_m > 0) || g->cell[i] != CELL_MEASURED)
+			continue;
+		cell[i] = CELL_MEASURED;
+		x[i] = range_m * cos(elevation) * sin(azimuth);
+		y[i] = range_m * cos(elevation) * cos(azimuth);
+		z[i] = range_m * sin(elevation);
+	}
+	struct range_grid_desc desc = { g->columns, g->rows, x, y, z, cell, NULL, NULL };
+	return range_grid_new(&desc, error);
 }
 
 static char *find_simulator(void)
@@ -222,6 +252,33 @@ static JsonArray *json_of(GArray *lines)
 	return array;
 }
 
+/* On the scans as they are, then on what a scanner without noise would have: there the method alone shows. */
+static bool measure_fine(const struct bench_data *data, JsonObject *json, GError **error)
+{
+	const struct bench_scan *s = data->scan;
+	if (!s[0].truth || !s[1].truth)
+		return true;
+	g_autoptr(range_grid) a = bench_exact_grid(&s[0], error);
+	g_autoptr(range_grid) b = a ? bench_exact_grid(&s[1], error) : NULL;
+	struct pose pose = pose_between(&s[0].pose, &s[1].pose);
+	const struct bench_fine_input scanned = { s[0].grid, s[1].grid, pose },
+				      exact = { a, b, pose };
+	JsonArray *list[2] = { json ? json_array_new() : NULL, json ? json_array_new() : NULL };
+	if (json) {
+		json_object_set_array_member(json, "fine", list[0]);
+		json_object_set_array_member(json, "fine_exact", list[1]);
+	}
+	if (!b)
+		return false;
+	if (!json)
+		puts("fine alignment, one thread, from 0.5 m and 3 degrees off");
+	if (!bench_fine(&scanned, data->repeats, list[0], error))
+		return false;
+	if (!json)
+		puts("the same on true ranges");
+	return bench_fine(&exact, data->repeats, list[1], error);
+}
+
 static bool measure(const struct bench_data *data, JsonObject *json, GError **error)
 {
 	for (const struct section *s = sections; s->run; s++) {
@@ -233,7 +290,7 @@ static bool measure(const struct bench_data *data, JsonObject *json, GError **er
 		else
 			print_table(s, lines);
 	}
-	return true;
+	return measure_fine(data, json, error);
 }
 
 bool bench_process(const struct bench_process_options *o, GError **error)

@@ -27,7 +27,9 @@ struct bench_truth {
 };
 struct bench_scan {
 	range_grid *grid;
-	struct bench_truth *truth; /* per cell; NULL: not known */
+	struct bench_truth *truth;                   /* per cell; NULL: not known */
+	struct pose pose;                            /* scanner to world, when truth is known */
+	double elevation_max_rad, elevation_min_rad; /* of the grid's edges, likewise */
 };
 struct bench_data {
 	struct bench_scan scan
@@ -46,6 +48,8 @@ typedef bool (*bench_section)(
 	const struct bench_data *data, GArray *lines, GError **error); /* of struct bench_line */
 double bench_cpu_s(void);                                              /* of this thread */
 bool bench_normals(const struct bench_data *data, GArray *lines, GError **error);
+/* The scan as a scanner without noise has it: the true range in the middle of each cell that was measured. Caller frees. */
+range_grid *bench_exact_grid(const struct bench_scan *scan, GError **error);
 
 /* PCL's ways to normals, in bench-process_pcl.cpp. */
 enum bench_pcl {

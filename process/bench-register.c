@@ -182,6 +182,11 @@ bool bench_register(const struct bench_register_options *o, GError **error)
 		g_autofree char *path = g_build_filename(o->keep, "trials.tsv", NULL);
 		good = bench_table_save(table, path, good ? error : NULL) && good;
 	}
+	if (good && bench_table_wrong(table)) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_FAILED,
+			"%u wrong poses were accepted; none may be", bench_table_wrong(table));
+		good = false;
+	}
 	bench_table_free(table);
 	if (temporary)
 		remove_folder(temporary);

@@ -18,7 +18,7 @@ struct bench_register_options {
 };
 
 /* Scans simulated sites, aligns pairs of their scans on all processors and prints a table. With keep, each trial is a line of
- * KEEP/trials.tsv. */
+ * KEEP/trials.tsv. A wrong pose that was accepted is an error, given after the table is printed. */
 bool bench_register(const struct bench_register_options *options, GError **error);
 
 #endif

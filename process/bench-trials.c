@@ -77,16 +77,29 @@ static struct pose look_at_truth(struct trial *t)
 	t->agreement = v.agreement;
 	t->shared_sr = v.agree_sr;
 	bool enough = v.overlap >= TRIAL_OVERLAP_MIN && v.agree_sr >= TRIAL_SHARED_SR;
-	if (!enough && (t->kind == TRIAL_OVERLAP || t->kind == TRIAL_MOVED))
+	if (!enough)
 		t->kind = TRIAL_LITTLE;
 	return truth.pose;
 }
 
-/* The walls of the simulated hall are their own half turn: with all furniture elsewhere nothing tells its ends apart. */
-static bool must_be_found(const struct trial *t)
+/* The walls of the simulated hall are their own half turn: with all furniture elsewhere nothing tells its ends apart. To
+ * refuse such a pair for any other reason is no better than to refuse one that can be told. */
+static bool is_alike(const struct trial *t)
 {
-	return t->kind == TRIAL_OVERLAP ||
-	       (t->kind == TRIAL_MOVED && !g_str_equal(t->site_a->scene, "hall"));
+	return t->kind == TRIAL_SYMMETRIC || t->kind == TRIAL_REPEATED ||
+	       (t->kind == TRIAL_MOVED && g_str_equal(t->site_a->scene, "hall"));
+}
+
+static enum trial_outcome outcome_of(const struct trial *t)
+{
+	enum verdict verdict = t->result.verification.verdict;
+	bool true_pose = t->kind != TRIAL_NONE && t->error_rad <= TRIAL_WRONG_RAD &&
+			 t->error_m <= TRIAL_WRONG_M;
+	if (verdict == VERDICT_ACCEPTED)
+		return true_pose ? TRIAL_RIGHT : TRIAL_WRONG;
+	if (t->kind == TRIAL_NONE || t->kind == TRIAL_LITTLE)
+		return TRIAL_RIGHTLY_REFUSED;
+	return is_alike(t) && verdict == VERDICT_AMBIGUOUS ? TRIAL_ALIKE : TRIAL_REFUSED;
 }
 
 void trial_run(struct trial *t)
@@ -98,11 +111,5 @@ void trial_run(struct trial *t)
 	struct pose off = pose_between(&truth, &t->result.pose);
 	t->error_rad = pose_angle_rad(&off);
 	t->error_m = pose_distance_m(&off);
-	bool accepted = t->result.verification.verdict == VERDICT_ACCEPTED,
-	     true_pose = t->kind != TRIAL_NONE && t->error_rad <= TRIAL_WRONG_RAD &&
-			 t->error_m <= TRIAL_WRONG_M;
-	if (accepted)
-		t->outcome = true_pose ? TRIAL_RIGHT : TRIAL_WRONG;
-	else
-		t->outcome = must_be_found(t) ? TRIAL_REFUSED : TRIAL_RIGHTLY_REFUSED;
+	t->outcome = outcome_of(t);
 }

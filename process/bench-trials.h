@@ -25,10 +25,11 @@ extern const char *const trial_kind_names[TRIAL_KINDS];
 #define TRIAL_GOOD_M   0.002
 
 enum trial_outcome {
-	TRIAL_RIGHT,           /* accepted, and true */
-	TRIAL_WRONG,           /* accepted, and not true */
-	TRIAL_REFUSED,         /* refused although it could have been found */
-	TRIAL_RIGHTLY_REFUSED, /* refused, and nothing else was asked for */
+	TRIAL_RIGHT,   /* accepted, and true */
+	TRIAL_WRONG,   /* accepted, and not true */
+	TRIAL_REFUSED, /* refused although it could have been found */
+	TRIAL_ALIKE, /* refused as ambiguous, where indeed nothing that stays in its place tells the poses apart */
+	TRIAL_RIGHTLY_REFUSED, /* refused, and they do not overlap, or too little */
 	TRIAL_OUTCOMES
 };
 

@@ -19,8 +19,8 @@ static const struct fine_stage {
 	{ 0.10, 0.010, 0.001, 8, 2, 0.92f, false },
 	{ 0.10, 0.001, 0.001, 8, 1, 0.92f, false },
 };
-#define STAGES     G_N_ELEMENTS(stages)
-#define FINEST     (STAGES - 1)
+#define STAGES G_N_ELEMENTS(stages)
+#define FINEST (STAGES - 1)
 
 #define KERNEL_SCALE 2.5 /* where the weight is a quarter */
 /* A pose where more than this stands where the other scan saw through is not the one that was looked for. From afar more
@@ -39,7 +39,7 @@ static const struct {
 	[FINE_FROM_ROUGH] = { 3, FINEST, THROUGH_MAX_COARSE },
 };
 
-#define PAIRS_MIN          100
+#define PAIRS_MIN 100
 /* What is shared beyond a tile (one plane's points are in the planes of all its neighbours, and in many pairs), as measured:
  * against exact truth the normalised error is 1.4 to 3 without it. */
 #define COVARIANCE_FACTOR 2.0
@@ -271,6 +271,7 @@ bool fine_align(const fine_scan *a, const fine_scan *b, const struct pose *start
 		good = run_stage(a, b, k, &ret->pose, ret);
 	pose_orthonormalise(&ret->pose);
 	good = judge(a, b, last, ret) && good;
-	ret->converged &= good && last == FINEST && ret->through_share <= reaches[reach].through_max;
+	ret->converged &=
+		good && last == FINEST && ret->through_share <= reaches[reach].through_max;
 	return good;
 }

@@ -14,6 +14,7 @@
 void imported_clear(struct imported *i)
 {
 	g_clear_pointer(&i->grid, g_free);
+	g_clear_pointer(&i->note, g_free);
 }
 
 void staged_scan_free(struct staged_scan *s)
@@ -36,6 +37,8 @@ struct reading {
 	const struct import_options *options;
 	char *doing;
 	struct point_record *block;
+	const struct import_scan *scan;
+	uint32_t begun; /* as the scan had it */
 };
 
 static bool go_on(const struct reading *r, GError **error)
@@ -55,6 +58,10 @@ static bool next_block(struct reading *r, uint64_t limit, size_t *ret_count, GEr
 	if (!go_on(r, error) ||
 		!r->format->read(r->reader, r->block, BLOCK_RECORDS, ret_count, error))
 		return false;
+	if (r->scan->begun != r->begun) {
+		r->begun = r->scan->begun;
+		s->records = s->result.points = 0;
+	}
 	if (*ret_count > limit - s->records)
 		return import_refuse(
 			error, r->file, G_IO_ERROR_INVALID_DATA, "has more points than it tells");
@@ -110,14 +117,16 @@ static bool scratch_open(struct scratch *s, GError **error)
 	return true;
 }
 
-static bool scratch_write(struct scratch *s, const void *bytes, size_t length, GError **error)
+static bool scratch_write(struct scratch *s, const struct point_record *records, uint64_t first,
+	size_t count, GError **error)
 {
-	while (length) {
-		ssize_t n = write(s->fd, bytes, length);
+	size_t length = count * sizeof *records;
+	for (size_t put = 0; put < length;) {
+		ssize_t n = pwrite(s->fd, (const char *)records + put, length - put,
+			(off_t)(first * sizeof *records + put));
 		if (n < 0 && errno != EINTR)
 			return files_fail(error, s->folder, "write a scratch file in it");
-		bytes = (const char *)bytes + MAX(n, 0);
-		length -= (size_t)MAX(n, 0);
+		put += n > 0 ? (size_t)n : 0;
 	}
 	return true;
 }
@@ -187,7 +196,7 @@ static bool read_into_scratch(
 {
 	for (size_t count = 1; count;)
 		if (!next_block(r, limit, &count, error) ||
-			!scratch_write(scratch, r->block, count * sizeof *r->block, error))
+			!scratch_write(scratch, r->block, r->staged->records - count, count, error))
 			return false;
 	return true;
 }
@@ -212,7 +221,7 @@ static bool read_grid(struct reading *r, const struct import_scan *scan, GError 
 	if (scratch.fd >= 0)
 		close(scratch.fd);
 	if (good && !scan->columns)
-		s->result.grid = g_strdup("given up: map coordinates");
+		s->result.grid = g_strdup_printf("given up: %s", scan->no_grid);
 	return good;
 }
 
@@ -229,6 +238,8 @@ static bool finish(struct staged_scan *s, const struct import_scan *scan, GError
 	s->records = p->count;
 	s->result.have = p->have;
 	s->result.left_out = scan->left_out;
+	s->result.note = g_strdup(scan->note);
+	s->scan.note = s->result.note; /* the reader's goes with the next scan */
 	memcpy(s->result.position_m, pose.translation_m, sizeof s->result.position_m);
 	s->hash = import_hash_begin(path);
 	return true;
@@ -242,7 +253,7 @@ bool import_scan_points(struct staged_scan *s, import_source *file,
 			*shown = g_filename_display_name(name),
 			*doing = g_strdup_printf("reading %s", shown);
 	g_autofree struct point_record *block = g_new(struct point_record, BLOCK_RECORDS);
-	struct reading r = { s, file, format, reader, options, doing, block };
+	struct reading r = { s, file, format, reader, options, doing, block, scan, scan->begun };
 	bool good = scan->columns ? read_grid(&r, scan, error) : read_cloud(&r, scan->count, error);
 	if (!good)
 		return false;
@@ -303,7 +314,8 @@ static void set_grid(manifest *m, const struct staged_scan *s)
 {
 	const struct grid_layout *l = &s->layout;
 	bool kept = s->result.columns;
-	manifest_set_string(m, "source.grid.kept", kept ? "yes" : "no: map coordinates");
+	g_autofree char *why = g_strdup_printf("no: %s", s->scan.no_grid);
+	manifest_set_string(m, "source.grid.kept", kept ? "yes" : why);
 	manifest_set_int(m, "source.grid.first_size", s->columns_in_file);
 	manifest_set_int(m, "source.grid.second_size", s->rows_in_file);
 	if (!kept)

@@ -185,7 +185,7 @@ static GArray *results(struct importing *i)
 	for (guint k = 0; k < i->staged->len; k++) {
 		struct staged_scan *s = i->staged->pdata[k];
 		g_array_append_val(array, s->result);
-		s->result.grid = NULL;
+		s->result.grid = s->result.note = NULL;
 	}
 	return array;
 }

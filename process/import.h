@@ -56,7 +56,12 @@ struct import_scan {
 	bool has_pose;
 	struct pose pose;
 	uint64_t left_out; /* points that the file marks as not to be used (withheld, not finite) */
-	const char *note;  /* what else the reader did, a sentence for scan.json; NULL: nothing */
+	/* What else the reader did, a sentence for people and scan.json, the reader's own; NULL: nothing. */
+	const char *note;
+	const char *no_grid; /* why what looked like a grid is none, a few words */
+	/* How often the reader went back to the first record of a grid, which read then gives again: only all of them told
+	 * how to give them. What was given before counts for nothing. */
+	uint32_t begun;
 };
 
 enum import_result { IMPORT_SCAN, IMPORT_END, IMPORT_BAD };
@@ -110,6 +115,7 @@ struct imported {
 	bool has_pose;
 	double position_m[3]; /* of the given pose, in the file's coordinates */
 	char *grid; /* a few words on how the file had its grid; NULL for a cloud that never had one */
+	char *note; /* what else the reader did; NULL: nothing */
 };
 void imported_clear(struct imported *i);
 

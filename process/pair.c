@@ -15,8 +15,13 @@
 /* Poses nearer than this are one solution, found twice. */
 #define APART_M   0.15
 #define APART_RAD (0.7 * G_PI / 180)
-/* A rival this near is finished too. */
-#define CLOSE_THING 0.5
+/* Rivals this near are finished too, so many at most. */
+#define CLOSE_THING 0.4
+#define FINISHED    5
+
+/* What stands beside the pyramid, about: the plans and views; per surfel, the samples and what is around it. */
+#define COARSE_BYTES 2000000u
+#define SURFEL_BYTES (sizeof(struct surfel) + 30)
 
 struct pair_scan {
 	coarse_scan *coarse;
@@ -38,6 +43,7 @@ static double cpu_seconds(void)
 struct solution {
 	struct fine_result fine;
 	struct verification verification;
+	bool finished; /* and came to rest where it was roughly */
 };
 
 struct search {
@@ -136,6 +142,15 @@ void pair_scan_free(pair_scan *s)
 	g_free(s);
 }
 
+uint64_t pair_scan_bytes(const pair_scan *s)
+{
+	const pyramid *p = fine_scan_pyramid(s->fine);
+	uint64_t bytes = sizeof *s + COARSE_BYTES;
+	for (int i = 0; i < PYRAMID_LEVELS; i++)
+		bytes += (uint64_t)p->level[i].columns * p->level[i].rows * SURFEL_BYTES;
+	return bytes;
+}
+
 /* ---- the pair ---- */
 
 static void try_candidates(struct search *s, const struct pair_options *o, double *ret_coarse_s)
@@ -179,33 +194,50 @@ static bool finish(struct search *s, struct solution *solution)
 	return good && is_same(&rough, &solution->fine.pose);
 }
 
-/* Of all but the first, the one that comes nearest to it. */
-static struct solution *find_rival(struct search *s)
+static double rivalry(const struct search *s, size_t i)
 {
-	struct solution *rival = NULL;
+	const struct solution *best = &s->solution[0], *other = &s->solution[i];
+	return is_same(&best->fine.pose, &other->fine.pose)
+		       ? 0
+		       : verify_rivalry(&best->verification, &other->verification);
+}
+
+/* Of all but the first, the one that comes nearest to it. */
+static const struct solution *find_rival(const struct search *s)
+{
+	const struct solution *rival = NULL;
 	double nearest = 0;
-	for (size_t i = 1; i < s->count; i++) {
-		double rivalry =
-			verify_rivalry(&s->solution[0].verification, &s->solution[i].verification);
-		if (rivalry > nearest) {
-			nearest = rivalry;
+	for (size_t i = 1; i < s->count; i++)
+		if (rivalry(s, i) > nearest) {
+			nearest = rivalry(s, i);
 			rival = &s->solution[i];
 		}
-	}
 	return rival;
 }
 
-/* The best in full; and the rival too when it is a close thing. */
+/* The likeliest in full, and its rivals where it is a close thing: seen so, another may be the likeliest. */
+static void finish_likely(struct search *s)
+{
+	size_t count = 1;
+	for (size_t i = 1; i < s->count && count < FINISHED; i++)
+		if (rivalry(s, i) > CLOSE_THING) {
+			struct solution close = s->solution[i];
+			s->solution[i] = s->solution[count];
+			s->solution[count++] = close;
+		}
+	for (size_t i = 0; i < count; i++)
+		s->solution[i].finished = finish(s, &s->solution[i]);
+	qsort(s->solution, count, sizeof *s->solution, by_doubt);
+}
+
 static void decide(struct search *s, struct pair_result *ret)
 {
-	struct solution *best = &s->solution[0], *rival = find_rival(s);
-	bool good = finish(s, best);
-	if (rival && verify_rivalry(&best->verification, &rival->verification) > CLOSE_THING)
-		finish(s, rival);
+	finish_likely(s);
+	const struct solution *best = &s->solution[0], *rival = find_rival(s);
 	ret->fine = best->fine;
 	ret->pose = best->fine.pose;
 	ret->verification = best->verification;
-	if (good)
+	if (best->finished)
 		verify_judge(&ret->verification, rival ? &rival->verification : NULL);
 	else
 		verify_no_solution(&ret->verification);
@@ -233,6 +265,42 @@ void pair_align(const pair_scan *a, const pair_scan *b, const struct pair_option
 		verify_no_solution(&ret->verification);
 	ret->fine_s = s->fine_s;
 	ret->verify_s = s->verify_s;
+}
+
+/* The pose that is kept though it could be refined: what that would change is taken for noise. */
+static void keep_pose(struct fine_result *fine, const struct pose *kept)
+{
+	double twist[6];
+	pose_difference(kept, &fine->pose, twist);
+	fine->pose = *kept;
+	for (int i = 0; i < 6; i++)
+		for (int j = 0; j < 6; j++)
+			fine->covariance[i][j] += twist[i] * twist[j];
+}
+
+void pair_near(const pair_scan *a, const pair_scan *b, const struct pose *start, bool refine,
+	const struct verification *rival, struct pair_result *ret)
+{
+	double begin = cpu_seconds();
+	*ret = (struct pair_result){ .pose = *start };
+	bool good = fine_align(a->fine, b->fine, start, FINE_FROM_NEAR, &ret->fine);
+	double middle = cpu_seconds();
+	ret->fine_s = middle - begin;
+	if (!good) {
+		verify_no_solution(&ret->verification);
+		return;
+	}
+	struct fine_result fine = ret->fine;
+	if (!refine)
+		ret->fine.pose = *start;
+	verify_measure(a->view, b->view, &ret->fine, VERIFY_FULL, &ret->verification, NULL);
+	verify_judge(&ret->verification, rival);
+	if (!refine) {
+		ret->fine = fine;
+		keep_pose(&ret->fine, start);
+	}
+	ret->pose = ret->fine.pose;
+	ret->verify_s = cpu_seconds() - middle;
 }
 
 void pair_verify(const pair_scan *a, const pair_scan *b, const struct fine_result *fine,

@@ -11,6 +11,7 @@ typedef struct pair_scan pair_scan;
 pair_scan *pair_scan_new(const range_grid *g);
 void pair_scan_free(pair_scan *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(pair_scan, pair_scan_free)
+uint64_t pair_scan_bytes(const pair_scan *s); /* memory, about */
 
 struct pair_options {
 	/* A pose to start from, as picked pairs or the graph give it; NULL: no idea. Rivals are looked for all the same. */
@@ -28,6 +29,12 @@ struct pair_result {
 /* Always gives a verdict; not accepting is an answer, not an error. */
 void pair_align(const pair_scan *a, const pair_scan *b, const struct pair_options *options,
 	struct pair_result *ret);
+
+/* Only what is near a pose: refined from there, which may be off by 0.3 m and 2 degrees; or, when refine is false, the pose
+ * as it is, held as well as its refinement would be, and no better than by what that would change. rival: of another pose that
+ * was measured, as verify_judge has it; may be NULL. */
+void pair_near(const pair_scan *a, const pair_scan *b, const struct pose *start, bool refine,
+	const struct verification *rival, struct pair_result *ret);
 
 /* Only the check of a given pose, which is not refined; rivals are not looked for. ret_map may be NULL. */
 void pair_verify(const pair_scan *a, const pair_scan *b, const struct fine_result *fine,

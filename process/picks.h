@@ -23,7 +23,7 @@ GQuark picks_error_quark(void);
 enum picks_error {
 	PICKS_ERROR_FEW,        /* fewer than three */
 	PICKS_ERROR_DEGENERATE, /* on a line, or all at one place */
-	PICKS_ERROR_DISAGREE,   /* no three agree with each other */
+	PICKS_ERROR_DISAGREE,   /* no more than half of them agree with each other, or no three */
 };
 bool picks_fit(const struct pick *picks, size_t count, struct picks_fit *ret, GError **error);
 

@@ -79,6 +79,8 @@ static void add_json(JsonArray *into, const site *s, const struct imported *i, c
 	json_object_set_boolean_member(o, "intensity", i->have & POINTS_HAVE_INTENSITY);
 	json_object_set_boolean_member(o, "colour", (i->have & POINTS_HAVE_COLOUR) != 0);
 	json_object_set_boolean_member(o, "classes", (i->have & POINTS_HAVE_CLASSIFICATION) != 0);
+	if (i->note)
+		json_object_set_string_member(o, "note", i->note);
 	if (i->has_pose) {
 		JsonArray *position = json_array_new();
 		for (int k = 0; k < 3; k++)
@@ -97,6 +99,8 @@ static void say(const site *s, const GArray *scans, const char *path, JsonArray 
 			add_json(into, s, i, file);
 		else
 			print_line(s, i, file);
+		if (i->note)
+			g_printerr("pleinair import: %s, scan %u: %s\n", file, i->in_file, i->note);
 	}
 }
 

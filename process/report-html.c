@@ -134,7 +134,7 @@ static void append_row(GString *html, const struct edge *e)
 		"<tr><td><a href=\"#edge-%u-%u\">%u &ndash; %u</a></td>"
 		"<td class=\"text verdict %s\">%s</td><td>%.0f</td><td>%.1f</td><td>%.1f</td>"
 		"<td>%.0f</td><td>%.2f</td><td>%.2f, %.4f&deg;</td><td>%.1f, %.3f&deg;</td></tr>\n",
-		e->a, e->b, e->a, e->b, report_standing_class(e), report_standing(e),
+		e->a, e->b, e->a, e->b, report_standing_class(e), edge_standing(e),
 		100 * v->overlap, 100 * v->agreement, 1000 * v->rms_m, 100 * v->under_6mm,
 		v->balance, 1000 * v->deviation_m, v->deviation_rad * 180 / G_PI, 1000 * e->loop_m,
 		e->loop_rad * 180 / G_PI);
@@ -204,7 +204,7 @@ static void append_edge(GString *html, const struct report_edge *facts)
 	g_string_append_printf(html,
 		"<h3 id=\"edge-%u-%u\">%u &ndash; %u: <span class=\"verdict "
 		"%s\">%s</span></h3>\n<p>",
-		e->a, e->b, e->a, e->b, report_standing_class(e), report_standing(e));
+		e->a, e->b, e->a, e->b, report_standing_class(e), edge_standing(e));
 	append_text(html, e->verification.reason);
 	if (e->origin != EDGE_AUTOMATIC)
 		g_string_append(html, e->origin == EDGE_PICKED

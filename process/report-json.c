@@ -1,3 +1,5 @@
+#include "process/edge-json.h"
+#include "process/pose-json.h"
 #include "process/report-private.h"
 #include <math.h>
 
@@ -8,25 +10,6 @@ static void set_number(JsonObject *o, const char *key, double value)
 		json_object_set_double_member(o, key, value);
 	else
 		json_object_set_null_member(o, key);
-}
-
-static JsonArray *numbers(const double *value, int count)
-{
-	JsonArray *array = json_array_new();
-	for (int i = 0; i < count; i++)
-		json_array_add_double_element(array, value[i]);
-	return array;
-}
-
-static JsonObject *pose_object(const struct pose *p)
-{
-	JsonObject *o = json_object_new();
-	JsonArray *rotation = json_array_new();
-	for (int i = 0; i < 3; i++)
-		json_array_add_array_element(rotation, numbers(p->rotation[i], 3));
-	json_object_set_array_member(o, "rotation", rotation);
-	json_object_set_array_member(o, "translation_m", numbers(p->translation_m, 3));
-	return o;
 }
 
 static JsonObject *scan_object(const struct report_scan *s)
@@ -44,48 +27,11 @@ static JsonObject *scan_object(const struct report_scan *s)
 	if (!p->group)
 		return o;
 	json_object_set_int_member(o, "group", p->group);
-	json_object_set_object_member(o, "pose", pose_object(&p->pose));
+	json_object_set_member(o, "pose", json_write_pose(&p->pose));
 	set_number(o, "yaw_deg", s->yaw_deg);
 	set_number(o, "tilt_deg", s->tilt_deg);
 	set_number(o, "deviation_mm", 1000 * p->deviation_m);
 	set_number(o, "deviation_deg", p->deviation_rad * 180 / G_PI);
-	return o;
-}
-
-static void set_verification(JsonObject *o, const struct verification *v)
-{
-	json_object_set_string_member(o, "verdict", verdict_names[v->verdict]);
-	json_object_set_string_member(o, "reason", v->reason);
-	set_number(o, "overlap", v->overlap);
-	set_number(o, "agreement", v->agreement);
-	set_number(o, "agree_sr", v->agree_sr);
-	set_number(o, "occluded_sr", v->occluded_sr);
-	set_number(o, "conflict_sr", v->conflict_sr);
-	set_number(o, "outside_sr", v->outside_sr);
-	set_number(o, "rms_mm", 1000 * v->rms_m);
-	set_number(o, "under_6mm", v->under_6mm);
-	set_number(o, "balance", v->balance);
-	set_number(o, "deviation_mm", 1000 * v->deviation_m);
-	set_number(o, "deviation_deg", v->deviation_rad * 180 / G_PI);
-	set_number(o, "rival_score", v->rival_score);
-}
-
-static JsonObject *edge_object(const struct report_edge *facts)
-{
-	static const char *const origins[] = {
-		[EDGE_AUTOMATIC] = "automatic", [EDGE_PICKED] = "picked", [EDGE_GIVEN] = "given"
-	};
-	const struct edge *e = facts->edge;
-	JsonObject *o = json_object_new();
-	json_object_set_int_member(o, "a", e->a);
-	json_object_set_int_member(o, "b", e->b);
-	json_object_set_string_member(o, "origin", origins[e->origin]);
-	json_object_set_string_member(o, "standing", report_standing(e));
-	json_object_set_boolean_member(o, "used", edge_is_used(e));
-	set_verification(o, &e->verification);
-	set_number(o, "loop_mm", 1000 * e->loop_m);
-	set_number(o, "loop_deg", e->loop_rad * 180 / G_PI);
-	json_object_set_object_member(o, "pose", pose_object(&e->pose));
 	return o;
 }
 
@@ -104,7 +50,7 @@ JsonObject *report_json(const report *r)
 			scans, scan_object(&g_array_index(r->scans, struct report_scan, i)));
 	for (guint i = 0; i < r->edges->len; i++)
 		json_array_add_object_element(
-			edges, edge_object(&g_array_index(r->edges, struct report_edge, i)));
+			edges, edge_json(g_array_index(r->edges, struct report_edge, i).edge));
 	json_object_set_array_member(o, "scans", scans);
 	json_object_set_array_member(o, "edges", edges);
 	return o;

@@ -183,7 +183,7 @@ static void append_edge(
 		"y2=\"%.1f\"><title>%u and %u: %s, overlap %.0f %%, rms %.1f "
 		"mm</title></line></a>\n",
 		e->a, e->b, report_standing_class(e), from[0], from[1], to[0], to[1], e->a, e->b,
-		report_standing(e), 100 * e->verification.overlap, 1000 * e->verification.rms_m);
+		edge_standing(e), 100 * e->verification.overlap, 1000 * e->verification.rms_m);
 }
 
 static void append_station(

@@ -1,6 +1,7 @@
 #ifndef PROCESS_REPORT_PRIVATE_H
 #define PROCESS_REPORT_PRIVATE_H
 /* What the parts of a report share. Only report*.c include it. */
+#include "process/edge-json.h"
 #include "process/report.h"
 #include "process/scan-data.h"
 
@@ -53,8 +54,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(report_plotter, report_plotter_free)
 /* Fills map and histogram. */
 void report_draw_map(struct report_edge *e, const struct verify_map *map);
 
-/* "accepted", "refused", "by hand" ...: how the edge counts, as a word and as a class of the style sheet. */
-const char *report_standing(const struct edge *e);
+/* How the edge counts, as a class of the style sheet. */
 const char *report_standing_class(const struct edge *e);
 /* SVG of a plan with its stations and edges. */
 void report_append_plan(GString *html, const report *r, const struct report_plan *plan);

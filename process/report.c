@@ -40,17 +40,6 @@ void report_free(report *r)
 
 /* ---- how edges stand ---- */
 
-const char *report_standing(const struct edge *e)
-{
-	if (e->decision == DECISION_REFUSED)
-		return "refused by hand";
-	if (e->outlier)
-		return "contradicts its loops";
-	if (e->decision == DECISION_ACCEPTED)
-		return "accepted by hand";
-	return e->verification.verdict == VERDICT_ACCEPTED ? "accepted" : "refused";
-}
-
 const char *report_standing_class(const struct edge *e)
 {
 	if (!edge_is_used(e))

@@ -1,5 +1,6 @@
 #include "process/scan-data.h"
 #include "acquire/scan.h"
+#include "process/pose-json.h"
 #include <string.h>
 
 void scan_data_free(scan_data *d)
@@ -30,35 +31,6 @@ static bool refuse(GError **error, const manifest *m, const char *what)
 	return false;
 }
 
-/* Numbers of a JSON array, which must be count of them, all finite. */
-static bool read_numbers(JsonNode *node, size_t count, double *ret)
-{
-	JsonArray *array = node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
-	if (!array || json_array_get_length(array) != count)
-		return false;
-	for (unsigned i = 0; i < count; i++) {
-		JsonNode *element = json_array_get_element(array, i);
-		GType type = JSON_NODE_HOLDS_VALUE(element) ? json_node_get_value_type(element) : 0;
-		if (type != G_TYPE_INT64 && type != G_TYPE_DOUBLE)
-			return false;
-		ret[i] = json_node_get_double(element);
-		if (!isfinite(ret[i]))
-			return false;
-	}
-	return true;
-}
-
-static bool read_rotation(JsonNode *node, double ret[3][3])
-{
-	JsonArray *rows = node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
-	if (!rows || json_array_get_length(rows) != 3)
-		return false;
-	for (unsigned i = 0; i < 3; i++)
-		if (!read_numbers(json_array_get_element(rows, i), 3, ret[i]))
-			return false;
-	return true;
-}
-
 /* From the file's coordinates to the site's. */
 static bool take_origin_off(const site *s, struct pose *pose, GError **error)
 {
@@ -66,7 +38,7 @@ static bool take_origin_off(const site *s, struct pose *pose, GError **error)
 	JsonNode *node = manifest_get_node(site_manifest(s), "origin_m");
 	if (!node)
 		return true;
-	if (!read_numbers(node, 3, origin_m))
+	if (!json_read_numbers(node, 3, origin_m))
 		return refuse(error, site_manifest(s), "'origin_m' is not three numbers");
 	for (int i = 0; i < 3; i++)
 		pose->translation_m[i] -= origin_m[i];
@@ -78,12 +50,8 @@ static bool read_given_pose(scan_data *d, const site *s, const manifest *m, GErr
 	if (!manifest_has(m, "given_pose"))
 		return true;
 	d->has_given_pose = true;
-	if (!read_rotation(manifest_get_node(m, "given_pose.rotation"), d->given_pose.rotation) ||
-		!read_numbers(manifest_get_node(m, "given_pose.translation_m"), 3,
-			d->given_pose.translation_m) ||
-		!pose_is_rigid(&d->given_pose, 1e-4))
+	if (!json_read_pose(manifest_get_node(m, "given_pose"), &d->given_pose))
 		return refuse(error, m, "'given_pose' is no rotation with a translation");
-	pose_orthonormalise(&d->given_pose);
 	return take_origin_off(s, &d->given_pose, error);
 }
 

@@ -22,6 +22,7 @@ struct pull {
 
 struct comparison {
 	double sr[COMPARED_KINDS]; /* solid angles, as the scan that is looked at from saw them */
+	double together_sr; /* of the conflicts, those that lie together, as a thing seen through does */
 	double even_sr, squares,
 		under_6mm; /* of agreeing surfaces that are even: sums weighted by solid angle */
 	double facing

@@ -3,17 +3,26 @@
 #include "process/verify.h"
 #include <stdarg.h>
 
-/* Things that moved make up to 3 % in a hall whose furniture all stands elsewhere, without them it is below 0.7 %. */
-#define CONFLICT_MAX 0.025
-#define DISAGREE_MAX 0.055 /* conflicts and misses together */
-#define AGREE_MIN_SR 0.6
-#define OVERLAP_MIN  0.15
-#define BALANCE_MIN  0.02
-/* A rival must be twice as doubtful, and this much on top: where two poses are truly alike, they differ by up to 0.25 %. */
-#define RIVAL_FACTOR 2.0
-#define RIVAL_MARGIN 0.004
-#define RIVAL_MIN_SR 0.3
-#define RIVAL_SHARE  0.1
+/* Of a pose of a site's own scans, without things that moved, conflicts are below 2 %; with cars, people and furniture
+ * elsewhere mostly below 8 %. Scans of different places come to rest with 14 % or more. Where little is shared, moved things
+ * must not excuse what a wrong pose does. */
+#define CONFLICT_MAX     0.09
+#define CONFLICT_FEW_MAX 0.025
+#define FEW_SR           1.2
+#define MISSED_MAX       0.03 /* on top */
+#define AGREE_MIN_SR     0.6
+#define OVERLAP_MIN      0.15
+#define BALANCE_MIN      0.02
+/* A rival is refuted by things that it puts where they were seen through, and which this pose explains: by so much more of
+ * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.4 %, and up to 1 % where each surface
+ * rests on one beam, which may have met an edge; a hall's half turn that its furniture tells apart, 1.1 % and more. */
+#define RIVAL_FACTOR     1.7
+#define RIVAL_MARGIN     0.0045
+#define RIVAL_MARGIN_ONE 0.010
+#define BEAMS_MANY       3
+#define RIVALRY_MAX      99
+#define RIVAL_MIN_SR     0.3
+#define RIVAL_SHARE      0.1
 /* Doubt that comes with every pose: who shares little proves little. */
 #define DOUBT_SR 0.01
 /* Worse than this in its worst direction a pose slides; between, it is right, but not close enough. */
@@ -23,7 +32,7 @@
 #define REST_MAX_M    0.008
 #define REST_MAX_RAD  (0.05 * G_PI / 180)
 #define IMPRECISE_M   2.0e-3
-#define IMPRECISE_RAD (0.008 * G_PI / 180)
+#define IMPRECISE_RAD (0.010 * G_PI / 180)
 
 double verify_contradiction(const struct verification *v)
 {
@@ -41,7 +50,11 @@ double verify_rivalry(const struct verification *v, const struct verification *r
 {
 	if (rival->agree_sr < fmax(RIVAL_MIN_SR, RIVAL_SHARE * v->agree_sr))
 		return 0;
-	return (RIVAL_FACTOR * verify_doubt(v) + RIVAL_MARGIN) / verify_doubt(rival);
+	double doubt = v->together_sr + DOUBT_SR,
+	       margin = v->beams < BEAMS_MANY ? RIVAL_MARGIN_ONE : RIVAL_MARGIN,
+	       may = RIVAL_FACTOR * doubt / (v->agree_sr + doubt) + margin,
+	       does = rival->together_sr / (rival->agree_sr + rival->together_sr);
+	return may < RIVALRY_MAX * does ? may / does : RIVALRY_MAX;
 }
 
 static void say(struct verification *v, enum verdict verdict, const char *format, ...)
@@ -75,19 +88,20 @@ static bool shares_enough(struct verification *v)
 
 static bool agrees(struct verification *v)
 {
-	double conflict = verify_contradiction(v);
-	if (conflict <= CONFLICT_MAX && 1 - v->agreement <= DISAGREE_MAX)
+	double conflict = verify_contradiction(v),
+	       most = v->agree_sr < FEW_SR ? CONFLICT_FEW_MAX : CONFLICT_MAX;
+	if (conflict <= most && 1 - v->agreement <= most + MISSED_MAX)
 		return true;
-	if (conflict > CONFLICT_MAX)
+	if (conflict > most)
 		say(v, VERDICT_CONFLICT,
 			"In the best pose %.1f %% of the surfaces stand where the other scan saw "
 			"through (at most %.1f %% may).",
-			100 * conflict, 100 * CONFLICT_MAX);
+			100 * conflict, 100 * most);
 	else
 		say(v, VERDICT_CONFLICT,
 			"In the best pose %.1f %% of the surfaces miss the other scan's by "
-			"centimetres or stand where it saw through (at most %.0f %% may).",
-			100 * (1 - v->agreement), 100 * DISAGREE_MAX);
+			"centimetres or stand where it saw through (at most %.1f %% may).",
+			100 * (1 - v->agreement), 100 * (most + MISSED_MAX));
 	return false;
 }
 
@@ -110,7 +124,7 @@ static bool is_alone(struct verification *v, const struct verification *rival)
 		return true;
 	say(v, VERDICT_AMBIGUOUS,
 		"Another pose fits about as well: %.1f %% of the surfaces contradict it, %.1f %% "
-		"this one.",
+		"this one; too little for things that may have moved.",
 		100 * verify_contradiction(rival), 100 * verify_contradiction(v));
 	return false;
 }

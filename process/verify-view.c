@@ -69,6 +69,7 @@ struct verify_view *verify_view_new(const range_grid *g, const pyramid *p)
 		.azimuth_min_rad = (float)p->azimuth_min_rad,
 		.elevation_max_rad = (float)p->elevation_max_rad,
 		.surfel = p->level[0].surfel,
+		.beams = (float)(p->column_rad * p->row_rad / (g->column_rad * g->row_rad)),
 		.around = g_new(
 			struct verify_around, (size_t)p->level[0].columns * p->level[0].rows) };
 	g_autofree struct tally *tally = count(v, g, p);

@@ -19,6 +19,7 @@ struct verify_view {
 	bool wraps;
 	float column_rad, row_rad, azimuth_min_rad, elevation_max_rad;
 	float range_max_m;           /* the farthest point */
+	float beams;                 /* of the scan that a cell stands for */
 	const struct surfel *surfel; /* the pyramid's */
 	struct verify_around *around;
 };

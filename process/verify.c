@@ -104,6 +104,7 @@ static void fill(struct verification *v, const struct comparison *c, const struc
 		.occluded_sr = sr[COMPARED_HIDDEN],
 		.conflict_sr = sr[COMPARED_THROUGH],
 		.outside_sr = sr[COMPARED_OUTSIDE],
+		.together_sr = c->together_sr,
 		.missed_sr = sr[COMPARED_MISSED],
 		.void_sr = sr[COMPARED_VOID],
 		.overlap = share(agree, against + sr[COMPARED_HIDDEN]),
@@ -152,6 +153,7 @@ void verify_measure(const struct verify_view *a, const struct verify_view *b,
 	verify_compare(b, a, &fine->pose, &forth, &c);
 	verify_compare(a, b, &back, &cares[care], &c);
 	fill(ret, &c, fine);
+	ret->beams = fmin(a->beams, b->beams);
 	set_rest(ret, &pull, &fine->pose);
 	if (ret_map)
 		name_cells(ret_map);

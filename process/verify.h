@@ -7,8 +7,10 @@
  *
  * Things that moved (people, cars, chairs) are some percent of a view at most. A wrong pose puts walls into places that the
  * other saw through, but in a hall that is its own half turn, or along equal houses, only a few percent of them too. So what
- * counts most is the comparison with rivals: other poses in which the same surfaces meet. One that contradicts itself about
- * as little makes the answer ambiguous, whatever the figures of the best.
+ * counts most is the comparison with rivals: other poses in which the same surfaces meet. A rival is refuted only by whole
+ * things that it puts where they were seen through; edges, and single cells of distant walls, refute nothing, for even true
+ * poses have some. Neither does it count how much agrees: a hall's wrong half may agree with more. A rival that is not
+ * refuted makes the answer ambiguous, whatever the figures of the best.
  *
  * A wrong pose that is accepted is the worst thing this program can do. */
 #include "process/fine.h"
@@ -31,6 +33,8 @@ struct verification {
 	char reason[200]; /* one sentence for people, with figures */
 	/* Sums over both ways, each surface weighted by the solid angle that it covers for the scan that saw it, in sr. */
 	double agree_sr, occluded_sr, conflict_sr, outside_sr;
+	double together_sr; /* of the conflicts, those that lie together: not edges, nor thin things */
+	double beams;       /* that a surface rests on, in the coarser of the two scans */
 	double missed_sr; /* a parallel surface stands within 0.3 m, but not here */
 	double void_sr; /* the other saw nothing at all there, as it does of the sky, glass and water */
 	double overlap;   /* agree over agree, occluded, conflict and missed, 0..1 */

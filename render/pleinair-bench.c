@@ -2,6 +2,7 @@
 #include "acquire/bench-acquire.h"
 #include "acquire/cli.h"
 #include "acquire/preset.h"
+#include "process/bench-model.h"
 #include "process/bench-process.h"
 #include "process/bench-register.h"
 #include <stdio.h>
@@ -10,10 +11,10 @@
 #define COMMAND "bench"
 
 static gboolean json;
-static double seconds = 60;
+static double seconds = 60, million_points = 20, memory_mib = 1024;
 static int beams = 1081, repeats = 5, trials = 1000;
 static gint64 seed = 1;
-static char *site_path, *preset, *keep;
+static char *site_path, *preset, *keep, *folder;
 
 static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
@@ -25,13 +26,20 @@ static const GOptionEntry entries[] = {
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
 		"process: how often each is measured; the median counts (default 5)", "N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
-		"process, register: how finely is scanned (default fine, draft)",
+		"process, register: how finely is scanned (default fine, standard)",
 		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
 		"register: of the first sites; another one gives others (default 1)", "S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
 		"register: where the scans stay, and are taken from the next time", "FOLDER" },
+	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
+		"model: that the scanners measured (default 20)", "N" },
+	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
+		"model: what building may keep in memory (default 1024)", "MIB" },
+	{ "folder", 0, 0, G_OPTION_ARG_FILENAME, &folder,
+		"model: where the site is made, 40 bytes a point (default: of temporary files)",
+		"FOLDER" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
@@ -59,6 +67,20 @@ static int run_process(void)
 	return bench_process(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_model(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_model_options options = { .million_points = million_points,
+		.memory_bytes = (uint64_t)(memory_mib * 1048576),
+		.folder = folder,
+		.json = json };
+	if (!(million_points >= 1 && million_points <= 10000) ||
+		!(memory_mib >= 64 && memory_mib <= 1e6))
+		return cli_misuse(COMMAND,
+			"million points go from 1 to 10000, MiB of memory from 64 to 1000000");
+	return bench_model(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static struct cli_bar bar;
 
 static void show(double fraction, const char *doing)
@@ -74,7 +96,7 @@ static int run_register(void)
 	g_autoptr(GError) error = NULL;
 	struct bench_register_options options = { .trials = (uint32_t)trials,
 		.seed = (uint64_t)seed,
-		.preset = preset ? preset : "draft",
+		.preset = preset ? preset : "standard",
 		.keep = keep,
 		.json = json,
 		.stop = cli_interrupted,
@@ -96,6 +118,7 @@ static const struct part {
 	{ "acquire", run_acquire }, /* the one without a name given */
 	{ "process", run_process },
 	{ "register", run_register },
+	{ "model", run_model },
 	{ NULL },
 };
 
@@ -110,17 +133,21 @@ static const struct part *find_part(const char *name)
 int main(int argc, char **argv)
 {
 	int status;
-	if (!cli_parse(COMMAND, "[acquire | process | register]",
+	if (!cli_parse(COMMAND, "[acquire | process | register | model]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
-		    "what was recorded.\nprocess: normals of a scan, beside those by PCL.\n"
+		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
+		    "beside "
+		    "those by PCL.\n"
 		    "register: aligns pairs of scans of simulated sites, and counts what was "
-		    "found, refused, and accepted although wrong.\n",
+		    "found, refused, and accepted although wrong.\n"
+		    "model: builds the model of a large site, then adds one more scan.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
-		return cli_misuse(COMMAND, "there is no bench '%s': acquire, process, register",
+		return cli_misuse(COMMAND,
+			"there is no bench '%s': acquire, process, register, model",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(

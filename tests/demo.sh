@@ -1,5 +1,6 @@
 #!/bin/sh
-# demo.sh BIN SITE: four fine scans of the simulated courtyard, and a page that shows them.
+# demo.sh BIN SITE: four fine scans of the simulated courtyard, registered into one model; pages that show the panoramas and how
+# the scans fit.
 set -e
 bin=$1 site=$2
 seed=${DEMO_SEED:-7}
@@ -10,8 +11,11 @@ for station in 1 2 3 4; do
 	"$bin/pleinair" scan "$site" --device "sim:court?seed=$seed&station=$station" --preset fine
 done
 "$bin/pleinair" panoramas "$site"
+"$bin/pleinair" process "$site"
+"$bin/pleinair" report "$site"
 echo
 echo "demo: done in $(($(date +%s) - started)) s. Look at:"
 folder=$(cd "$site" && pwd)
-echo "    $folder/exports/panoramas/index.html"
+echo "    $folder/exports/panoramas/index.html    the panoramas"
+echo "    $folder/exports/report.html             how the four scans fit"
 echo "The site itself is the folder $folder"

@@ -42,9 +42,14 @@ static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
 {
 	struct point_record block[FUZZ_BLOCK];
 	g_autoptr(GArray) all = g_array_new(false, false, sizeof *block);
+	uint32_t begun = scan->begun;
 	for (size_t count = 1; count;) {
 		if (!f->read(r, block, FUZZ_BLOCK, &count, error))
 			return false;
+		if (scan->begun != begun)
+			g_array_set_size(all, 0);
+		begun = scan->begun;
+		g_assert_cmpuint(begun, <=, 1);
 		g_assert_cmpuint(count, <=, FUZZ_BLOCK);
 		for (size_t i = 0; i < count; i++)
 			fuzz_check_record(&block[i]);

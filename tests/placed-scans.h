@@ -1,7 +1,7 @@
 #ifndef TESTS_PLACED_SCANS_H
 #define TESTS_PLACED_SCANS_H
 /* Drafts of simulated sites as grids, with where they really stand. Made once per program and description. */
-#include "process/range-grid.h"
+#include "process/pair.h"
 #include "sim/truth.h"
 #include "tests/simulated.h"
 #include <string.h>
@@ -49,11 +49,26 @@ static inline const struct placed *placed_scan(const char *what)
 	if (p)
 		return p;
 	g_autofree char *description =
-		g_strconcat(what, "&ares=1080&camera=none&divergence_mrad=0", NULL);
+		g_strconcat(what, "&ares=720&camera=none&divergence_mrad=0", NULL);
 	p = g_new(struct placed, 1);
 	*p = (struct placed){ draft_of(description), true_pose_of(description) };
 	g_hash_table_insert(known, g_strdup(what), p);
 	return p;
+}
+
+/* All that aligning needs of it. */
+static inline const pair_scan *pair_scan_of(const char *what)
+{
+	static GHashTable *known;
+	if (!known)
+		known = g_hash_table_new_full(
+			g_str_hash, g_str_equal, g_free, (GDestroyNotify)pair_scan_free);
+	pair_scan *s = g_hash_table_lookup(known, what);
+	if (!s) {
+		s = pair_scan_new(placed_scan(what)->grid);
+		g_hash_table_insert(known, g_strdup(what), s);
+	}
+	return s;
 }
 
 /* How far a pose between b and a is from the true one. */
@@ -68,7 +83,7 @@ static inline struct pose pose_off(
 static inline range_grid *corridor_grid(void)
 {
 	enum { COLUMNS = 360, ROWS = 90, CELLS = COLUMNS * ROWS };
-	g_autofree double *points = g_new0(double, 3 * CELLS);
+	g_autofree double *xyz = g_new0(double, 3 * CELLS);
 	g_autofree uint8_t *cell = g_malloc(CELLS);
 	g_autoptr(GError) error = NULL;
 	for (int i = 0; i < CELLS; i++) {
@@ -80,13 +95,13 @@ static inline range_grid *corridor_grid(void)
 			(d[2] > 0 ? 1.2 : 1.5) / fmax(fabs(d[2]), 1e-9));
 		cell[i] = range < 30 ? CELL_MEASURED : CELL_NO_RETURN;
 		for (int k = 0; k < 3; k++)
-			points[k * CELLS + i] = range < 30 ? range * d[k] : 0;
+			xyz[k * CELLS + i] = range < 30 ? range * d[k] : 0;
 	}
 	struct range_grid_desc desc = { .columns = COLUMNS,
 		.rows = ROWS,
-		.x_m = points,
-		.y_m = points + CELLS,
-		.z_m = points + 2 * CELLS,
+		.x_m = xyz,
+		.y_m = xyz + CELLS,
+		.z_m = xyz + 2 * CELLS,
 		.cell = cell };
 	range_grid *g = range_grid_new(&desc, &error);
 	g_assert_no_error(error);

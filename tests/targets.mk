@@ -9,7 +9,7 @@ demo_site ?= demo-site
 help:
 	@sed -n 's/^#: //p' tests/targets.mk
 
-#: make demo            set up, build, scan a simulated courtyard four times, show the panoramas
+#: make demo            set up, build, scan a simulated courtyard four times, register it, show panoramas and report
 demo: deps
 	$(MAKE) all
 	@sh tests/demo.sh $(BUILD)/bin $(demo_site)
@@ -34,14 +34,14 @@ check-format:
 tests: $(tests) $(fuzzers)
 
 # Each program prints TAP; prove runs them side by side, each with a time limit, and sums up. The longest go first.
-long_tests := $(addprefix $(BUILD)/tests/,test-scan-kill test-commands-damage test-preset test-scan-faults)
+long_tests := $(addprefix $(BUILD)/tests/,test-process-kill test-scan-kill test-commands-damage test-preset test-scan-faults)
 check-tests: all tests
 	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(long_tests) $(filter-out $(long_tests),$(tests)) $(fuzzers)
 
 check-sanitized: check-asan
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:
-	$(MAKE) BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O1 -g' check-tests
+	$(MAKE) BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1' check-tests
 #: make check-ubsan     all tests under UndefinedBehaviorSanitizer alone
 check-ubsan:
 	$(MAKE) BUILD=build-ubsan SANITIZE=undefined CFLAGS='-O1 -g' check-tests

@@ -295,10 +295,10 @@ static void test_too_large(struct folder *f, gconstpointer data)
 	g_assert_true(g_file_set_contents(f->file, text, MANIFEST_BYTES_MAX + 1, NULL));
 	g_assert_null(manifest_load(f->file, 1, &error));
 	g_assert_true(
-		g_str_has_suffix(error->message, "has 4194305 bytes; at most 4194304 are read"));
+		g_str_has_suffix(error->message, "has 33554433 bytes; at most 33554432 are read"));
 	g_clear_error(&error);
 	g_assert_null(manifest_parse(text, MANIFEST_BYTES_MAX + 1, "x", 1, &error));
-	g_assert_cmpstr(error->message, ==, "x: has 4194305 bytes; a manifest has at most 4194304");
+	g_assert_cmpstr(error->message, ==, "x: has 33554433 bytes; a manifest has at most 33554432");
 }
 
 /* The check that makes it whole: 'twice' is always twice 'number', whatever the length of the text

@@ -1,19 +1,4 @@
-#include "process/pair.h"
 #include "tests/placed-scans.h"
-
-static const pair_scan *pair_scan_of(const char *what)
-{
-	static GHashTable *known;
-	if (!known)
-		known = g_hash_table_new_full(
-			g_str_hash, g_str_equal, g_free, (GDestroyNotify)pair_scan_free);
-	pair_scan *s = g_hash_table_lookup(known, what);
-	if (!s) {
-		s = pair_scan_new(placed_scan(what)->grid);
-		g_hash_table_insert(known, g_strdup(what), s);
-	}
-	return s;
-}
 
 static struct verification verify_at(
 	const char *a, const char *b, const double twist[6], struct verify_map *map)
@@ -66,7 +51,7 @@ static void test_shifted(gconstpointer data)
 			struct verification v = verify_at(g->a, g->b, twist, NULL);
 			g_assert_cmpint(v.verdict, !=, VERDICT_ACCEPTED);
 			g_assert_cmpfloat(v.agreement, <, right.agreement);
-			g_assert_cmpfloat(v.rest_m, >, 10 * right.rest_m);
+			g_assert_cmpfloat(v.rest_m, >, 5 * right.rest_m);
 		}
 	for (int axis = 0; axis < 3; axis++)
 		for (gsize i = 0; i < G_N_ELEMENTS(turns); i++) {
@@ -120,10 +105,11 @@ static void test_map(void)
 	count_cells(&map, wrong);
 	verify_map_clear(&map);
 	g_assert_null(map.cell);
-	g_assert_cmpuint(right[VERIFY_AGREE], >, 30000);
+	g_assert_cmpuint(right[VERIFY_AGREE], >, 20000);
 	g_assert_cmpuint(right[VERIFY_OCCLUDED], >, 1000);
 	g_assert_cmpuint(wrong[VERIFY_CONFLICT], >, 5 * right[VERIFY_CONFLICT] + 1000);
-	g_assert_cmpuint(wrong[VERIFY_AGREE], <, right[VERIFY_AGREE] * 2 / 3);
+	g_assert_cmpuint(
+		wrong[VERIFY_AGREE], <, right[VERIFY_AGREE] * 17 / 20); /* walls still do */
 }
 
 /* Walls, floor and ceiling agree wherever along the corridor one stands. */
@@ -168,11 +154,16 @@ static void test_verdicts(void)
 	v.agree_sr = 0.2;
 	assert_judged(&v, NULL, VERDICT_NO_OVERLAP, "0.20 sr");
 	v = fine_one;
-	v.conflict_sr = 0.6;
-	assert_judged(&v, NULL, VERDICT_CONFLICT, "9.1 %");
+	v.conflict_sr = 0.8;
+	assert_judged(&v, NULL, VERDICT_CONFLICT, "11.8 %");
+	v.conflict_sr = 0.4; /* cars elsewhere */
+	assert_judged(&v, NULL, VERDICT_ACCEPTED, "70 %");
+	v.agree_sr = 1; /* but not where so little is shared */
+	v.conflict_sr = 0.05;
+	assert_judged(&v, NULL, VERDICT_CONFLICT, "4.8 %");
 	v = fine_one;
-	v.agreement = 0.90;
-	assert_judged(&v, NULL, VERDICT_CONFLICT, "10.0 %");
+	v.agreement = 0.85;
+	assert_judged(&v, NULL, VERDICT_CONFLICT, "15.0 %");
 	v = fine_one;
 	v.deviation_m = 0.05;
 	assert_judged(&v, NULL, VERDICT_SLIDING, "50 mm");
@@ -187,8 +178,13 @@ static void test_verdicts(void)
 	assert_judged(&v, NULL, VERDICT_IMPRECISE, "40 mm");
 	v = fine_one;
 	assert_judged(&v, &rival, VERDICT_AMBIGUOUS, "0.3 %");
-	rival.conflict_sr = 0.5;
+	rival.conflict_sr = 0.5; /* scattered: it refutes nothing */
+	assert_judged(&v, &rival, VERDICT_AMBIGUOUS, "0.3 %");
+	rival.together_sr = 0.4;
 	assert_judged(&v, &rival, VERDICT_ACCEPTED, "70 %");
+	v.together_sr = 0.25; /* things moved: then the rival's may have moved too */
+	assert_judged(&v, &rival, VERDICT_AMBIGUOUS, "7.7 %");
+	v = fine_one;
 	rival = (struct verification){ .agree_sr = 0.1 }; /* shares next to nothing: no rival */
 	assert_judged(&v, &rival, VERDICT_ACCEPTED, "70 %");
 	verify_no_solution(&v);
