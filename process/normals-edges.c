@@ -5,16 +5,11 @@
 /* A fit leaves about the noise along the rays. What leaves this much more reaches over a crease. */
 #define CREASED_NOISES 1.35f
 /* How far off the plane of a neighbour's window the point itself may be, in sigma. */
-#define ON_PLANE     2.5f
-#define WINDOW_SHARE 60
-#define REACH_MOST   14
-#define EDGE_COLUMNS 16 /* nearer to the ends of a row, neighbours may be at the other */
-/* Neighbours in space: cells each way, and how far away, in metric windows and in beams. */
-#define NEAR_CELLS   3
-#define NEAR_WINDOWS 2.0f
-#define NEAR_BEAMS   5.0f
-#define NEAR_MIN     3
-#define PRIOR_SLOPE  1.5
+#define ON_PLANE      2.5f
+#define WINDOW_SHARE  60
+#define REACH_MOST    14
+#define STRIP_COLUMNS 256 /* whose planes, of all rows that are looked at, fit the nearer caches */
+#define EDGE_COLUMNS  16  /* nearer to the ends of a row, neighbours may be at the other */
 
 /* The cell that many rows and columns away; false: beyond the grid. */
 static bool step(
@@ -111,10 +106,12 @@ INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
 	float cells = window_cells(g, o, g->range_m[i + first]);
 	vf x = load(g->x_m + i), y = load(g->y_m + i), z = load(g->z_m + i),
 	   range = load(g->range_m + i);
-	vi open = load_bytes(fitted + i) == (float)CREASED;
+	vi open = load_bytes(fitted + i) == CREASED;
 	vf normal[3] = { load(p->normal[0] + i), load(p->normal[1] + i), load(p->normal[2] + i) };
 	for (int shift = 0; shift < 2 && largest(where(open, all(1))) > 0; shift++, cells /= 2) {
-		vf least_off = all(ON_PLANE * o->range_noise_m);
+		/* The least distance off a plane along the ray is range * off / ahead: as a fraction, for
+		 * division is slow. */
+		vf least_off = all(ON_PLANE * o->range_noise_m), least_ahead = range;
 		vi found = { 0 };
 		for (int w = 0; w < 8; w++) {
 			int down = (int)(way[w][0] * cells), right = (int)(way[w][1] * cells);
@@ -124,16 +121,16 @@ INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
 			memcpy(&eight, fitted + k, sizeof eight);
 			if (!(eight & 0x0101010101010101)) /* none is WHOLE */
 				continue;
-			vi whole = load_bytes(fitted + k) == (float)WHOLE;
+			vi whole = load_bytes(fitted + k) == WHOLE;
 			vf nx = load(p->normal[0] + k), ny = load(p->normal[1] + k),
 			   nz = load(p->normal[2] + k);
-			vf away = nx * x + ny * y + nz * z;
-			whole &= open & (away < 0);
-			vf off = magnitude(
-				range * (1 + load(p->offset_m + k) / choose(whole, away, all(-1))));
-			vi better = whole & (off < least_off);
+			vf ahead = -(nx * x + ny * y + nz * z);
+			vf off = magnitude(load(p->offset_m + k) - ahead);
+			vi better = whole & open & (ahead > 0) &
+				    (off * least_ahead < least_off * ahead);
 			found |= better;
 			least_off = choose(better, off, least_off);
+			least_ahead = choose(better, ahead, least_ahead);
 			normal[0] = choose(better, nx, normal[0]);
 			normal[1] = choose(better, ny, normal[1]);
 			normal[2] = choose(better, nz, normal[2]);
@@ -145,147 +142,52 @@ INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
 }
 
 INLINE void sharpen_row(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, const uint8_t *fitted, uint32_t row)
+	const struct normals_planes *p, const uint8_t *fitted, uint32_t row, uint32_t column,
+	uint32_t end)
 {
-	uint32_t column = 0;
-	for (; column < MIN(g->columns, EDGE_COLUMNS); column++)
+	for (; column < MIN(end, EDGE_COLUMNS); column++)
 		sharpen_cell(g, o, p, fitted, row, column);
-	for (; column + LANES + EDGE_COLUMNS <= g->columns; column += LANES)
+	for (; column < end && column + LANES + EDGE_COLUMNS <= g->columns; column += LANES)
 		sharpen_lanes(g, o, p, fitted, row, column);
-	for (; column < g->columns; column++)
+	for (; column < end; column++)
 		sharpen_cell(g, o, p, fitted, row, column);
 }
 
 static void sharpen_row_portable(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, const uint8_t *fitted, uint32_t row)
+	const struct normals_planes *p, const uint8_t *fitted, uint32_t row, uint32_t column,
+	uint32_t end)
 {
-	sharpen_row(g, o, p, fitted, row);
+	sharpen_row(g, o, p, fitted, row, column, end);
 }
 
 #if defined __x86_64__
 __attribute__((target("avx2,fma"))) static void sharpen_row_avx2(const range_grid *g,
 	const struct normals_options *o, const struct normals_planes *p, const uint8_t *fitted,
-	uint32_t row)
+	uint32_t row, uint32_t column, uint32_t end)
 {
-	sharpen_row(g, o, p, fitted, row);
+	sharpen_row(g, o, p, fitted, row, column, end);
 }
 #endif
+
+typedef void (*sharpen_function)(const range_grid *, const struct normals_options *,
+	const struct normals_planes *, const uint8_t *, uint32_t, uint32_t, uint32_t);
 
 void normals_sharpen(
 	const range_grid *g, const struct normals_options *o, const struct normals_planes *p)
 {
-	void (*sharpen)(const range_grid *, const struct normals_options *,
-		const struct normals_planes *, const uint8_t *, uint32_t) = sharpen_row_portable;
+	sharpen_function sharpen = sharpen_row_portable;
 #if defined __x86_64__
 	if (!o->portable && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
 		sharpen = sharpen_row_avx2;
 #endif
 	g_autofree uint8_t *fitted = g_malloc(range_grid_cells(g));
+	uint32_t strips = (g->columns + STRIP_COLUMNS - 1) / STRIP_COLUMNS;
 #pragma omp parallel for schedule(static) if (!o->single_thread)
 	for (uint32_t row = 0; row < g->rows; row++)
 		judge_row(g, p, row, o->range_noise_m, fitted + (size_t)row * g->columns);
-#pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
-	for (uint32_t row = 0; row < g->rows; row++)
-		sharpen(g, o, p, fitted, row);
-}
-
-/* ---- what has no neighbours beside it ---- */
-
-/* Sums of inverse depth over directions, in a frame that looks at the cell. */
-struct fan {
-	double axis[3][3], n, u, v, w, uu, uv, vv, uw, vw, ww;
-};
-
-static void look_at(struct fan *f, const range_grid *g, size_t i)
-{
-	double r = g->range_m[i], ahead[3] = { g->x_m[i] / r, g->y_m[i] / r, g->z_m[i] / r };
-	int k = fabs(ahead[0]) < 0.6 ? 0 : 1; /* an axis that is not nearly ahead */
-	double rest = sqrt(1 - ahead[k] * ahead[k]);
-	*f = (struct fan){ 0 };
-	for (int j = 0; j < 3; j++) {
-		f->axis[0][j] = ((j == k) - ahead[k] * ahead[j]) / rest;
-		f->axis[2][j] = ahead[j];
-	}
-	for (int j = 0; j < 3; j++) {
-		int a = (j + 1) % 3, b = (j + 2) % 3;
-		f->axis[1][j] = f->axis[2][a] * f->axis[0][b] - f->axis[2][b] * f->axis[0][a];
-	}
-}
-
-static void add_point(struct fan *f, const double d[3], double here)
-{
-	double local[3];
-	for (int k = 0; k < 3; k++)
-		local[k] = f->axis[k][0] * d[0] + f->axis[k][1] * d[1] + f->axis[k][2] * d[2];
-	double w = 1 / local[2], u = local[0] * w, v = local[1] * w;
-	w -= here;
-	f->n += 1;
-	f->u += u;
-	f->v += v;
-	f->w += w;
-	f->uu += u * u;
-	f->uv += u * v;
-	f->vv += v * v;
-	f->uw += u * w;
-	f->vw += v * w;
-	f->ww += w * w;
-}
-
-static void add_near(struct fan *f, const range_grid *g, const struct normals_options *o, size_t i)
-{
-	float range = g->range_m[i];
-	float reach_m =
-		fmaxf(NEAR_WINDOWS * o->radius_m, NEAR_BEAMS * range_grid_point_size_m(g, i));
-	uint32_t row = (uint32_t)(i / g->columns), column = (uint32_t)(i % g->columns);
-	for (int down = -NEAR_CELLS; down <= NEAR_CELLS; down++)
-		for (int right = -NEAR_CELLS; right <= NEAR_CELLS; right++) {
-			size_t k;
-			if (!step(g, row, column, down, right, &k) ||
-				fabsf(g->range_m[k] - range) > reach_m || !(g->range_m[k] > 0))
-				continue;
-			float x = g->x_m[k] - g->x_m[i], y = g->y_m[k] - g->y_m[i],
-			      z = g->z_m[k] - g->z_m[i];
-			double d[3] = { g->x_m[k], g->y_m[k], g->z_m[k] };
-			if (x * x + y * y + z * z <= reach_m * reach_m)
-				add_point(f, d, 1.0 / range);
-		}
-}
-
-static void fill_cell(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, size_t i)
-{
-	struct fan f;
-	look_at(&f, g, i);
-	add_near(&f, g, o, i);
-	if (f.n < NEAR_MIN)
-		return;
-	double here = 1 / g->range_m[i], u = f.u / f.n, v = f.v / f.n, w = f.w / f.n;
-	double uu = f.uu / f.n - u * u, uv = f.uv / f.n - u * v, vv = f.vv / f.n - v * v;
-	double uw = f.uw / f.n - u * w, vw = f.vw / f.n - v * w, ww = f.ww / f.n - w * w;
-	double hold = o->range_noise_m * here / PRIOR_SLOPE, held = hold * hold / f.n + 1e-14;
-	double scale = 1 / ((uu + held) * (vv + held) - uv * uv);
-	double a = (uw * (vv + held) - vw * uv) * scale, b = (vw * (uu + held) - uw * uv) * scale;
-	double c = here + w - a * u - b * v, length = sqrt(a * a + b * b + c * c);
-	double left =
-		fmax(ww - 2 * (a * uw + b * vw) + a * a * uu + 2 * a * b * uv + b * b * vv, 0);
-	double error = sqrt(left) / (here * length), spread = (uu + vv) / (here * here);
-	if (!(c > 0))
-		return;
-	for (int k = 0; k < 3; k++)
-		p->normal[k][i] =
-			(float)(-(f.axis[0][k] * a + f.axis[1][k] * b + f.axis[2][k] * c) / length);
-	p->error_m[i] = (float)error;
-	double least = fmin(error * error, spread / 2);
-	p->curvature[i] = (float)(least / fmax(spread + least, 1e-20));
-	p->offset_m[i] = (float)(1 / length);
-}
-
-void normals_fill(
-	const range_grid *g, const struct normals_options *o, const struct normals_planes *p)
-{
-	size_t n = range_grid_cells(g);
-#pragma omp parallel for schedule(dynamic, 4096) if (!o->single_thread)
-	for (size_t i = 0; i < n; i++)
-		if (g->range_m[i] > 0 && !(p->offset_m[i] > 0))
-			fill_cell(g, o, p, i);
+#pragma omp parallel for schedule(dynamic, 1) if (!o->single_thread)
+	for (uint32_t strip = 0; strip < strips; strip++)
+		for (uint32_t row = 0; row < g->rows; row++)
+			sharpen(g, o, p, fitted, row, strip * STRIP_COLUMNS,
+				MIN((strip + 1) * STRIP_COLUMNS, g->columns));
 }

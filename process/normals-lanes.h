@@ -3,13 +3,15 @@
 /* Eight cells side by side, in GCC's and clang's vectors: AVX2 in functions that are built for it, whatever the processor has
  * elsewhere. Internal to normals*.c. All is inlined, so that it takes on the caller's target. */
 #include <stdint.h>
+#include <string.h>
 
 #define LANES 8
 
 typedef float vf __attribute__((vector_size(32)));
 typedef int32_t vi __attribute__((vector_size(32)));
 typedef float vf_loose __attribute__((vector_size(32), aligned(4), may_alias));
-typedef uint8_t vb __attribute__((vector_size(8), aligned(1), may_alias));
+typedef int32_t vi_loose __attribute__((vector_size(32), aligned(4), may_alias));
+typedef int64_t vl __attribute__((vector_size(32)));
 typedef uint32_t vu_loose __attribute__((vector_size(32), aligned(4), may_alias));
 
 #define INLINE static inline __attribute__((always_inline))
@@ -24,9 +26,29 @@ INLINE void store(float *at, vf x)
 	*(vf_loose *)at = x;
 }
 
-INLINE vf load_bytes(const uint8_t *at)
+INLINE vi load_mask(const int32_t *at)
 {
-	return __builtin_convertvector(*(const vb *)at, vf);
+	return *(const vi_loose *)at;
+}
+
+INLINE void store_mask(int32_t *at, vi mask)
+{
+	*(vi_loose *)at = mask;
+}
+
+/* By shifts, for compilers widen bytes one by one. */
+INLINE vi load_bytes(const uint8_t *at)
+{
+	int32_t low, high;
+	memcpy(&low, at, sizeof low);
+	memcpy(&high, at + sizeof low, sizeof high);
+	const vi both = { low, low, low, low, high, high, high, high };
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+	const vi shift = { 0, 8, 16, 24, 0, 8, 16, 24 };
+#else
+	const vi shift = { 24, 16, 8, 0, 24, 16, 8, 0 };
+#endif
+	return both >> shift & 255;
 }
 
 INLINE vf choose(vi mask, vf yes, vf no)
@@ -68,10 +90,15 @@ INLINE vf all(float x)
 
 INLINE float largest(vf x)
 {
-	float y = x[0];
-	for (int k = 1; k < LANES; k++)
-		y = x[k] > y ? x[k] : y;
-	return y;
+	x = most(x, __builtin_shufflevector(x, x, 4, 5, 6, 7, 0, 1, 2, 3));
+	x = most(x, __builtin_shufflevector(x, x, 2, 3, 0, 1, 6, 7, 4, 5));
+	return x[0] > x[1] ? x[0] : x[1];
+}
+
+INLINE int any(vi mask)
+{
+	vl x = (vl)mask;
+	return (x[0] | x[1] | x[2] | x[3]) != 0;
 }
 
 #endif

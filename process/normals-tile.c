@@ -9,6 +9,7 @@
 	8 /* of that many cells one is enough for the frame; each column and row has its turn */
 #define MARGIN 8 /* columns, rows of nothing around it all */
 #define PITCH  (WIDTH + 2 * MARGIN)
+#define RING   (2 * TILE_REACH + 1) /* rows that a window may touch */
 
 /* Windows are wide enough for this error of a normal, 1 sigma about each axis. */
 #define AIM_RAD 0.014f
@@ -18,6 +19,8 @@
 /* At least so many cells each way: fewer do not tell a slope from noise. */
 #define ARM_MIN   3
 #define COUNT_MIN 4
+/* So many cells of an arm are summed up before it is asked whether any lane goes on. */
+#define NO_LINKS_EACH 4
 
 enum { N, U, V, W, UU, UV, VV, UW, VW, WW, SUMS };
 
@@ -26,9 +29,10 @@ struct tile {
 	 * row. With rows and columns of nothing around. */
 	float u[HEIGHT + 2 * MARGIN][PITCH], v[HEIGHT + 2 * MARGIN][PITCH],
 		w[HEIGHT + 2 * MARGIN][PITCH], range[HEIGHT + 2 * MARGIN][PITCH];
-	uint8_t left[HEIGHT][PITCH], right[HEIGHT][PITCH], up[HEIGHT][PITCH], down[HEIGHT][PITCH];
+	/* -1: to the next cell in the row, or column, is a link. */
+	int32_t right[HEIGHT][PITCH], down[HEIGHT][PITCH];
 	uint32_t segment[HEIGHT + 2 * MARGIN][PITCH];
-	vf sum[HEIGHT][GROUPS][SUMS];
+	vf sum[RING][SUMS]; /* of one group of columns: row y is at y % RING */
 	float v_mean[HEIGHT + 2 * MARGIN], u_mean[GROUPS], level[HEIGHT + 2 * MARGIN];
 	float axis[3][3];  /* of the frame: right, up, ahead */
 	int height, width; /* with the reach */
@@ -109,22 +113,35 @@ static void copy_row(const struct tile_job *job, int y, const float *plane, floa
 	}
 }
 
+/* That row of the plane: as it lies in the grid when all the tile needs is there, else in buffer. At MARGIN it begins. */
+static const float *find_row(const struct tile_job *job, int y, const float *plane, float *buffer)
+{
+	const range_grid *g = job->grid;
+	int64_t row = (int64_t)job->row + y - TILE_REACH,
+		from = (int64_t)job->column - TILE_REACH - MARGIN;
+	if (job->reach_columns == TILE_REACH && job->columns % LANES == 0 && row >= 0 &&
+		row < g->rows && from >= 0 &&
+		from + job->columns + PITCH - TILE_COLUMNS <= g->columns)
+		return plane + row * g->columns + from;
+	copy_row(job, y, plane, buffer);
+	return buffer;
+}
+
 INLINE void place_row(tile *t, const struct tile_job *job, int y, vf *u_sum, vf *u_count)
 {
 	const range_grid *g = job->grid;
-	float line[3][PITCH] __attribute__((aligned(32)));
+	float buffer[4][PITCH];
+	const float *line[4] = { find_row(job, y, g->x_m, buffer[0]),
+		find_row(job, y, g->y_m, buffer[1]), find_row(job, y, g->z_m, buffer[2]),
+		find_row(job, y, g->range_m, buffer[3]) };
 	const float(*axis)[3] = (const float(*)[3])t->axis;
 	int r = y + MARGIN;
 	vf v_sum = { 0 }, level = { 0 }, count = { 0 };
-	copy_row(job, y, g->range_m, t->range[r]);
-	copy_row(job, y, g->x_m, line[0]);
-	copy_row(job, y, g->y_m, line[1]);
-	copy_row(job, y, g->z_m, line[2]);
 	if (t->has_segments)
 		copy_row(job, y, (const float *)job->options->segment, (float *)t->segment[r]);
 	for (int c = MARGIN; c < MARGIN + t->width; c += LANES) {
 		vf x = load(line[0] + c), yy = load(line[1] + c), z = load(line[2] + c),
-		   range = load(t->range[r] + c);
+		   range = load(line[3] + c);
 		vf depth = axis[2][0] * x + axis[2][1] * yy + axis[2][2] * z;
 		vi good = (range > 0) & (depth > 0.2f * range);
 		vf w = where(good, 1 / choose(good, depth, all(1)));
@@ -184,21 +201,22 @@ struct line {
 	vf w[4], at[4]; /* inverse depth, direction along the line */
 };
 
-/* What goes on as the cells before b, or after c, foretell it is a surface, however steep. */
-INLINE vi is_foretold(vf from, vf slope, vf step, vf to, vf noise)
+/* What goes on as the cells before b, or after c, foretell it is a surface, however steep: from `behind` to `from` it went up by
+ * rise over run, and `to` is a step further. All is times run, for division is slow. */
+INLINE vi is_foretold(vf from, vf behind, vf run, vf step, vf to, vf noise)
 {
-	return magnitude(from + slope * step - to) <= 6 * noise + 0.5f * magnitude(slope * step);
+	vf going_on = (from - behind) * step;
+	return magnitude((from - to) * run + going_on) <=
+	       6 * noise * magnitude(run) + 0.5f * magnitude(going_on);
 }
 
 INLINE vi is_linked(const struct line *l, float noise_m, float step_rad)
 {
-	vf b = l->w[1], c = l->w[2], scale = b * c, noise = noise_m * scale;
+	vf b = l->w[1], c = l->w[2], noise = noise_m * (b * c);
 	vf difference = magnitude(c - b), size = step_rad * most(b, c);
 	vf step = l->at[2] - l->at[1];
-	vi before = (l->w[0] > 0) &
-		    is_foretold(b, (b - l->w[0]) / (l->at[1] - l->at[0]), step, c, noise);
-	vi after = (l->w[3] > 0) &
-		   is_foretold(c, (l->w[3] - c) / (l->at[3] - l->at[2]), -step, b, noise);
+	vi before = (l->w[0] > 0) & is_foretold(b, l->w[0], l->at[1] - l->at[0], step, c, noise);
+	vi after = (l->w[3] > 0) & is_foretold(c, l->w[3], l->at[2] - l->at[3], -step, b, noise);
 	vi gentle = difference <= 5 * noise + size;
 	vi steep = difference > 5 * noise + 12 * size;
 	return (b > 0) & (c > 0) & (gentle | (before & after) | ((before | after) & ~steep));
@@ -236,37 +254,17 @@ INLINE vi link_down(const tile *t, int r, int c, const struct tile_job *job)
 	return t->has_segments ? linked & same_segment(t, r, c, 1, 0) : linked;
 }
 
-INLINE void store_bits(uint8_t *at, vi mask)
+INLINE void find_links(tile *t, const struct tile_job *job)
 {
-	*(vb *)at = __builtin_convertvector(mask & 1, vb);
-}
-
-/* Turns links into how many of them follow each other. */
-INLINE void find_arms(tile *t, const struct tile_job *job)
-{
-	const int end = MARGIN + t->width - TILE_REACH;
 	for (int y = 0; y < t->height; y++) {
-		uint8_t *right = t->right[y], *left = t->left[y];
 		for (int c = MARGIN; c < MARGIN + t->width; c += LANES)
-			store_bits(right + c, link_right(t, y + MARGIN, c, job));
-		right[MARGIN + t->width - 1] = 0;
-		left[MARGIN] = 0;
-		for (int c = MARGIN + 1; c < MARGIN + t->width; c++)
-			left[c] = (uint8_t)((left[c - 1] + 1) & -right[c - 1]);
-		for (int c = MARGIN + t->width - 2; c >= MARGIN; c--)
-			right[c] = (uint8_t)((right[c + 1] + 1) & -right[c]);
+			store_mask(t->right[y] + c, link_right(t, y + MARGIN, c, job));
+		store_mask(t->right[y] + MARGIN + t->width - 1, (vi){ 0 });
 	}
 	for (int y = 0; y < t->height - 1; y++)
-		for (int c = MARGIN + TILE_REACH; c < end; c += LANES)
-			store_bits(t->down[y] + c, link_down(t, y + MARGIN, c, job));
-	for (int c = 0; c < PITCH; c++)
-		t->up[0][c] = t->down[t->height - 1][c] = 0;
-	for (int y = 1; y < t->height; y++)
-		for (int c = MARGIN + TILE_REACH; c < end; c++)
-			t->up[y][c] = (uint8_t)((t->up[y - 1][c] + 1) & -t->down[y - 1][c]);
-	for (int y = t->height - 2; y >= 0; y--)
-		for (int c = MARGIN + TILE_REACH; c < end; c++)
-			t->down[y][c] = (uint8_t)((t->down[y + 1][c] + 1) & -t->down[y][c]);
+		for (int c = MARGIN + TILE_REACH; c < MARGIN + t->width - TILE_REACH; c += LANES)
+			store_mask(t->down[y] + c, link_down(t, y + MARGIN, c, job));
+	memset(t->down[t->height - 1], 0, sizeof t->down[0]);
 }
 
 /* ---- windows ---- */
@@ -294,9 +292,8 @@ INLINE vf arm_cells(vf range, float across_rad, float along_rad, vf slope_m2,
 	return least(most(cells, all(ARM_MIN)), all(most_cells));
 }
 
-INLINE void add_cell(vf *s, vf u, vf v, vf w, vf one)
+INLINE void add_cell(vf *s, vf u, vf v, vf w)
 {
-	s[N] += one;
 	s[U] += u;
 	s[V] += v;
 	s[W] += w;
@@ -308,50 +305,45 @@ INLINE void add_cell(vf *s, vf u, vf v, vf w, vf one)
 	s[WW] += w * w;
 }
 
-/* Along a row: u relative to the group's mean, v to the row's, w to the cell's own. */
-INLINE void sum_row(tile *t, const struct tile_job *job, int y)
+/* Cells to the right (side 1) or left (-1) as far as the arm and the links reach; gives minus how many. */
+INLINE vi add_run(vf *sum, const tile *t, int y, int c, int side, vf arm, float u_mean)
 {
-	int r = y + MARGIN;
-	const float column_rad = (float)job->grid->column_rad * t->level[r],
-		    row_rad = (float)job->grid->row_rad;
-	for (int group = 0; group < (t->width - 2 * TILE_REACH) / LANES; group++) {
-		int c = MARGIN + TILE_REACH + group * LANES;
-		vf *s = t->sum[y][group];
-		vf here = load(t->w[r] + c), range = load(t->range[r] + c);
+	const int r = y + MARGIN, far = (int)largest(arm);
+	vf here = load(t->w[r] + c);
+	vi in = here > 0, count = { 0 };
+	for (int k = 1; k <= far; k++) {
+		const int i = c + side * k;
+		in &= (arm >= (float)k) & load_mask(t->right[y] + (side > 0 ? i - 1 : i));
+		if (k % NO_LINKS_EACH == 0 && !any(in))
+			break;
+		count += in;
+		add_cell(sum, where(in, load(t->u[r] + i) - u_mean), where(in, load(t->v[r] + i)),
+			where(in, load(t->w[r] + i) - here));
+	}
+	return count;
+}
+
+/* Along a row: u relative to the group's mean, v to the row's, w to the cell's own. */
+INLINE void sum_row(tile *t, const struct tile_job *job, int y, int group)
+{
+	int r = y + MARGIN, c = MARGIN + TILE_REACH + group * LANES;
+	vf *s = t->sum[y % RING], sum[SUMS] = { 0 };
+	vf range = load(t->range[r] + c);
+	if (largest(range) > 0) {
 		float u_mean = t->u_mean[group];
-		for (int k = 0; k < SUMS; k++)
-			s[k] = (vf){ 0 };
-		if (!(largest(range) > 0))
-			continue;
 		vf slope = slope_m(load(t->range[r] + c - 2), range, load(t->range[r] + c + 2),
 			job->options->range_noise_m);
-		vf arm = arm_cells(
-			range, row_rad, column_rad, slope, job->options, (float)job->reach_columns);
-		vf right = least(arm, load_bytes(t->right[y] + c)),
-		   left = least(arm, load_bytes(t->left[y] + c));
-		vf sum[SUMS] = { 0 };
-		vi is = here > 0;
-		add_cell(sum, where(is, load(t->u[r] + c) - u_mean), load(t->v[r] + c), (vf){ 0 },
-			where(is, all(1)));
-		int far = (int)largest(right);
-		for (int k = 1; k <= far; k++) {
-			vi in = right >= (float)k;
-			const int i = c + k;
-			add_cell(sum, where(in, load(t->u[r] + i) - u_mean),
-				where(in, load(t->v[r] + i)), where(in, load(t->w[r] + i) - here),
-				where(in, all(1)));
-		}
-		far = (int)largest(left);
-		for (int k = 1; k <= far; k++) {
-			vi in = left >= (float)k;
-			const int i = c - k;
-			add_cell(sum, where(in, load(t->u[r] + i) - u_mean),
-				where(in, load(t->v[r] + i)), where(in, load(t->w[r] + i) - here),
-				where(in, all(1)));
-		}
-		for (int k = 0; k < SUMS; k++)
-			s[k] = sum[k];
+		vf arm = arm_cells(range, (float)job->grid->row_rad,
+			(float)job->grid->column_rad * t->level[r], slope, job->options,
+			(float)job->reach_columns);
+		vi is = range > 0;
+		add_cell(sum, where(is, load(t->u[r] + c) - u_mean), load(t->v[r] + c), (vf){ 0 });
+		vi count = is + add_run(sum, t, y, c, 1, arm, u_mean) +
+			   add_run(sum, t, y, c, -1, arm, u_mean);
+		sum[N] = __builtin_convertvector(-count, vf);
 	}
+	for (int k = 0; k < SUMS; k++)
+		s[k] = sum[k];
 }
 
 /* Adds the sums of another row, moved to this cell's v and w. */
@@ -372,26 +364,35 @@ INLINE void add_row(vf *s, const vf *other, float dv, vf dw, vi in)
 	s[WW] += where(in, other[WW]) + dw * (2 * w + dw * n);
 }
 
+/* Rows below (side 1) or above (-1) as far as the arm and the links reach. */
+INLINE void add_rows(vf *s, const tile *t, int y, int c, int side, vf arm)
+{
+	const int r = y + MARGIN, far = (int)largest(arm);
+	vf here = load(t->w[r] + c);
+	vi in = here > 0;
+	for (int k = 1; k <= far; k++) {
+		const int i = y + side * k;
+		in &= (arm >= (float)k) & load_mask(t->down[side > 0 ? i - 1 : i] + c);
+		if (k % NO_LINKS_EACH == 0 && !any(in))
+			break;
+		add_row(s, t->sum[i % RING], t->v_mean[i + MARGIN] - t->v_mean[r],
+			load(t->w[i + MARGIN] + c) - here, in);
+	}
+}
+
 INLINE void sum_window(const tile *t, const struct tile_job *job, int y, int group, vf *s)
 {
 	int r = y + MARGIN, c = MARGIN + TILE_REACH + group * LANES;
 	const float column_rad = (float)job->grid->column_rad * t->level[r],
 		    row_rad = (float)job->grid->row_rad;
-	vf here = load(t->w[r] + c), range = load(t->range[r] + c);
+	vf range = load(t->range[r] + c);
 	vf slope = slope_m(load(t->range[r - 2] + c), range, load(t->range[r + 2] + c),
 		job->options->range_noise_m);
 	vf arm = arm_cells(range, column_rad, row_rad, slope, job->options, TILE_REACH);
-	vf down = least(arm, load_bytes(t->down[y] + c)), up = least(arm, load_bytes(t->up[y] + c));
 	for (int k = 0; k < SUMS; k++)
-		s[k] = t->sum[y][group][k];
-	int far = (int)largest(down);
-	for (int k = 1; k <= far; k++)
-		add_row(s, t->sum[y + k][group], t->v_mean[r + k] - t->v_mean[r],
-			load(t->w[r + k] + c) - here, down >= (float)k);
-	far = (int)largest(up);
-	for (int k = 1; k <= far; k++)
-		add_row(s, t->sum[y - k][group], t->v_mean[r - k] - t->v_mean[r],
-			load(t->w[r - k] + c) - here, up >= (float)k);
+		s[k] = t->sum[y % RING][k];
+	add_rows(s, t, y, c, 1, arm);
+	add_rows(s, t, y, c, -1, arm);
 }
 
 /* ---- planes ---- */
@@ -507,24 +508,30 @@ INLINE void put_plane(
 		put_window(t, p, at, f, lanes);
 }
 
+INLINE void fit_cells(const tile *t, const struct tile_job *job, int y, int group)
+{
+	int c = MARGIN + TILE_REACH + group * LANES, r = y + MARGIN;
+	size_t at = (size_t)(job->row + y - TILE_REACH) * job->grid->columns + job->column +
+		    group * LANES;
+	vf s[SUMS], here = load(t->w[r] + c);
+	int lanes = MIN(LANES, (int)job->columns - group * LANES);
+	sum_window(t, job, y, group, s);
+	struct fit f =
+		fit_plane(s, here, t->u_mean[group], t->v_mean[r], job->options->range_noise_m);
+	put_plane(t, job->planes, at, &f, lanes);
+}
+
+/* A group of columns after the other: what its windows take in stays in the nearest cache. */
 INLINE void fit_tile(tile *t, const struct tile_job *job)
 {
 	place(t, job);
-	find_arms(t, job);
-	for (int y = 0; y < t->height; y++)
-		sum_row(t, job, y);
-	for (int y = TILE_REACH; y < TILE_REACH + (int)job->rows; y++) {
-		size_t at = (size_t)(job->row + y - TILE_REACH) * job->grid->columns + job->column;
-		for (int group = 0; group * LANES < (int)job->columns; group++) {
-			int c = MARGIN + TILE_REACH + group * LANES, r = y + MARGIN;
-			vf s[SUMS], here = load(t->w[r] + c);
-			int lanes = MIN(LANES, (int)job->columns - group * LANES);
-			sum_window(t, job, y, group, s);
-			struct fit f = fit_plane(s, here, t->u_mean[group], t->v_mean[r],
-				job->options->range_noise_m);
-			put_plane(t, job->planes, at + group * LANES, &f, lanes);
+	find_links(t, job);
+	for (int group = 0; group * LANES < (int)job->columns; group++)
+		for (int y = 0; y < t->height; y++) {
+			sum_row(t, job, y, group);
+			if (y >= 2 * TILE_REACH)
+				fit_cells(t, job, y - TILE_REACH, group);
 		}
-	}
 }
 
 static void fit_tile_portable(tile *t, const struct tile_job *job)

@@ -3,8 +3,8 @@
 /* The plane fits of one tile of a grid. Internal to normals*.c. One thread a tile. */
 #include "process/normals.h"
 
-#define TILE_COLUMNS 64 /* at most, of the tile itself */
-#define TILE_ROWS    128
+#define TILE_COLUMNS 96 /* at most, of the tile itself */
+#define TILE_ROWS    88
 #define TILE_REACH   16 /* cells around it that windows may reach into */
 
 struct tile_job {
