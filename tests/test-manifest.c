@@ -298,7 +298,8 @@ static void test_too_large(struct folder *f, gconstpointer data)
 		g_str_has_suffix(error->message, "has 33554433 bytes; at most 33554432 are read"));
 	g_clear_error(&error);
 	g_assert_null(manifest_parse(text, MANIFEST_BYTES_MAX + 1, "x", 1, &error));
-	g_assert_cmpstr(error->message, ==, "x: has 33554433 bytes; a manifest has at most 33554432");
+	g_assert_cmpstr(
+		error->message, ==, "x: has 33554433 bytes; a manifest has at most 33554432");
 }
 
 /* The check that makes it whole: 'twice' is always twice 'number', whatever the length of the text
