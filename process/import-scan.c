@@ -2,6 +2,7 @@
 #include "acquire/panorama.h"
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
+#include "process/pose-json.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <glib/gstdio.h>
@@ -278,30 +279,6 @@ struct pose import_given_pose(const struct import_scan *scan)
 	return pose;
 }
 
-static JsonArray *numbers(const double *values, int count)
-{
-	JsonArray *array = json_array_new();
-	for (int i = 0; i < count; i++)
-		json_array_add_double_element(array, values[i]);
-	return array;
-}
-
-static void set_array(manifest *m, const char *key, JsonArray *array)
-{
-	JsonNode *node = json_node_new(JSON_NODE_ARRAY);
-	json_node_take_array(node, array);
-	manifest_set_node(m, key, node);
-}
-
-static void set_pose(manifest *m, const struct pose *pose)
-{
-	JsonArray *rows = json_array_new();
-	for (int i = 0; i < 3; i++)
-		json_array_add_array_element(rows, numbers(pose->rotation[i], 3));
-	set_array(m, "given_pose.rotation", rows);
-	set_array(m, "given_pose.translation_m", numbers(pose->translation_m, 3));
-}
-
 static void set_source(manifest *m, const struct import_origin *o, uint32_t in_file)
 {
 	g_autofree char *name = g_path_get_basename(import_source_path(o->file)),
@@ -343,7 +320,7 @@ static void set_points(manifest *m, const struct staged_scan *s)
 	manifest_set_int(m, "points.columns", s->result.columns);
 	manifest_set_int(m, "points.rows", s->result.rows);
 	manifest_set_int(m, "points.left_out", (int64_t)s->result.left_out);
-	set_array(m, "points.origin_m", numbers(s->scan.origin_m, 3));
+	manifest_set_node(m, "points.origin_m", json_write_numbers(s->scan.origin_m, 3));
 }
 
 static void set_file(manifest *m, const char *name, uint64_t bytes, const char *sha256)
@@ -384,7 +361,7 @@ bool import_scan_describe(struct staged_scan *s, const struct import_origin *ori
 		manifest_set_string(m, "source.note", s->scan.note);
 	if (s->result.has_pose) {
 		struct pose pose = import_given_pose(&s->scan);
-		set_pose(m, &pose);
+		manifest_set_node(m, "given_pose", json_write_pose(&pose));
 	}
 	set_file(m, "points.ply", s->bytes, sha256);
 	return manifest_save(m, error);
