@@ -97,8 +97,8 @@ static double rank(const struct outcome *o, uint32_t count, size_t member, doubl
 static void tell(
 	enum bench_fine_method method, const struct outcome *o, uint32_t count, JsonArray *json)
 {
-	double prepare = rank(o, count, offsetof(struct outcome, prepare_s), 0.5),
-	       align = rank(o, count, offsetof(struct outcome, align_s), 0.5),
+	double prepare = rank(o, count, offsetof(struct outcome, prepare_s), 0),
+	       align = rank(o, count, offsetof(struct outcome, align_s), 0),
 	       degrees = rank(o, count, offsetof(struct outcome, degrees), 0.5),
 	       degrees_most = rank(o, count, offsetof(struct outcome, degrees), 1),
 	       mm = rank(o, count, offsetof(struct outcome, mm), 0.5),

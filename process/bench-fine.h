@@ -9,7 +9,7 @@ struct bench_fine_input {
 	const range_grid *a, *b;
 	struct pose exact; /* takes b to a */
 };
-/* Prints a table, or, when json is not NULL, adds what it measured: per method the median CPU time of preparing both scans and
+/* Prints a table, or, when json is not NULL, adds what it measured: per method the least CPU time of preparing both scans and
  * aligning them, on one thread, and the median and worst error against the true pose. */
 bool bench_fine(
 	const struct bench_fine_input *in, uint32_t trials, JsonArray *json, GError **error);

@@ -3,6 +3,7 @@
 #include "acquire/strict-json.h"
 #include "firmware-io/files.h"
 #include "process/build-model.h"
+#include <glib/gstdio.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -154,6 +155,11 @@ static bool measure(const char *path, uint32_t scans, const struct bench_model_o
 			return false;
 	if (!build(s, scans - 1, o, &f->most, error) || !build(s, scans, o, &f->last, error))
 		return false;
+	g_autofree char *model = g_build_filename(path, "model", "points.model", NULL);
+	GStatBuf about;
+	if (g_stat(model, &about) != 0)
+		return files_fail(error, model, "look at");
+	f->file_bytes = (uint64_t)about.st_size;
 	struct rusage u;
 	getrusage(RUSAGE_SELF, &u);
 	f->peak_mib = (double)u.ru_maxrss / 1024;
@@ -169,6 +175,7 @@ static void print_json(uint32_t scans, const struct figures *f)
 	json_object_set_int_member(j, "measured", (gint64)f->measured);
 	json_object_set_int_member(j, "points", (gint64)f->last.points);
 	json_object_set_int_member(j, "redundant", (gint64)f->last.redundant);
+	json_object_set_int_member(j, "file_bytes", (gint64)f->file_bytes);
 	json_object_set_double_member(j, "seconds", f->most.seconds);
 	json_object_set_double_member(j, "seconds_one_more", f->last.seconds);
 	json_object_set_int_member(j, "rebuilt_one_more", f->last.scans_rebuilt);
@@ -185,6 +192,7 @@ static void print_text(uint32_t scans, const struct figures *f)
 	printf("model: %u scans of %u x %u along a street\n", scans, COLUMNS, ROWS);
 	printf("  %-28s %10.1f million\n", "measured points", (double)f->measured * 1e-6);
 	printf("  %-28s %10.1f million\n", "in the model", (double)f->last.points * 1e-6);
+	printf("  %-28s %10.1f\n", "bytes a point", (double)f->file_bytes / (double)f->last.points);
 	printf("  %-28s %10.1f s\n", "all scans but the last", f->most.seconds);
 	printf("  %-28s %10.2f million points/s\n", "", most / f->most.seconds * 1e-6);
 	printf("  %-28s %10.1f s (%u scans made anew)\n", "with the last", f->last.seconds,

@@ -12,7 +12,7 @@ struct bench_process_options {
 	const char *
 		site; /* NULL: a courtyard is simulated and scanned, fine, into a folder that is removed */
 	const char *preset; /* of the simulated scan; NULL: fine */
-	uint32_t repeats;   /* the median counts; 0: 5 */
+	uint32_t repeats;   /* the least time counts; 0: 5 */
 	bool json;
 };
 bool bench_process(const struct bench_process_options *options, GError **error);

@@ -289,7 +289,7 @@ INLINE vf arm_cells(vf range, float across_rad, float along_rad, vf slope_m2,
 	vf wide_m2 =
 		most(all(o->radius_m * o->radius_m), 0.87f / AIM_RAD * o->range_noise_m * beam);
 	vf cells = root(wide_m2 / most(along * along + slope_m2, all(1e-12f)));
-	return least(most(cells, all(ARM_MIN)), all(most_cells));
+	return where(range > 0, least(most(cells, all(ARM_MIN)), all(most_cells)));
 }
 
 INLINE void add_cell(vf *s, vf u, vf v, vf w)

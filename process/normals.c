@@ -73,11 +73,11 @@ static float noise_at_most_m(const range_grid *g)
 /* What fits leave along the rays in a few small tiles. Windows on smooth surfaces leave noise and nothing else, all about the
  * same; curved and cluttered ones leave more. */
 static float noise_left_m(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, tile *t)
+	const struct normals_planes *p, tile *t, uint32_t stride)
 {
 	g_autofree float *left_m = g_new(float, NOISE_TILES *NOISE_TILE *NOISE_TILE);
 	size_t count = 0;
-	for (uint32_t k = 0; k < NOISE_TILES; k++) {
+	for (uint32_t k = 0; k < NOISE_TILES; k += stride) {
 		struct tile_job job = { g, o, p, .columns = MIN(NOISE_TILE, g->columns),
 			.rows = MIN(NOISE_TILE, g->rows),
 			.reach_columns = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH) };
@@ -103,9 +103,10 @@ float normals_range_noise_m(const range_grid *g)
 		.range_noise_m = noise_at_most_m(g) };
 	struct normals_planes planes = { .error_m = error_m, .offset_m = offset_m };
 	tile *t = tile_new();
-	for (int round = 0; round < 2; round++) /* the first one's windows may be far too wide */
-		options.range_noise_m =
-			CLAMP(noise_left_m(g, &options, &planes, t), NOISE_LEAST_M, NOISE_MOST_M);
+	for (uint32_t stride = 2; stride;
+		stride--) /* the first one's windows may be far too wide */
+		options.range_noise_m = CLAMP(
+			noise_left_m(g, &options, &planes, t, stride), NOISE_LEAST_M, NOISE_MOST_M);
 	tile_free(t);
 	return options.range_noise_m;
 }

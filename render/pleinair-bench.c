@@ -24,7 +24,7 @@ static const GOptionEntry entries[] = {
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_path,
 		"process: a site to take scans from (default: a simulated one)", "SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
-		"process: how often each is measured; the median counts (default 5)", "N" },
+		"process: how often each is measured; the least time counts (default 5)", "N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
 		"process, register: how finely is scanned (default fine, standard)",
 		"draft|standard|fine" },
