@@ -105,6 +105,10 @@ INLINE bool find(const struct view *v, const float q[3], struct place *ret)
 	return true;
 }
 
+/* By how much no surface is quite its plane, of the distance along it between the two cells' middles. It matters where cells
+ * are long: lawn and road far away, met at a slant, which two scans see as planes of other parts of it. */
+#define UNEVEN 0.008f
+
 struct found {
 	const struct surfel *surfel;
 	float distance2;
@@ -277,7 +281,7 @@ void pairs_sum(const struct pairing *how, const struct sample *samples, size_t c
 			row.q = s->point_m;
 		}
 		row.sigma2 = best.surfel->sigma_m * best.surfel->sigma_m + s->sigma_m * s->sigma_m +
-			     slack2;
+			     slack2 + UNEVEN * UNEVEN * best.distance2;
 		if (ret_residual)
 			ret_residual[i] = row.e / sqrtf(row.sigma2);
 		add_row(&row, scale2, ret, ret_tile ? ret_tile[tile_of(row.q)] : NULL);

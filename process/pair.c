@@ -43,7 +43,7 @@ static double cpu_seconds(void)
 struct solution {
 	struct fine_result fine;
 	struct verification verification;
-	bool finished; /* and came to rest where it was roughly */
+	bool measured, finished; /* in full, and came to rest where it was roughly */
 };
 
 struct search {
@@ -184,14 +184,15 @@ static void try_rivals(struct search *s)
 	}
 }
 
-static bool finish(struct search *s, struct solution *solution)
+static void finish(struct search *s, struct solution *solution)
 {
 	struct pose rough = solution->fine.pose;
 	double before = cpu_seconds();
 	bool good = fine_align(s->a->fine, s->b->fine, &rough, FINE_FROM_ROUGH, &solution->fine);
 	s->fine_s += cpu_seconds() - before;
 	measure(s, solution, VERIFY_FULL);
-	return good && is_same(&rough, &solution->fine.pose);
+	solution->measured = true;
+	solution->finished = good && is_same(&rough, &solution->fine.pose);
 }
 
 static double rivalry(const struct search *s, size_t i)
@@ -226,14 +227,28 @@ static void finish_likely(struct search *s)
 			s->solution[count++] = close;
 		}
 	for (size_t i = 0; i < count; i++)
-		s->solution[i].finished = finish(s, &s->solution[i]);
+		finish(s, &s->solution[i]);
 	qsort(s->solution, count, sizeof *s->solution, by_doubt);
+}
+
+/* The rival that counts. What was measured roughly only is finished before it may count: poses off by centimetres let a wall
+ * pass that is not there. */
+static const struct solution *finish_rival(struct search *s)
+{
+	const struct solution *rival = find_rival(s);
+	for (size_t k = 0; k < FINISHED && rival && !rival->measured &&
+			   verify_rivalry(&s->solution[0].verification, &rival->verification) >= 1;
+		k++) {
+		finish(s, &s->solution[rival - s->solution]);
+		rival = find_rival(s);
+	}
+	return rival;
 }
 
 static void decide(struct search *s, struct pair_result *ret)
 {
 	finish_likely(s);
-	const struct solution *best = &s->solution[0], *rival = find_rival(s);
+	const struct solution *best = &s->solution[0], *rival = finish_rival(s);
 	ret->fine = best->fine;
 	ret->pose = best->fine.pose;
 	ret->verification = best->verification;

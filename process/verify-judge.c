@@ -14,10 +14,10 @@
 #define OVERLAP_MIN      0.15
 #define BALANCE_MIN      0.02
 /* A rival is refuted by things that it puts where they were seen through, and which this pose explains: by so much more of
- * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.4 %, and up to 1 % where each surface
- * rests on one beam, which may have met an edge; a hall's half turn that its furniture tells apart, 1.1 % and more. */
-#define RIVAL_FACTOR     1.7
-#define RIVAL_MARGIN     0.0045
+ * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.1 %, and up to 1 % where each surface
+ * rests on one beam, which may have met an edge; a hall's half turn that its furniture tells apart, 0.6 % and more. */
+#define RIVAL_FACTOR     2.0
+#define RIVAL_MARGIN     0.0020
 #define RIVAL_MARGIN_ONE 0.010
 #define BEAMS_MANY       3
 #define RIVALRY_MAX      99

@@ -63,8 +63,7 @@ static void turn_mesh(struct mesh *m)
 			continue;
 		g_array_append_vals(indices, corner, 3);
 		g_array_append_val(kept, face);
-		if (side == 0)
-			continue;
+		/* Also what crosses the middle: else it lies there on one side only, and leaves a gap beside its twin. */
 		for (int k = 0; k < 3; k++)
 			corner[k] = turned_point(m, copy, corner[k]);
 		g_array_append_vals(indices, corner, 3);
