@@ -37,6 +37,7 @@ static const struct {
 	[FINE_FROM_NEAR] = { 1, FINEST, THROUGH_MAX_NEAR },
 	[FINE_ROUGHLY] = { 0, 2, THROUGH_MAX_COARSE },
 	[FINE_FROM_ROUGH] = { 3, FINEST, THROUGH_MAX_COARSE },
+	[FINE_CLOSELY] = { FINEST, FINEST, THROUGH_MAX_NEAR },
 };
 
 #define PAIRS_MIN 100
@@ -112,14 +113,24 @@ static void take_samples(fine_scan *s, size_t stage)
 	s->samples[stage] = g_renew(struct sample, samples, s->count[stage]);
 }
 
-fine_scan *fine_scan_new(const range_grid *g)
+static fine_scan *make_scan(pyramid *p, size_t first_stage)
 {
 	fine_scan *s = g_new0(fine_scan, 1);
-	s->pyramid = pyramid_new(g);
+	s->pyramid = p;
 	s->scale = scale_of(s->pyramid);
-	for (size_t k = 0; k < STAGES; k++)
+	for (size_t k = first_stage; k < STAGES; k++)
 		take_samples(s, k);
 	return s;
+}
+
+fine_scan *fine_scan_new(const range_grid *g)
+{
+	return make_scan(pyramid_new(g), 0);
+}
+
+fine_scan *fine_scan_new_narrow(const range_grid *g)
+{
+	return make_scan(pyramid_new_narrow(g), FINEST);
 }
 
 void fine_scan_free(fine_scan *s)

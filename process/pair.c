@@ -22,10 +22,11 @@
 /* What stands beside the pyramid, about: the plans and views; per surfel, the samples and what is around it. */
 #define COARSE_BYTES 2000000u
 #define SURFEL_BYTES (sizeof(struct surfel) + 30)
+#define NARROW_BYTES (sizeof(struct surfel) + 15)
 
 struct pair_scan {
 	coarse_scan *coarse;
-	fine_scan *fine;
+	fine_scan *fine, *narrow;
 	struct verify_view *view;
 	struct pose alike[ALIKE_MAX];
 	size_t alikes;
@@ -127,6 +128,7 @@ pair_scan *pair_scan_new(const range_grid *g)
 	pair_scan *s = g_new0(pair_scan, 1);
 	s->coarse = coarse_scan_new(g);
 	s->fine = fine_scan_new(g);
+	s->narrow = fine_scan_new_narrow(g);
 	s->view = verify_view_new(g, fine_scan_pyramid(s->fine));
 	find_alikes(s);
 	return s;
@@ -139,16 +141,31 @@ void pair_scan_free(pair_scan *s)
 	coarse_scan_free(s->coarse);
 	verify_view_free(s->view);
 	fine_scan_free(s->fine);
+	fine_scan_free(s->narrow);
 	g_free(s);
+}
+
+static uint64_t bytes_of(const pyramid *p, size_t each)
+{
+	uint64_t bytes = 0;
+	for (int i = 0; i < PYRAMID_LEVELS; i++)
+		bytes += (uint64_t)p->level[i].columns * p->level[i].rows * each;
+	return bytes;
 }
 
 uint64_t pair_scan_bytes(const pair_scan *s)
 {
-	const pyramid *p = fine_scan_pyramid(s->fine);
-	uint64_t bytes = sizeof *s + COARSE_BYTES;
-	for (int i = 0; i < PYRAMID_LEVELS; i++)
-		bytes += (uint64_t)p->level[i].columns * p->level[i].rows * SURFEL_BYTES;
-	return bytes;
+	return sizeof *s + COARSE_BYTES + bytes_of(fine_scan_pyramid(s->fine), SURFEL_BYTES) +
+	       bytes_of(fine_scan_pyramid(s->narrow), NARROW_BYTES);
+}
+
+/* As closely as both scans allow. What does not come to rest near where it was stays as it was. */
+static void align_closely(const pair_scan *a, const pair_scan *b, struct fine_result *fine)
+{
+	struct fine_result closer;
+	if (fine_align(a->narrow, b->narrow, &fine->pose, FINE_CLOSELY, &closer) &&
+		closer.converged && is_same(&fine->pose, &closer.pose))
+		*fine = closer;
 }
 
 /* ---- the pair ---- */
@@ -193,6 +210,14 @@ static void finish(struct search *s, struct solution *solution)
 	measure(s, solution, VERIFY_FULL);
 	solution->measured = true;
 	solution->finished = good && is_same(&rough, &solution->fine.pose);
+}
+
+static void polish(struct search *s, struct solution *solution)
+{
+	double before = cpu_seconds();
+	align_closely(s->a, s->b, &solution->fine);
+	s->fine_s += cpu_seconds() - before;
+	measure(s, solution, VERIFY_FULL);
 }
 
 static double rivalry(const struct search *s, size_t i)
@@ -248,7 +273,10 @@ static const struct solution *finish_rival(struct search *s)
 static void decide(struct search *s, struct pair_result *ret)
 {
 	finish_likely(s);
-	const struct solution *best = &s->solution[0], *rival = finish_rival(s);
+	const struct solution *rival = finish_rival(s);
+	struct solution *best = &s->solution[0];
+	if (best->finished)
+		polish(s, best);
 	ret->fine = best->fine;
 	ret->pose = best->fine.pose;
 	ret->verification = best->verification;
@@ -299,6 +327,8 @@ void pair_near(const pair_scan *a, const pair_scan *b, const struct pose *start,
 	double begin = cpu_seconds();
 	*ret = (struct pair_result){ .pose = *start };
 	bool good = fine_align(a->fine, b->fine, start, FINE_FROM_NEAR, &ret->fine);
+	if (good)
+		align_closely(a, b, &ret->fine);
 	double middle = cpu_seconds();
 	ret->fine_s = middle - begin;
 	if (!good) {

@@ -2,9 +2,10 @@
 #include "process/pyramid-sums.h"
 
 /* Cells of level 0 are at most this wide: finer scans are summed up in blocks. */
-#define CELL_MAX_RAD (0.5 * G_PI / 180)
-#define BLOCK_MAX    8u
-#define FILLED_MIN   0.6
+#define CELL_MAX_RAD   (0.5 * G_PI / 180)
+#define NARROW_MAX_RAD (0.3 * G_PI / 180)
+#define BLOCK_MAX      8u
+#define FILLED_MIN     0.6
 /* Neighbours on one surface: to an incidence of 80 degrees, or within the noise. */
 #define SLACK_M 0.05f
 #define SLOPE   5.7f
@@ -46,11 +47,11 @@ static double neighbours_share(const range_grid *g, uint32_t across, uint32_t do
 }
 
 /* A grid may be finer than the beams that filled it. Then cells are wide enough to hold one. */
-static uint32_t block_for(const range_grid *g, bool across)
+static uint32_t block_for(const range_grid *g, double cell_max_rad, bool across)
 {
 	double cell_rad = across ? g->lattice.column_rad : g->lattice.row_rad;
 	uint32_t block = 1;
-	while (block < BLOCK_MAX && 2 * block * cell_rad <= CELL_MAX_RAD)
+	while (block < BLOCK_MAX && 2 * block * cell_rad <= cell_max_rad)
 		block *= 2;
 	if (block == 1 && neighbours_share(g, across, !across) < FILLED_MIN)
 		block = 2;
@@ -146,11 +147,12 @@ static void make_level(pyramid *p, int level, const struct sums *s, bool portabl
 	fits_clear(&fits);
 }
 
-static pyramid *make(const range_grid *g, bool portable)
+static pyramid *make(const range_grid *g, double cell_max_rad, bool portable)
 {
 	const struct range_lattice *l = &g->lattice;
 	pyramid *p = g_new0(pyramid, 1);
-	uint32_t across = block_for(g, true), down = block_for(g, false);
+	uint32_t across = block_for(g, cell_max_rad, true),
+		 down = block_for(g, cell_max_rad, false);
 	p->column_rad = l->column_rad * across;
 	p->row_rad = l->row_rad * down;
 	p->azimuth_min_rad = l->azimuth_min_rad;
@@ -173,10 +175,15 @@ static pyramid *make(const range_grid *g, bool portable)
 
 pyramid *pyramid_new(const range_grid *g)
 {
-	return make(g, false);
+	return make(g, CELL_MAX_RAD, false);
 }
 
 pyramid *pyramid_new_portable(const range_grid *g)
 {
-	return make(g, true);
+	return make(g, CELL_MAX_RAD, true);
+}
+
+pyramid *pyramid_new_narrow(const range_grid *g)
+{
+	return make(g, NARROW_MAX_RAD, false);
 }

@@ -42,6 +42,8 @@ struct pyramid {
 };
 
 pyramid *pyramid_new(const range_grid *g);
+/* With cells of level 0 of a quarter of a degree, not half of one, as far as the grid has such. */
+pyramid *pyramid_new_narrow(const range_grid *g);
 /* Without the vector instructions that the processor has, for tests. */
 pyramid *pyramid_new_portable(const range_grid *g);
 void pyramid_free(pyramid *p); /* NULL is fine */
