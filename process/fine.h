@@ -24,8 +24,9 @@ const pyramid *fine_scan_pyramid(const fine_scan *s); /* the scan's; lives as lo
 enum fine_reach {
 	FINE_FROM_COARSE, /* the start may be off by 3 m and 15 degrees */
 	FINE_FROM_NEAR,   /* by 0.3 m and 2 degrees: starts at a finer level */
-	/* In two parts, so that of many candidates only the likely ones are finished: the first as from coarse, but to some
-	 * centimetres only, never converged; the second from where the first ended. */
+	/* In two parts, so that of many candidates only the likely ones are finished: the first as from near, which coarse
+	 * candidates are (from afar, a street's front slides to the next window), but to some centimetres only, never converged;
+	 * the second from where the first ended. */
 	FINE_ROUGHLY,
 	FINE_FROM_ROUGH,
 	/* From where another reach ended, the last stage again. In narrow cells, which show what stands more than 15 m away as the

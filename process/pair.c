@@ -90,11 +90,15 @@ static void try_start(struct search *s, const struct pose *start)
 	s->count++;
 }
 
+/* What shares too little to tell comes last, however little contradicts it. */
 static int by_doubt(const void *x, const void *y)
 {
-	double a = verify_doubt(&((const struct solution *)x)->verification),
-	       b = verify_doubt(&((const struct solution *)y)->verification);
-	return (a > b) - (a < b);
+	const struct solution *a = x, *b = y;
+	const struct verification *v = &a->verification, *w = &b->verification;
+	bool enough = verify_shares_enough(v), other_enough = verify_shares_enough(w);
+	if (enough != other_enough)
+		return enough ? -1 : 1;
+	return (verify_doubt(v) > verify_doubt(w)) - (verify_doubt(v) < verify_doubt(w));
 }
 
 /* The likeliest first. */

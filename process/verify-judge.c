@@ -75,9 +75,14 @@ void verify_no_solution(struct verification *ret)
 		"No pose was found in which the two scans share enough surface to compare.");
 }
 
+bool verify_shares_enough(const struct verification *v)
+{
+	return v->agree_sr >= AGREE_MIN_SR && v->overlap >= OVERLAP_MIN;
+}
+
 static bool shares_enough(struct verification *v)
 {
-	if (v->agree_sr >= AGREE_MIN_SR && v->overlap >= OVERLAP_MIN)
+	if (verify_shares_enough(v))
 		return true;
 	say(v, VERDICT_NO_OVERLAP,
 		"In the best pose the scans share only %.2f sr of surface, %.0f %% of what both "

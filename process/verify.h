@@ -75,6 +75,8 @@ void verify_measure(const struct verify_view *a, const struct verify_view *b,
 double verify_contradiction(const struct verification *v);
 /* The same with some doubt that only much agreement outweighs: the lower, the likelier is the pose. */
 double verify_doubt(const struct verification *v);
+/* Whether the scans share enough in this pose for a verdict. */
+bool verify_shares_enough(const struct verification *v);
 /* Above 1, v cannot be told from the rival; 0: the other shares so little that it is none. */
 double verify_rivalry(const struct verification *v, const struct verification *rival);
 /* Verdict and reason of a pose that was measured in full; rival: the likeliest other one, or NULL. */
