@@ -468,6 +468,15 @@ static scan_graph *refuse_undo(const site *s, GError **error)
 	return NULL;
 }
 
+/* What an undo left is what the revision after its parent had made: every other revision's parent is the one before it. */
+static char *change_of(const site *s, const scan_graph *last, GError **error)
+{
+	if (last->parent + 1 == last->revision)
+		return g_strdup(last->change);
+	g_autoptr(scan_graph) made = load_revision(s, last->parent + 1, error);
+	return made ? g_strdup(made->change) : NULL;
+}
+
 /* An undone first change leaves a graph without anything, whose parent is 0 as a first one's is. */
 scan_graph *scan_graph_undo(const site *s, GError **error)
 {
@@ -478,9 +487,10 @@ scan_graph *scan_graph_undo(const site *s, GError **error)
 		return refuse_undo(s, error);
 	g_autoptr(scan_graph) before =
 		last->parent ? load_revision(s, last->parent, error) : scan_graph_new();
-	if (!before)
+	g_autofree char *undone = before ? change_of(s, last, error) : NULL;
+	if (!undone)
 		return NULL;
-	g_autofree char *change = g_strdup_printf("undone: %s", last->change);
+	g_autofree char *change = g_strdup_printf("undone: %s", undone);
 	if (!append(before, s, change, error))
 		return NULL;
 	return g_steal_pointer(&before);
