@@ -13,14 +13,15 @@ static const struct fine_stage {
 	float cosine_min;
 	bool around;
 } stages[] = {
-	{ 1.0, 0.80, 0.20, 16, 1, 0.60f, true },
-	{ 0.5, 0.20, 0.06, 10, 1, 0.75f, true },
-	{ 0.25, 0.06, 0.015, 8, 2, 0.85f, false },
-	{ 0.10, 0.010, 0.001, 8, 2, 0.92f, false },
+	{ 1.0, 0.80, 0.20, 16, 1, 0.60f, true }, { 0.5, 0.20, 0.06, 10, 1, 0.75f, true },
+	{ 0.25, 0.06, 0.015, 8, 2, 0.85f, false }, { 0.10, 0.010, 0.001, 8, 2, 0.92f, false },
 	{ 0.10, 0.001, 0.001, 8, 1, 0.92f, false },
+	{ 0.10, 0.001, 0.001, 8, 1, 0.985f,
+		false }, /* in narrow cells, whose normals at edges differ most */
 };
 #define STAGES G_N_ELEMENTS(stages)
-#define FINEST (STAGES - 1)
+#define NARROW (STAGES - 1)
+#define FINEST (STAGES - 2)
 
 #define KERNEL_SCALE 2.5 /* where the weight is a quarter */
 /* A pose where more than this stands where the other scan saw through is not the one that was looked for. From afar more
@@ -37,7 +38,7 @@ static const struct {
 	[FINE_FROM_NEAR] = { 1, FINEST, THROUGH_MAX_NEAR },
 	[FINE_ROUGHLY] = { 1, 2, THROUGH_MAX_COARSE },
 	[FINE_FROM_ROUGH] = { 3, FINEST, THROUGH_MAX_COARSE },
-	[FINE_CLOSELY] = { FINEST, FINEST, THROUGH_MAX_NEAR },
+	[FINE_CLOSELY] = { NARROW, NARROW, THROUGH_MAX_NEAR },
 };
 
 #define PAIRS_MIN 100
@@ -113,24 +114,24 @@ static void take_samples(fine_scan *s, size_t stage)
 	s->samples[stage] = g_renew(struct sample, samples, s->count[stage]);
 }
 
-static fine_scan *make_scan(pyramid *p, size_t first_stage)
+static fine_scan *make_scan(pyramid *p, size_t first_stage, size_t last_stage)
 {
 	fine_scan *s = g_new0(fine_scan, 1);
 	s->pyramid = p;
 	s->scale = scale_of(s->pyramid);
-	for (size_t k = first_stage; k < STAGES; k++)
+	for (size_t k = first_stage; k <= last_stage; k++)
 		take_samples(s, k);
 	return s;
 }
 
 fine_scan *fine_scan_new(const range_grid *g)
 {
-	return make_scan(pyramid_new(g), 0);
+	return make_scan(pyramid_new(g), 0, FINEST);
 }
 
 fine_scan *fine_scan_new_narrow(const range_grid *g)
 {
-	return make_scan(pyramid_new_narrow(g), FINEST);
+	return make_scan(pyramid_new_narrow(g), NARROW, NARROW);
 }
 
 void fine_scan_free(fine_scan *s)
@@ -212,7 +213,7 @@ static bool run_stage(const fine_scan *a, const fine_scan *b, size_t k, struct p
 		ret->converged = last && step.turn_rad < STILL_RAD && step.move_m < STILL_M;
 		if (ret->converged)
 			return true;
-		if (last && k != FINEST &&
+		if (last && k < FINEST &&
 			step.turn_rad * 10 + step.move_m < fmin(slack / 4, 0.3e-3))
 			return true;
 		slack = fmax(slack * SLACK_FACTOR, s->slack_last_m);
@@ -283,6 +284,6 @@ bool fine_align(const fine_scan *a, const fine_scan *b, const struct pose *start
 	pose_orthonormalise(&ret->pose);
 	good = judge(a, b, last, ret) && good;
 	ret->converged &=
-		good && last == FINEST && ret->through_share <= reaches[reach].through_max;
+		good && last >= FINEST && ret->through_share <= reaches[reach].through_max;
 	return good;
 }
