@@ -151,8 +151,10 @@ static bool enter_range(struct merge *m, const struct part_point *first,
 	for (size_t i = 0; i < m->all_runs; i++) {
 		struct run *r = &m->all[i];
 		r->next = first ? find_from(r->next, r->end, first) : r->next;
-		forget(r, 1);
 		r->stop = limit ? find_from(r->next, r->end, limit) : r->end;
+		/* Where it was searched too. */
+		model_part_forget(r->part, r->kept, (size_t)(r->end - r->kept));
+		r->kept = r->next;
 		if (!settle(m, r, error))
 			return false;
 		if (r->next < r->stop)

@@ -176,10 +176,14 @@ static bool learn_reaches(const site *s, const GArray *targets, GError **error)
 		struct target *t = target_at(targets, i);
 		if (t->reach_m >= 0)
 			continue;
-		g_autoptr(overlap_scan) scan = load_scan(s, t->input, error);
+		overlap_scan *scan = load_scan(s, t->input, error);
 		if (!scan)
 			return false;
 		t->reach_m = scan->reach_m;
+		/* A single new one is compared with each of the others: it stays. */
+		t->scan = unknown == 1 && t->is_due ? scan : NULL;
+		if (!t->scan)
+			overlap_scan_free(scan);
 	}
 	return true;
 }
@@ -208,6 +212,7 @@ static bool pass_over_distant(
 	if (g_hash_table_size(t->compared) != targets->len - 1)
 		return true;
 	t->is_due = false;
+	g_clear_pointer(&t->scan, overlap_scan_free);
 	g_autofree uint8_t *dropped = bits_of(p, cells);
 	return save(s, t->input, dropped, cells, t->reach_m, t->compared, error);
 }
@@ -226,8 +231,7 @@ static bool open_target(const site *s, struct target *t, GError **error)
 {
 	uint64_t cells = 0;
 	g_autoptr(product) p = open_current(s, t->input, &cells);
-	t->scan = load_scan(s, t->input, error);
-	if (!t->scan)
+	if (!t->scan && !(t->scan = load_scan(s, t->input, error)))
 		return false;
 	t->reach_m = t->scan->reach_m;
 	t->cells = (uint64_t)t->scan->columns * t->scan->rows;
