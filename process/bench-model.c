@@ -20,6 +20,7 @@
 struct figures {
 	uint64_t measured, file_bytes;
 	struct build_result most, last;
+	double cpu_s, cpu_last_s; /* of all threads, and the system's for them */
 	double peak_mib;
 };
 
@@ -134,13 +135,23 @@ static scan_graph graph_of(uint32_t scans)
 	return g;
 }
 
-static bool build(site *s, uint32_t scans, const struct bench_model_options *o,
-	struct build_result *ret, GError **error)
+static double cpu_now_s(void)
 {
+	struct rusage u;
+	getrusage(RUSAGE_SELF, &u);
+	return (double)(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
+	       1e-6 * (double)(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+}
+
+static bool build(site *s, uint32_t scans, const struct bench_model_options *o,
+	struct build_result *ret, double *ret_cpu_s, GError **error)
+{
+	double began_s = cpu_now_s();
 	struct build_options options = { .memory_bytes = o->memory_bytes };
 	scan_graph g = graph_of(scans);
 	bool ok = build_model(s, &g, &options, ret, error);
 	g_array_unref(g.scans);
+	*ret_cpu_s = cpu_now_s() - began_s;
 	return ok;
 }
 
@@ -153,7 +164,8 @@ static bool measure(const char *path, uint32_t scans, const struct bench_model_o
 	for (uint32_t k = 0; k < scans; k++)
 		if (!add_scan(s, k, &f->measured, error))
 			return false;
-	if (!build(s, scans - 1, o, &f->most, error) || !build(s, scans, o, &f->last, error))
+	if (!build(s, scans - 1, o, &f->most, &f->cpu_s, error) ||
+		!build(s, scans, o, &f->last, &f->cpu_last_s, error))
 		return false;
 	g_autofree char *model = g_build_filename(path, "model", "points.model", NULL);
 	GStatBuf about;
@@ -178,6 +190,8 @@ static void print_json(uint32_t scans, const struct figures *f)
 	json_object_set_int_member(j, "file_bytes", (gint64)f->file_bytes);
 	json_object_set_double_member(j, "seconds", f->most.seconds);
 	json_object_set_double_member(j, "seconds_one_more", f->last.seconds);
+	json_object_set_double_member(j, "cpu_seconds", f->cpu_s);
+	json_object_set_double_member(j, "cpu_seconds_one_more", f->cpu_last_s);
 	json_object_set_int_member(j, "rebuilt_one_more", f->last.scans_rebuilt);
 	json_object_set_double_member(j, "peak_mib", f->peak_mib);
 	g_autoptr(JsonNode) node = json_node_new(JSON_NODE_OBJECT);
@@ -193,10 +207,11 @@ static void print_text(uint32_t scans, const struct figures *f)
 	printf("  %-28s %10.1f million\n", "measured points", (double)f->measured * 1e-6);
 	printf("  %-28s %10.1f million\n", "in the model", (double)f->last.points * 1e-6);
 	printf("  %-28s %10.1f\n", "bytes a point", (double)f->file_bytes / (double)f->last.points);
-	printf("  %-28s %10.1f s\n", "all scans but the last", f->most.seconds);
+	printf("  %-28s %10.1f s, %.1f s of processors\n", "all scans but the last",
+		f->most.seconds, f->cpu_s);
 	printf("  %-28s %10.2f million points/s\n", "", most / f->most.seconds * 1e-6);
-	printf("  %-28s %10.1f s (%u scans made anew)\n", "with the last", f->last.seconds,
-		f->last.scans_rebuilt);
+	printf("  %-28s %10.1f s, %.1f s of processors (%u scans sorted anew)\n", "with the last",
+		f->last.seconds, f->cpu_last_s, f->last.scans_rebuilt);
 	printf("  %-28s %10.0f MiB  (reach: <= 4096 for 100 million)\n", "peak resident memory",
 		f->peak_mib);
 }

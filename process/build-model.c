@@ -18,7 +18,13 @@ static bool make_folders(const site *s, GError **error)
 	return files_make_folder(folder, error) && files_make_folder(parts, error);
 }
 
-static bool update_parts(const site *s, const model_inputs *inputs, unsigned level,
+/* What the parts are to be like. */
+struct wanted {
+	unsigned level;
+	bool is_doubtful; /* one was found to be damaged */
+};
+
+static bool update_parts(const site *s, const model_inputs *inputs, const struct wanted *wanted,
 	const struct build_progress *progress, struct build_result *result, GError **error)
 {
 	for (guint i = 0; i < inputs->scans->len; i++) {
@@ -26,8 +32,8 @@ static bool update_parts(const site *s, const model_inputs *inputs, unsigned lev
 		g_autofree char *doing = g_strdup_printf("sorting scan %u", input->number);
 		bool made;
 		if (!build_progress_step(progress, (double)i / inputs->scans->len, doing, error) ||
-			!model_part_update(
-				s, input, level, build_memory(progress->options), &made, error))
+			!model_part_update(s, input, wanted->level, wanted->is_doubtful,
+				build_memory(progress->options), &made, error))
 			return false;
 		result->scans_rebuilt += made;
 	}
@@ -80,21 +86,20 @@ static unsigned level_before(const site *s)
 }
 
 /* On the finest lattice that holds them all, which is known when they were made on one. Caller frees. */
-static GPtrArray *make_parts(const site *s, const model_inputs *inputs,
-	const struct build_progress *progress, unsigned *ret_level, struct build_result *result,
-	GError **error)
+static GPtrArray *make_parts(const site *s, const model_inputs *inputs, struct wanted *wanted,
+	const struct build_progress *progress, struct build_result *result, GError **error)
 {
-	for (unsigned level = level_before(s);;) {
+	for (;;) {
 		result->scans_rebuilt = 0;
-		if (!update_parts(s, inputs, level, progress, result, error))
+		if (!update_parts(s, inputs, wanted, progress, result, error))
 			return NULL;
-		g_autoptr(GPtrArray) parts = open_parts(s, inputs, level, error);
+		g_autoptr(GPtrArray) parts = open_parts(s, inputs, wanted->level, error);
 		if (!parts)
 			return NULL;
-		*ret_level = level_needed(parts);
-		if (*ret_level == level)
+		unsigned level = level_needed(parts);
+		if (level == wanted->level)
 			return g_steal_pointer(&parts);
-		level = *ret_level;
+		wanted->level = level;
 	}
 }
 
@@ -120,28 +125,42 @@ static bool merge_parts(const site *s, const model_inputs *inputs, const GPtrArr
 	GError **error)
 {
 	g_autofree char *path = model_path(site_path(s));
+	model_part *const *part = (model_part *const *)parts->pdata;
+	g_autoptr(model_stale) stale = NULL;
+	if (!model_stale_find(path, inputs, part, level, &stale, error))
+		return false;
 	JsonObject *made = json_object_new();
 	json_object_set_int_member(made, "method", MODEL_METHOD);
 	json_object_set_double_member(made, "lattice_m", morton_cell_m(level));
 	json_object_set_member(made, "made_from", model_inputs_to_json(inputs));
-	for (guint i = 0; i < parts->len; i++)
-		result->redundant += ((const model_part *)parts->pdata[i])->redundant;
-	return model_merge(path, (model_part *const *)parts->pdata, parts->len, level, made,
-		progress, result, error);
+	return model_merge(path, part, parts->len, level, stale, made, progress, result, error);
 }
 
+/* Parts are read where the model changes, and checked there. When one turns out to be damaged, all are checked and those made
+ * anew; then nothing of them is in doubt. */
 static bool build(const site *s, const model_inputs *inputs, const struct build_options *options,
 	struct build_result *result, GError **error)
 {
 	struct build_progress overlaps = { options, 0, OVERLAPS_SHARE };
 	struct build_progress sorting = { options, OVERLAPS_SHARE, OVERLAPS_SHARE + PARTS_SHARE };
 	struct build_progress merging = { options, sorting.to, 1 };
-	unsigned level;
+	struct wanted wanted = { .level = level_before(s) };
 	if (!make_folders(s, error) || !model_overlaps_update(s, inputs, &overlaps, error))
 		return false;
-	g_autoptr(GPtrArray) parts = make_parts(s, inputs, &sorting, &level, result, error);
-	return parts && merge_parts(s, inputs, parts, level, &merging, result, error) &&
-	       remove_strangers(s, inputs, error);
+	for (;; wanted.is_doubtful = true) {
+		g_autoptr(GError) damage = NULL;
+		g_autoptr(GPtrArray) parts =
+			make_parts(s, inputs, &wanted, &sorting, result, error);
+		if (!parts)
+			return false;
+		if (merge_parts(s, inputs, parts, wanted.level, &merging, result, &damage))
+			return remove_strangers(s, inputs, error);
+		if (wanted.is_doubtful ||
+			!g_error_matches(damage, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED)) {
+			g_propagate_error(error, g_steal_pointer(&damage));
+			return false;
+		}
+	}
 }
 
 bool build_model(site *s, const scan_graph *g, const struct build_options *options,

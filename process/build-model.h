@@ -2,11 +2,13 @@
 #define PROCESS_BUILD_MODEL_H
 /* Builds SITE/model/points.model from the placed scans and their geometry, in bounded memory. Where scans overlap, the sample
  * that was measured best stays: by range and incidence; filled cells never count. What each scan gives is kept beside the model
- * (SITE/model/parts/), so that a site with one scan more builds only what changed.
+ * (SITE/model/parts/), so that a site with one scan more builds only what changed: the new scan's part, the overlaps with scans in
+ * its reach, and the pieces of the model where a point came or went. The rest of the model is copied.
  *
  * 1. Overlaps (model-overlaps.h, overlap.h): which points of each scan another one has better, pair by pair.
- * 2. Parts (model-part.h, morton.h): what is left of each scan, sorted along the Morton curve.
- * 3. Merge (model-merge.h, model-thin.h, model-write.h, chunk-order.h): all parts into one stream, that into chunks.
+ * 2. Parts (model-part.h, morton.h): the points of each scan, sorted along the Morton curve.
+ * 3. Merge (model-stale.h, model-merge.h, model-thin.h, model-write.h, chunk-order.h): all parts into one stream, without what is
+ *    dropped, that into chunks, for each piece (model-piece.h) that is out of date.
  *
  * The same inputs give the same bytes, on any number of threads, in whatever order scans were added. Scans without geometry are
  * taken as they are: their points have no normals, and incidence does not count. */
@@ -22,7 +24,7 @@ struct build_options {
 struct build_result {
 	uint64_t points,
 		redundant; /* in the model; left out because another scan has them better */
-	uint32_t scans, scans_rebuilt; /* in the model; of these, whose share in it was made anew */
+	uint32_t scans, scans_rebuilt; /* in the model; of these, whose part was made anew */
 	uint32_t
 		scans_left_out; /* placed, but in groups of scans that nothing ties to the others */
 	double seconds;

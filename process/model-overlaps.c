@@ -67,22 +67,13 @@ static uint8_t *bits_of(const product *p, uint64_t cells)
 	return bytes;
 }
 
-bool model_overlaps_load(const site *s, const struct model_input *input, uint8_t **ret_dropped,
-	uint64_t *ret_cells, GError **error)
+product *model_overlaps_open(const site *s, const struct model_input *input,
+	const uint64_t **ret_dropped, uint64_t *ret_words)
 {
-	*ret_dropped = NULL;
-	*ret_cells = 0;
-	if (input->kind == SCAN_CLOUD)
-		return true;
-	g_autoptr(product) p = open_current(s, input, ret_cells);
-	if (!p) {
-		g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
-			"%s: the overlaps of scan %u are not those that were just made",
-			site_path(s), input->number);
-		return false;
-	}
-	*ret_dropped = bits_of(p, *ret_cells);
-	return true;
+	uint64_t cells;
+	product *p = open_current(s, input, &cells);
+	*ret_dropped = p ? product_section(p, "dropped", sizeof(uint64_t), ret_words, NULL) : NULL;
+	return p;
 }
 
 /* ---- what is to be done ---- */
@@ -185,14 +176,19 @@ static bool learn_reaches(const site *s, const GArray *targets, GError **error)
 		struct target *t = target_at(targets, i);
 		if (t->reach_m >= 0)
 			continue;
-		g_autoptr(overlap_scan) scan = load_scan(s, t->input, error);
+		overlap_scan *scan = load_scan(s, t->input, error);
 		if (!scan)
 			return false;
 		t->reach_m = scan->reach_m;
+		/* A single new one is compared with each of the others: it stays. */
+		t->scan = unknown == 1 && t->is_due ? scan : NULL;
+		if (!t->scan)
+			overlap_scan_free(scan);
 	}
 	return true;
 }
 
+/* Reaches become known as scans are loaded. */
 static bool are_apart(const struct target *a, const struct target *b)
 {
 	overlap_scan of_a = { .pose = a->input->pose, .reach_m = a->reach_m };
@@ -216,6 +212,7 @@ static bool pass_over_distant(
 	if (g_hash_table_size(t->compared) != targets->len - 1)
 		return true;
 	t->is_due = false;
+	g_clear_pointer(&t->scan, overlap_scan_free);
 	g_autofree uint8_t *dropped = bits_of(p, cells);
 	return save(s, t->input, dropped, cells, t->reach_m, t->compared, error);
 }
@@ -234,9 +231,9 @@ static bool open_target(const site *s, struct target *t, GError **error)
 {
 	uint64_t cells = 0;
 	g_autoptr(product) p = open_current(s, t->input, &cells);
-	t->scan = load_scan(s, t->input, error);
-	if (!t->scan)
+	if (!t->scan && !(t->scan = load_scan(s, t->input, error)))
 		return false;
+	t->reach_m = t->scan->reach_m;
 	t->cells = (uint64_t)t->scan->columns * t->scan->rows;
 	bool goes_on = p && cells == t->cells && g_hash_table_size(t->compared);
 	if (!goes_on)
@@ -263,19 +260,24 @@ static bool open_block(const site *s, GArray *targets, guint first, uint64_t mem
 	return true;
 }
 
+/* Whether a target of the block has to look at the points of the other. One that is known to be too far away counts as seen. */
 static bool is_wanted(const GArray *targets, guint first, guint end, const struct target *other)
 {
+	bool wanted = false;
 	for (guint i = first; i < end; i++) {
 		const struct target *t = target_at(targets, i);
-		if (t->scan && t != other && !g_hash_table_contains(t->compared, other->input->key))
-			return true;
+		if (!t->scan || t == other)
+			continue;
+		if (are_apart(t, other))
+			g_hash_table_add(t->compared, g_strdup(other->input->key));
+		wanted |= !g_hash_table_contains(t->compared, other->input->key);
 	}
-	return false;
+	return wanted;
 }
 
 /* Each target of the block against one other scan. */
 static bool compare_with(const site *s, GArray *targets, guint first, guint end,
-	const struct target *other, GError **error)
+	struct target *other, GError **error)
 {
 	g_autoptr(overlap_scan) loaded = NULL;
 	if (!is_wanted(targets, first, end, other))
@@ -283,6 +285,7 @@ static bool compare_with(const site *s, GArray *targets, guint first, guint end,
 	if (!other->scan && !(loaded = load_scan(s, other->input, error)))
 		return false;
 	const overlap_scan *b = other->scan ? other->scan : loaded;
+	other->reach_m = b->reach_m;
 	for (guint i = first; i < end; i++) {
 		struct target *t = target_at(targets, i);
 		if (!t->scan || t == other ||

@@ -12,9 +12,9 @@
 bool model_overlaps_update(const site *s, const model_inputs *inputs,
 	const struct build_progress *progress, GError **error);
 
-/* A scan's bits as bytes, 1: dropped; caller frees. NULL without error for a scan without a grid. */
-bool model_overlaps_load(const site *s, const struct model_input *input, uint8_t **ret_dropped,
-	uint64_t *ret_cells, GError **error);
+/* The file of a scan, with its bits, 1: dropped; caller frees. NULL when there is none of these inputs. */
+product *model_overlaps_open(const site *s, const struct model_input *input,
+	const uint64_t **ret_dropped, uint64_t *ret_words);
 
 char *model_part_path(const site *s, uint32_t number, const char *ending); /* caller frees */
 

@@ -1,16 +1,18 @@
 #include "process/model-part.h"
+#include "firmware-io/crc32c.h"
 #include "process/model-overlaps.h"
 #include "process/model.h"
 #include <string.h>
 
 #define RUN_MIN       65536u
-#define BYTES_A_POINT (2 * sizeof(struct part_point) + 1) /* sorting takes as much again */
+#define BYTES_A_POINT (2 * sizeof(struct part_point)) /* sorting takes as much again */
 
 void model_part_free(model_part *p)
 {
 	if (!p)
 		return;
 	product_free(p->file);
+	product_free(p->overlaps);
 	g_free(p);
 }
 
@@ -20,7 +22,6 @@ void model_part_free(model_part *p)
 struct source {
 	const scan_data *data;
 	const scan_geometry *geometry; /* NULL: none */
-	const uint8_t *dropped;        /* NULL: none */
 	const struct model_input *input;
 	uint64_t count;
 };
@@ -122,16 +123,36 @@ struct maker {
 	struct source source;
 	double cell_m, reach_m;
 	struct part_point *run;
+	uint32_t *run_cell; /* NULL for a cloud */
 	size_t run_points, run_max;
 	GArray *run_end; /* of uint64_t */
-	uint64_t count, redundant;
+	GArray *cell;    /* of uint32_t, of all runs */
+	GArray *sum;     /* of struct part_sum */
+	uint64_t count;
 };
+
+static void sum_points(struct maker *m)
+{
+	for (size_t i = 0, n; i < m->run_points; i += n) {
+		uint32_t at = (uint32_t)((m->count + i) % MODEL_PART_SUM_POINTS);
+		n = MIN(MODEL_PART_SUM_POINTS - at, m->run_points - i);
+		if (at == 0)
+			g_array_set_size(m->sum, m->sum->len + 1);
+		struct part_sum *s = &g_array_index(m->sum, struct part_sum, m->sum->len - 1);
+		s->points = crc32c(s->points, &m->run[i], n * sizeof *m->run);
+		if (m->run_cell)
+			s->cells = crc32c(s->cells, &m->run_cell[i], n * sizeof *m->run_cell);
+	}
+}
 
 static bool write_run(struct maker *m, product_writer *w, GError **error)
 {
 	if (!m->run_points)
 		return true;
-	part_points_sort(m->run, m->run_points);
+	part_points_sort(m->run, m->run_cell, m->run_points);
+	sum_points(m);
+	if (m->run_cell)
+		g_array_append_vals(m->cell, m->run_cell, (guint)m->run_points);
 	m->count += m->run_points;
 	g_array_append_val(m->run_end, m->count);
 	bool ok = product_writer_append(w, m->run, m->run_points, error);
@@ -144,10 +165,11 @@ static bool write_points(struct maker *m, product_writer *w, GError **error)
 	for (uint64_t i = 0; i < m->source.count; i++) {
 		if (!has_point(&m->source, i))
 			continue;
-		if (m->source.dropped && m->source.dropped[i])
-			m->redundant++;
-		else if (take_point(&m->source, i, m->cell_m, &m->run[m->run_points], &m->reach_m))
-			m->run_points++;
+		if (!take_point(&m->source, i, m->cell_m, &m->run[m->run_points], &m->reach_m))
+			continue;
+		if (m->run_cell)
+			m->run_cell[m->run_points] = (uint32_t)i;
+		m->run_points++;
 		if (m->run_points == m->run_max && !write_run(m, w, error))
 			return false;
 	}
@@ -162,35 +184,58 @@ static unsigned level_for(double reach_m)
 	return level;
 }
 
+static bool write_rest(struct maker *m, product_writer *w, GError **error)
+{
+	return product_writer_begin(w, "run_end", sizeof(uint64_t), error) &&
+	       product_writer_append(w, m->run_end->data, m->run_end->len, error) &&
+	       product_writer_begin(w, "cell", sizeof(uint32_t), error) &&
+	       product_writer_append(w, m->cell->data, m->cell->len, error) &&
+	       product_writer_begin(w, "sum", sizeof(struct part_sum), error) &&
+	       product_writer_append(w, m->sum->data, m->sum->len, error);
+}
+
 static bool write_part(struct maker *m, const char *path, const char *key, GError **error)
 {
 	g_autoptr(product_writer) w = product_writer_new(path, error);
 	if (!w || !product_writer_begin(w, "points", sizeof *m->run, error) ||
-		!write_points(m, w, error) ||
-		!product_writer_begin(w, "run_end", sizeof(uint64_t), error) ||
-		!product_writer_append(w, m->run_end->data, m->run_end->len, error))
+		!write_points(m, w, error) || !write_rest(m, w, error))
 		return false;
 	JsonObject *made = json_object_new();
 	json_object_set_string_member(made, "key", key);
-	json_object_set_int_member(made, "redundant", (gint64)m->redundant);
 	json_object_set_int_member(made, "level_needed", level_for(m->reach_m));
 	return product_writer_finish(w, MODEL_PART_KIND, MODEL_PART_VERSION, made, error);
 }
 
 /* Of all that decides about the bytes of the part. */
-static char *key_of(
-	const struct model_input *input, unsigned level, const uint8_t *dropped, uint64_t cells)
+static char *key_of(const struct model_input *input, unsigned level)
 {
-	g_autoptr(GChecksum) sum = g_checksum_new(G_CHECKSUM_SHA256);
-	g_autofree char *head = g_strdup_printf("%s %u ", input->key, level);
-	g_checksum_update(sum, (const guchar *)head, -1);
-	for (uint64_t at = 0; at < cells; at += 1 << 30)
-		g_checksum_update(sum, dropped + at, (gssize)MIN(cells - at, 1u << 30));
-	return g_strdup(g_checksum_get_string(sum));
+	g_autofree char *text = g_strdup_printf("%s %u", input->key, level);
+	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
+}
+
+static void maker_init(struct maker *m, uint64_t memory_bytes, unsigned level)
+{
+	m->cell_m = morton_cell_m(level);
+	m->run_max =
+		CLAMP(memory_bytes / 2 / BYTES_A_POINT, RUN_MIN, MAX(m->source.count, RUN_MIN));
+	m->run = g_new(struct part_point, m->run_max);
+	m->run_cell = m->source.data->grid ? g_new(uint32_t, m->run_max) : NULL;
+	m->run_end = g_array_new(FALSE, FALSE, sizeof(uint64_t));
+	m->cell = g_array_new(FALSE, FALSE, sizeof(uint32_t));
+	m->sum = g_array_new(FALSE, TRUE, sizeof(struct part_sum));
+}
+
+static void maker_clear(struct maker *m)
+{
+	g_free(m->run);
+	g_free(m->run_cell);
+	g_array_unref(m->run_end);
+	g_array_unref(m->cell);
+	g_array_unref(m->sum);
 }
 
 static bool make_part(const site *s, const struct model_input *input, unsigned level,
-	const uint8_t *dropped, uint64_t memory_bytes, const char *key, GError **error)
+	uint64_t memory_bytes, const char *key, GError **error)
 {
 	g_autofree char *path = model_part_path(s, input->number, "part");
 	g_autoptr(scan_data) d = scan_data_load(s, input->number, error);
@@ -198,40 +243,44 @@ static bool make_part(const site *s, const struct model_input *input, unsigned l
 	if (!d || !model_input_geometry(s, input, d, &geometry, error))
 		return false;
 	uint64_t count = d->grid ? range_grid_cells(d->grid) : d->points->count;
-	struct maker m = { .source = { d, geometry, dropped, input, count },
-		.cell_m = morton_cell_m(level),
-		.run_max = CLAMP(memory_bytes / 2 / BYTES_A_POINT, RUN_MIN, MAX(count, RUN_MIN)),
-		.run_end = g_array_new(FALSE, FALSE, sizeof(uint64_t)) };
-	m.run = g_new(struct part_point, m.run_max);
+	struct maker m = { .source = { d, geometry, input, count } };
+	maker_init(&m, memory_bytes, level);
 	bool ok = write_part(&m, path, key, error);
-	g_array_unref(m.run_end);
-	g_free(m.run);
+	maker_clear(&m);
 	return ok;
 }
 
-static bool take_sections(model_part *p, GError **error)
+/* ---- reading ---- */
+
+static bool take_sections(model_part *p)
 {
-	uint64_t before = 0;
-	if (!(p->points = product_section(
-		      p->file, "points", sizeof *p->points, &p->count, error)) ||
-		!(p->run_end = product_section(p->file, "run_end", 8, &p->runs, error)))
+	uint64_t before = 0, cells, sums;
+	if (!(p->points = product_section(p->file, "points", sizeof *p->points, &p->count, NULL)) ||
+		!(p->run_end = product_section(p->file, "run_end", 8, &p->runs, NULL)) ||
+		!(p->cell = product_section(p->file, "cell", sizeof *p->cell, &cells, NULL)) ||
+		!(p->sum = product_section(p->file, "sum", sizeof *p->sum, &sums, NULL)) ||
+		(cells && cells != p->count) ||
+		sums != (p->count + MODEL_PART_SUM_POINTS - 1) / MODEL_PART_SUM_POINTS)
 		return false;
+	p->cell = cells ? p->cell : NULL;
 	for (uint64_t i = 0; i < p->runs; before = p->run_end[i++])
 		if (p->run_end[i] <= before || p->run_end[i] > p->count)
 			return false;
 	return before == p->count;
 }
 
-static model_part *open_part(const char *path, const char *key)
+static model_part *open_part(const site *s, const struct model_input *input, const char *key)
 {
+	g_autofree char *path = model_part_path(s, input->number, "part");
 	g_autoptr(model_part) p = g_new0(model_part, 1);
+	p->scan = input->number;
+	p->is_cloud = input->kind == SCAN_CLOUD;
 	p->file = product_open(path, MODEL_PART_KIND, MODEL_PART_VERSION, NULL);
-	if (!p->file || !take_sections(p, NULL))
+	if (!p->file || !take_sections(p) || (!p->cell && p->count && !p->is_cloud))
 		return NULL;
 	JsonObject *m = product_manifest(p->file);
 	if (strcmp(json_object_get_string_member_with_default(m, "key", ""), key))
 		return NULL;
-	p->redundant = (uint64_t)json_object_get_int_member_with_default(m, "redundant", 0);
 	p->level_needed = (unsigned)CLAMP(
 		json_object_get_int_member_with_default(m, "level_needed", 0), 0, MORTON_LEVEL_MAX);
 	return g_steal_pointer(&p);
@@ -239,30 +288,54 @@ static model_part *open_part(const char *path, const char *key)
 
 model_part *model_part_open(const site *s, const struct model_input *input, unsigned level)
 {
-	g_autofree uint8_t *dropped = NULL;
-	uint64_t cells;
-	if (!model_overlaps_load(s, input, &dropped, &cells, NULL))
-		return NULL;
-	g_autofree char *key = key_of(input, level, dropped, cells);
-	g_autofree char *path = model_part_path(s, input->number, "part");
-	model_part *p = open_part(path, key);
-	if (!p)
-		return NULL;
-	p->scan = input->number;
-	p->is_cloud = input->kind == SCAN_CLOUD;
-	return p;
+	g_autofree char *key = key_of(input, level);
+	g_autoptr(model_part) p = open_part(s, input, key);
+	if (!p || p->is_cloud)
+		return g_steal_pointer(&p);
+	p->overlaps = model_overlaps_open(s, input, &p->dropped, &p->words);
+	return p->overlaps ? g_steal_pointer(&p) : NULL;
+}
+
+static bool damaged(const model_part *p, uint64_t sum, GError **error)
+{
+	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
+		"%s: the points from %" G_GUINT64_FORMAT " on are damaged", product_path(p->file),
+		sum * MODEL_PART_SUM_POINTS);
+	return false;
+}
+
+bool model_part_verify_points(const model_part *p, uint64_t sum, GError **error)
+{
+	const struct part_point *first = p->points + sum * MODEL_PART_SUM_POINTS;
+	uint32_t crc = crc32c(0, first, model_part_sum_points(p, sum) * sizeof *first);
+	return crc == p->sum[sum].points || damaged(p, sum, error);
+}
+
+bool model_part_verify_cells(const model_part *p, uint64_t sum, GError **error)
+{
+	if (!p->cell)
+		return true;
+	const uint32_t *first = p->cell + sum * MODEL_PART_SUM_POINTS;
+	size_t n = model_part_sum_points(p, sum);
+	bool are_in_grid = true;
+	for (size_t i = 0; i < n; i++)
+		are_in_grid &= first[i] / 64 < p->words;
+	return (are_in_grid && crc32c(0, first, n * sizeof *first) == p->sum[sum].cells) ||
+	       damaged(p, sum, error);
+}
+
+void model_part_forget(const model_part *p, const struct part_point *from, size_t count)
+{
+	product_forget(p->file, from, count * sizeof *from);
+	if (p->cell)
+		product_forget(p->file, p->cell + (from - p->points), count * sizeof *p->cell);
 }
 
 bool model_part_update(const site *s, const struct model_input *input, unsigned level,
-	uint64_t memory_bytes, bool *ret_made, GError **error)
+	bool is_doubtful, uint64_t memory_bytes, bool *ret_made, GError **error)
 {
-	g_autofree uint8_t *dropped = NULL;
-	uint64_t cells;
-	if (!model_overlaps_load(s, input, &dropped, &cells, error))
-		return false;
-	g_autofree char *key = key_of(input, level, dropped, cells);
-	g_autofree char *path = model_part_path(s, input->number, "part");
-	g_autoptr(model_part) there = open_part(path, key);
-	*ret_made = !there || !product_verify(there->file, NULL);
-	return !*ret_made || make_part(s, input, level, dropped, memory_bytes, key, error);
+	g_autofree char *key = key_of(input, level);
+	g_autoptr(model_part) there = open_part(s, input, key);
+	*ret_made = !there || (is_doubtful && !product_verify(there->file, NULL));
+	return !*ret_made || make_part(s, input, level, memory_bytes, key, error);
 }

@@ -1,13 +1,15 @@
 #ifndef PROCESS_MODEL_PART_H
 #define PROCESS_MODEL_PART_H
-/* What one scan gives to the model, sorted along the Morton curve: SITE/model/parts/0003.part (product.h). A scan that is larger
- * than the memory gives several sorted runs. */
+/* The points of one scan, sorted along the Morton curve: SITE/model/parts/0003.part (product.h). A scan that is larger than the
+ * memory gives several sorted runs. All of its points are there, those too that another scan has better: which ones these are
+ * is told by cell from the scan's overlaps (model-overlaps.h), so that the part stays when a scan is added beside it. */
 #include "process/build-progress.h"
 #include "process/model-inputs.h"
 #include "process/morton.h"
 
-#define MODEL_PART_KIND    "model-part"
-#define MODEL_PART_VERSION 1
+#define MODEL_PART_KIND       "model-part"
+#define MODEL_PART_VERSION    2
+#define MODEL_PART_SUM_POINTS 1024u
 
 struct part_point {
 	uint64_t code; /* morton.h */
@@ -21,6 +23,12 @@ struct part_point {
 };
 _Static_assert(sizeof(struct part_point) == 32, "the file's own layout");
 
+/* CRC-32C of MODEL_PART_SUM_POINTS points and of their cells: who reads a few can check a few. */
+struct part_sum {
+	uint32_t points, cells;
+};
+_Static_assert(sizeof(struct part_sum) == 8, "the file's own layout");
+
 /* Leaves first, then the curve; 0 only for points in the same cell of the lattice. */
 static inline int part_point_compare(const struct part_point *a, const struct part_point *b)
 {
@@ -30,25 +38,44 @@ static inline int part_point_compare(const struct part_point *a, const struct pa
 
 typedef struct model_part model_part;
 struct model_part {
-	product *file;
+	product *file, *overlaps;
 	uint32_t scan;
 	bool is_cloud;
 	const struct part_point *points;
+	const uint32_t *cell;    /* of each point, in the scan's grid; NULL for a cloud */
+	const uint64_t *dropped; /* a bit for each cell; NULL for a cloud */
+	uint64_t words;          /* of dropped */
 	const uint64_t *run_end; /* of each run: index behind its last point */
+	const struct part_sum *sum;
 	uint64_t count, runs;
-	uint64_t redundant;    /* points that were left out: another scan has them better */
 	unsigned level_needed; /* of the lattice, for this scan alone */
 };
-/* NULL without error when there is none of these inputs. */
+static inline bool model_part_is_dropped(const model_part *p, uint64_t i)
+{
+	return p->dropped && p->dropped[p->cell[i] / 64] >> p->cell[i] % 64 & 1;
+}
+
+/* NULL without error when there is none of these inputs. Does not read the points. */
 model_part *model_part_open(const site *s, const struct model_input *input, unsigned level);
 void model_part_free(model_part *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(model_part, model_part_free)
 
-/* Makes the file when it is not up to date. Points outside the lattice of this level are left out, and level_needed says so. */
-bool model_part_update(const site *s, const struct model_input *input, unsigned level,
-	uint64_t memory_bytes, bool *ret_made, GError **error);
+/* The points or cells of one checksum. */
+bool model_part_verify_points(const model_part *p, uint64_t sum, GError **error);
+bool model_part_verify_cells(const model_part *p, uint64_t sum, GError **error);
+static inline size_t model_part_sum_points(const model_part *p, uint64_t sum)
+{
+	return MIN(MODEL_PART_SUM_POINTS, p->count - sum * MODEL_PART_SUM_POINTS);
+}
+/* Gives back the memory of points that were read. */
+void model_part_forget(const model_part *p, const struct part_point *from, size_t count);
 
-/* Sorts by part_point_compare, equal ones as they stood. Uses 32 bytes a point beside them. */
-void part_points_sort(struct part_point *point, size_t count);
+/* Makes the file when it is not up to date, or, with is_doubtful, when it is damaged anywhere. Points outside the lattice of this level are left out, and level_needed says so. */
+bool model_part_update(const site *s, const struct model_input *input, unsigned level,
+	bool is_doubtful, uint64_t memory_bytes, bool *ret_made, GError **error);
+
+/* Sorts by part_point_compare, equal ones as they stood, and the cells with them (NULL: none). Uses 32 bytes a point beside
+ * them. */
+void part_points_sort(struct part_point *point, uint32_t *cell, size_t count);
 
 #endif

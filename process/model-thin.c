@@ -1,7 +1,6 @@
 #include "process/model-thin.h"
 #include <string.h>
 
-#define BLOCK_M      1.0
 #define SIZE_UNKNOWN 100 /* 0.1 mm; of points without one */
 
 struct held {
@@ -26,16 +25,7 @@ struct model_thin {
 	unsigned block_shift; /* of codes, to that of a block */
 	GArray *held;         /* of struct held, of one leaf and block */
 	GArray *shares;       /* of struct share */
-	uint64_t redundant;
 };
-
-static unsigned shift_for(double size_m, double cell_m)
-{
-	unsigned bits = 0;
-	while (bits < MORTON_AXIS_BITS && ldexp(cell_m, (int)bits) < size_m)
-		bits++;
-	return 3 * bits;
-}
 
 model_thin *model_thin_new(model_writer *w, unsigned level, GHashTable *clouds)
 {
@@ -43,7 +33,7 @@ model_thin *model_thin_new(model_writer *w, unsigned level, GHashTable *clouds)
 	t->to = w;
 	t->clouds = g_hash_table_ref(clouds);
 	t->cell_m = morton_cell_m(level);
-	t->block_shift = shift_for(BLOCK_M, t->cell_m);
+	t->block_shift = model_cube_shift(MODEL_BLOCK_M, t->cell_m);
 	t->held = g_array_new(FALSE, FALSE, sizeof(struct held));
 	t->shares = g_array_new(FALSE, TRUE, sizeof(struct share));
 	return t;
@@ -57,11 +47,6 @@ void model_thin_free(model_thin *t)
 	g_array_unref(t->held);
 	g_array_unref(t->shares);
 	g_free(t);
-}
-
-uint64_t model_thin_redundant(const model_thin *t)
-{
-	return t->redundant;
 }
 
 static double size_of(const struct held *h)
@@ -154,7 +139,7 @@ static double cloud_patch_m(const struct held *held, size_t count)
 static void thin_block(model_thin *t, struct held *held, size_t count)
 {
 	double patch = cloud_patch_m(held, count);
-	unsigned shift = shift_for(2 * patch, t->cell_m);
+	unsigned shift = model_cube_shift(2 * patch, t->cell_m);
 	for (size_t i = 0, end; patch > 0 && i < count; i = end) {
 		for (end = i + 1; end < count; end++)
 			if (held[end].point.code >> shift != held[i].point.code >> shift)
@@ -168,7 +153,6 @@ bool model_thin_flush(model_thin *t, GError **error)
 	struct held *held = (struct held *)(void *)t->held->data;
 	thin_block(t, held, t->held->len);
 	for (guint i = 0; i < t->held->len; i++) {
-		t->redundant += held[i].drop;
 		if (!held[i].drop && !model_writer_add(t->to, &held[i].point, held[i].scan, error))
 			return false;
 	}

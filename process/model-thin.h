@@ -16,7 +16,6 @@ model_thin *model_thin_new(model_writer *w, unsigned level, GHashTable *clouds);
 bool model_thin_add(model_thin *t, const struct part_point *p, uint16_t scan, GError **error);
 /* What is still held. */
 bool model_thin_flush(model_thin *t, GError **error);
-uint64_t model_thin_redundant(const model_thin *t);
 void model_thin_free(model_thin *t); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(model_thin, model_thin_free)
 

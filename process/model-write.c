@@ -13,6 +13,7 @@ struct waiting {
 struct model_writer {
 	product_writer *file;
 	double cell_m;
+	unsigned block_shift;
 	uint64_t count; /* of the points before the batch */
 	/* Chunks that wait until there is work for all threads. Each has its own MODEL_CHUNK_POINTS places. */
 	struct waiting *waiting;
@@ -20,6 +21,10 @@ struct model_writer {
 	struct model_point *done;
 	uint32_t batched; /* the last one may not be full yet */
 	GArray *chunks;   /* of struct model_chunk, those that are written */
+	GArray *pieces;   /* of struct model_piece */
+	uint64_t block;   /* of the last point, with its leaf */
+	uint32_t leaf;
+	bool is_cut; /* the next point begins a piece */
 };
 
 model_writer *model_writer_new(const char *path, unsigned level, GError **error)
@@ -29,6 +34,9 @@ model_writer *model_writer_new(const char *path, unsigned level, GError **error)
 	if (!w->file || !product_writer_begin(w->file, "points", sizeof(struct model_point), error))
 		return NULL;
 	w->cell_m = morton_cell_m(level);
+	w->block_shift = model_cube_shift(MODEL_BLOCK_M, w->cell_m);
+	w->is_cut = true;
+	w->pieces = g_array_new(FALSE, FALSE, sizeof(struct model_piece));
 	w->waiting = g_new(struct waiting, BATCH_CHUNKS * MODEL_CHUNK_POINTS);
 	w->done = g_new(struct model_point, BATCH_CHUNKS * MODEL_CHUNK_POINTS);
 	w->chunks = g_array_new(FALSE, FALSE, sizeof(struct model_chunk));
@@ -42,8 +50,8 @@ void model_writer_free(model_writer *w)
 	product_writer_free(w->file);
 	g_free(w->waiting);
 	g_free(w->done);
-	if (w->chunks)
-		g_array_unref(w->chunks);
+	g_clear_pointer(&w->chunks, g_array_unref);
+	g_clear_pointer(&w->pieces, g_array_unref);
 	g_free(w);
 }
 
@@ -127,17 +135,69 @@ static bool write_batch(model_writer *w, GError **error)
 	return true;
 }
 
+static void add_piece(model_writer *w, uint64_t code, uint32_t leaf)
+{
+	const struct model_piece *last =
+		w->pieces->len ? &g_array_index(w->pieces, struct model_piece, w->pieces->len - 1)
+			       : NULL;
+	struct model_piece piece = { .code = last && last->leaf == leaf ? code : 0,
+		.first_chunk = w->chunks->len + w->batched,
+		.leaf = leaf };
+	g_array_append_val(w->pieces, piece);
+}
+
+static bool begins_piece(model_writer *w, const struct part_point *p)
+{
+	uint64_t block = p->code >> w->block_shift;
+	bool begins = w->is_cut || p->leaf != w->leaf ||
+		      (block != w->block && model_block_begins_piece(block));
+	w->is_cut = false;
+	w->block = block;
+	w->leaf = p->leaf;
+	return begins;
+}
+
 bool model_writer_add(model_writer *w, const struct part_point *p, uint16_t scan, GError **error)
 {
+	bool begins = begins_piece(w, p);
 	struct model_chunk *c = w->batched ? &w->batch[w->batched - 1] : NULL;
-	if (!c || c->points == MODEL_CHUNK_POINTS || c->leaf != p->leaf) {
+	if (begins || !c || c->points == MODEL_CHUNK_POINTS) {
 		if (w->batched == BATCH_CHUNKS && !write_batch(w, error))
 			return false;
+		if (begins)
+			add_piece(w, w->block << w->block_shift, p->leaf);
 		c = &w->batch[w->batched++];
 		*c = (struct model_chunk){ .leaf = p->leaf };
 	}
 	size_t at = (size_t)(w->batched - 1) * MODEL_CHUNK_POINTS + c->points++;
 	w->waiting[at] = (struct waiting){ *p, scan };
+	return true;
+}
+
+bool model_writer_take(model_writer *w, const model *from, const struct model_piece *piece,
+	uint64_t end_chunk, bool *ret_taken, GError **error)
+{
+	uint64_t chunks, taken = 0;
+	const struct model_chunk *c = model_chunks(from, &chunks) + piece->first_chunk;
+	const struct model_point *first = model_points(from) + c->first;
+	*ret_taken = true;
+	for (uint64_t i = piece->first_chunk; *ret_taken && i < end_chunk; i++) {
+		*ret_taken = model_verify_chunk(from, i, NULL);
+		taken += c[i - piece->first_chunk].points;
+	}
+	if (!*ret_taken)
+		return true;
+	if (!write_batch(w, error) || !product_writer_append(w->file, first, taken, error))
+		return false;
+	add_piece(w, piece->code, piece->leaf);
+	for (uint64_t i = piece->first_chunk; i < end_chunk; i++, c++) {
+		struct model_chunk moved = *c;
+		moved.first = w->count;
+		w->count += moved.points;
+		g_array_append_val(w->chunks, moved);
+	}
+	w->is_cut = true;
+	product_forget(model_file(from), first, taken * sizeof *first);
 	return true;
 }
 
@@ -149,12 +209,32 @@ uint64_t model_writer_count(const model_writer *w)
 	return count;
 }
 
-bool model_writer_finish(model_writer *w, JsonObject *manifest_json, GError **error)
+static bool write_dropped(
+	product_writer *file, model_part *const *part, size_t parts, GError **error)
+{
+	g_autofree uint64_t *end = g_new(uint64_t, parts + 1);
+	uint64_t words = 0;
+	if (!product_writer_begin(file, "dropped", sizeof(uint64_t), error))
+		return false;
+	for (size_t i = 0; i < parts; i++) {
+		if (!product_writer_append(file, part[i]->dropped, part[i]->words, error))
+			return false;
+		end[i] = words += part[i]->words;
+	}
+	return product_writer_begin(file, "dropped_end", sizeof *end, error) &&
+	       product_writer_append(file, end, parts, error);
+}
+
+bool model_writer_finish(model_writer *w, model_part *const *part, size_t parts,
+	JsonObject *manifest_json, GError **error)
 {
 	g_autoptr(JsonObject) m = manifest_json;
 	return write_batch(w, error) &&
 	       product_writer_begin(w->file, "chunks", sizeof(struct model_chunk), error) &&
 	       product_writer_append(w->file, w->chunks->data, w->chunks->len, error) &&
+	       product_writer_begin(w->file, "pieces", sizeof(struct model_piece), error) &&
+	       product_writer_append(w->file, w->pieces->data, w->pieces->len, error) &&
+	       write_dropped(w->file, part, parts, error) &&
 	       product_writer_finish(
 		       w->file, MODEL_KIND, MODEL_VERSION, g_steal_pointer(&m), error);
 }

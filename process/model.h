@@ -7,12 +7,15 @@
  * 2^k equal parts of the chunk's piece of the curve (chunk-order.h). Positions are relative to the chunk's centre, so that
  * they stay exact anywhere.
  *
+ * The curve is cut into pieces at places that the points around them decide alone (model-piece.h), so that a model with one more
+ * scan has the same chunks wherever that scan changes nothing.
+ *
  * Errors are those of product.h. */
 #include "process/pose.h"
 #include "process/product.h"
 
 #define MODEL_KIND         "model"
-#define MODEL_VERSION      1
+#define MODEL_VERSION      2
 #define MODEL_CHUNK_POINTS 4096u
 #define MODEL_NORMAL_NONE  INT16_MIN
 #define MODEL_ERROR_NONE   UINT16_MAX /* of the plane error */
@@ -35,7 +38,7 @@ _Static_assert(sizeof(struct model_point) == 32, "the file's own layout");
 struct model_chunk {
 	double centre_m[3];
 	float half_size_m[3]; /* of its box */
-	uint32_t points;      /* MODEL_CHUNK_POINTS in all but the last of a leaf; at least 1 */
+	uint32_t points;      /* MODEL_CHUNK_POINTS in all but the last of a piece; at least 1 */
 	uint64_t first;       /* index of its first point: the sum of the points before */
 	uint32_t crc32c;      /* of its points */
 	uint32_t leaf;

@@ -33,23 +33,28 @@ static bool sort_by_digit(
 }
 
 /* Puts the points in order by following the cycles of the permutation. */
-static void permute(struct part_point *point, struct sort_key *keys, size_t count)
+static void permute(struct part_point *point, uint32_t *cell, struct sort_key *keys, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		struct part_point first = point[i];
+		uint32_t first_cell = cell ? cell[i] : 0;
 		size_t at = i;
 		while (keys[at].index != i) {
 			size_t next = keys[at].index;
 			point[at] = point[next];
+			if (cell)
+				cell[at] = cell[next];
 			keys[at].index = (uint32_t)at;
 			at = next;
 		}
 		point[at] = first;
+		if (cell)
+			cell[at] = first_cell;
 		keys[at].index = (uint32_t)at;
 	}
 }
 
-void part_points_sort(struct part_point *point, size_t count)
+void part_points_sort(struct part_point *point, uint32_t *cell, size_t count)
 {
 	g_assert(count <= UINT32_MAX);
 	if (count < 2)
@@ -64,5 +69,5 @@ void part_points_sort(struct part_point *point, size_t count)
 			keys = other;
 			other = swap;
 		}
-	permute(point, keys, count);
+	permute(point, cell, keys, count);
 }

@@ -9,6 +9,9 @@
 
 /* Pages that were summed up are given back, so that checking a great file does not fill the memory. */
 #define VERIFY_BYTES ((size_t)16 << 20)
+/* One fault maps all that was read from the disk at once, up to so much of the file, what was given back before too. So all of
+ * it is given back each time; otherwise it stays and adds up. */
+#define FOLIO_BYTES ((size_t)2 << 20)
 
 struct product {
 	char *path;
@@ -224,10 +227,11 @@ bool product_verify(const product *p, GError **error)
 
 void product_forget(const product *p, const void *from, size_t bytes)
 {
-	const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), base = (uintptr_t)p->bytes;
-	uintptr_t begin = ((uintptr_t)from + page - 1) / page * page,
-		  end = ((uintptr_t)from + bytes) / page * page;
+	const uintptr_t base = (uintptr_t)p->bytes;
 	g_assert((uintptr_t)from >= base && bytes <= base + p->length - (uintptr_t)from);
-	if (end > begin)
-		madvise((void *)begin, end - begin, MADV_DONTNEED);
+	size_t begin = ((uintptr_t)from - base) / FOLIO_BYTES * FOLIO_BYTES;
+	size_t end = (uintptr_t)from - base + bytes;
+	end = MIN((end + FOLIO_BYTES - 1) / FOLIO_BYTES * FOLIO_BYTES, p->length);
+	if (bytes)
+		madvise((void *)(base + begin), end - begin, MADV_DONTNEED);
 }
