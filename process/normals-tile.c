@@ -15,6 +15,8 @@
 #define NO_LINKS_EACH 4
 /* Two rows at once: a pair comes in when its further row is at most this much beyond the arm's end. */
 #define PAIR_SLACK 0.25f
+/* A fit leaves about the noise along the rays. What leaves this much more reaches over a crease. */
+#define CREASED_NOISES 1.35f
 
 tile *tile_new(void)
 {
@@ -307,8 +309,8 @@ INLINE void put_window(
 					f->vv * up[i] * up[j]);
 }
 
-INLINE void put_plane(
-	const tile *t, const struct normals_planes *p, struct place at, const struct fit *f)
+INLINE void put_plane(const tile *t, const struct normals_planes *p, struct place at,
+	const struct fit *f, vf range, float noise_m)
 {
 	vf length = root(f->a * f->a + f->b * f->b + f->d * f->d),
 	   inverse = 1 / choose(f->good, length, all(1));
@@ -317,7 +319,9 @@ INLINE void put_plane(
 		put(p->normal[k], at, where(f->good, -inverse * turned(t, k, f->a, f->b, f->d)));
 	vf error = z * inverse * root(f->error_w2), none = all(NAN);
 	put(p->error_m, at, choose(f->good, error, none));
-	put(p->offset_m, at, where(f->good, inverse));
+	vi creased = f->error_w2 * range * range > CREASED_NOISES * CREASED_NOISES * noise_m *
+							   noise_m * f->centre_w * f->centre_w;
+	put(p->offset_m, at, where(f->good, choose(creased, -inverse, inverse)));
 	if (p->curvature) {
 		vf ea = f->a * z, eb = f->b * z, u = f->centre_u, v = f->centre_v,
 		   one = 1 + u * u + v * v;
@@ -352,7 +356,8 @@ INLINE void fit_cells(tile *t, const struct tile_job *job, int y, int group, boo
 		sum_window(t, job, y, c, s);
 	struct fit f = fit_plane(
 		s, load(t->w[r] + c), t->u_mean[group], t->v_mean[r], job->options->range_noise_m);
-	put_plane(t, job->planes, place_of(job, y, group, paired), &f);
+	put_plane(t, job->planes, place_of(job, y, group, paired), &f, load(t->range[r] + c),
+		job->options->range_noise_m);
 }
 
 /* Rows y and y + 1. Their windows are all but the same, so one does for both; but not where something ends between them. Who
