@@ -1,8 +1,6 @@
 #include "process/geometry-private.h"
 #include <string.h>
 
-/* What a fit leaves along the ray is noise up to here; more is a crease or no surface. */
-#define WHOLE_NOISES 1.35f
 /* The other scan's plane must hold the point so well, in sigma of both, and its window must be about there. */
 #define ON_PLANE  3.0f
 #define IN_WINDOW 2.0f
@@ -36,10 +34,9 @@ void geometry_union_free(geometry_union *u)
 	g_free(u);
 }
 
-static bool is_whole(const range_grid *g, const struct normals_planes *p, size_t i, float noise_m)
+static bool is_whole(const struct normals_planes *p, size_t i)
 {
-	return p->count[i] > 0 &&
-	       p->error_m[i] * g->range_m[i] <= WHOLE_NOISES * noise_m * p->offset_m[i];
+	return p->count[i] > 0 && p->offset_m[i] > 0;
 }
 
 /* From what the neighbours are to sums: in place, the planes are the same. */
@@ -48,7 +45,7 @@ static void sum_own(geometry_union *u, const struct normals_planes *p, size_t i)
 	const range_grid *g = u->of.grid;
 	const float point[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
 	u->spread_m2[i] = 0;
-	if (!is_whole(g, p, i, u->options.range_noise_m)) {
+	if (!is_whole(p, i)) {
 		u->count[i] = 0;
 		for (int k = 0; k < 3; k++)
 			u->sum[k][i] = 0;
@@ -153,8 +150,7 @@ static bool is_neighbourhood(
 	const struct normals_planes *p = &o->planes;
 	const double *eye =
 		o->there.translation_m; /* where the union's scanner stands, for the other */
-	if (!(o->scan->grid->range_m[k] > 0) ||
-		!is_whole(o->scan->grid, p, k, o->options.range_noise_m))
+	if (!(o->scan->grid->range_m[k] > 0) || !is_whole(p, k))
 		return false;
 	double off = p->offset_m[k], before = off, apart2 = 0;
 	for (int a = 0; a < 3; a++) {

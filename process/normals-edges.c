@@ -2,8 +2,6 @@
 #include "process/normals.h"
 #include <string.h>
 
-/* A fit leaves about the noise along the rays. What leaves this much more reaches over a crease. */
-#define CREASED_NOISES 1.35f
 /* How far off the plane of a neighbour's window the point itself may be, in sigma. */
 #define ON_PLANE      2.5f
 #define WINDOW_SHARE  60
@@ -22,21 +20,6 @@ static bool step(
 		return false;
 	*ret = (size_t)r * g->columns + (size_t)c;
 	return true;
-}
-
-enum fitted { NOT_FITTED, WHOLE, CREASED };
-
-/* CREASED: what the fit left along the ray is more than noise. */
-static void judge_row(const range_grid *g, const struct normals_planes *p, uint32_t row,
-	float noise_m, uint8_t *ret)
-{
-	size_t from = (size_t)row * g->columns;
-	const float *error_m = p->error_m + from, *offset_m = p->offset_m + from,
-		    *range_m = g->range_m + from;
-	for (uint32_t c = 0; c < g->columns; c++) {
-		bool creased = error_m[c] * range_m[c] > CREASED_NOISES * noise_m * offset_m[c];
-		ret[c] = (uint8_t)((offset_m[c] > 0) + ((offset_m[c] > 0) & creased));
-	}
 }
 
 /* How far the point is from the plane of cell k's window, along the ray. */
@@ -61,7 +44,7 @@ static const int8_t way[8][2] = { { 0, -4 }, { 0, 4 }, { -4, 0 }, { 4, 0 }, { -3
 	{ 3, -3 }, { 3, 3 } };
 
 static size_t find_plane(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, const uint8_t *fitted, uint32_t row, uint32_t column)
+	const struct normals_planes *p, uint32_t row, uint32_t column)
 {
 	size_t i = (size_t)row * g->columns + column, best = i, k;
 	float least = ON_PLANE * o->range_noise_m, cells = window_cells(g, o, g->range_m[i]);
@@ -69,7 +52,7 @@ static size_t find_plane(const range_grid *g, const struct normals_options *o,
 		for (int w = 0; w < 8; w++) {
 			if (!step(g, row, column, (int)(way[w][0] * cells),
 				    (int)(way[w][1] * cells), &k) ||
-				fitted[k] != WHOLE)
+				!(p->offset_m[k] > 0))
 				continue;
 			float off = off_plane_m(g, p, i, k);
 			if (off < least) {
@@ -81,34 +64,32 @@ static size_t find_plane(const range_grid *g, const struct normals_options *o,
 }
 
 static void sharpen_cell(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, const uint8_t *fitted, uint32_t row, uint32_t column)
+	const struct normals_planes *p, uint32_t row, uint32_t column)
 {
 	size_t i = (size_t)row * g->columns + column;
-	size_t k = fitted[i] == CREASED ? find_plane(g, o, p, fitted, row, column) : i;
+	size_t k = p->offset_m[i] < 0 ? find_plane(g, o, p, row, column) : i;
 	for (int axis = 0; axis < 3 && k != i; axis++)
 		p->normal[axis][i] = p->normal[axis][k];
 }
 
-/* The same for eight cells side by side, with the window of the first that needs it. Only planes of WHOLE cells are taken and
- * only others are replaced, so nothing is read that was written. */
+/* The same for eight cells side by side, with the window of the first that needs it. Only planes of cells that are not creased
+ * are taken and only others are replaced, so nothing is read that was written. */
 INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, const uint8_t *fitted, uint32_t row, uint32_t column)
+	const struct normals_planes *p, uint32_t row, uint32_t column)
 {
 	size_t i = (size_t)row * g->columns + column;
-	uint64_t eight;
-	memcpy(&eight, fitted + i, sizeof eight);
-	eight &= 0x0202020202020202; /* CREASED */
-	if (!eight)
+	vi open = load(p->offset_m + i) < 0;
+	if (!any(open))
 		return;
 	int first = 0;
-	while (fitted[i + first] != CREASED)
+	while (!open[first])
 		first++;
 	float cells = window_cells(g, o, g->range_m[i + first]);
 	vf x = load(g->x_m + i), y = load(g->y_m + i), z = load(g->z_m + i),
 	   range = load(g->range_m + i);
-	vi open = load_bytes(fitted + i) == CREASED;
+	vi seen = { 0 }; /* where none is whole half a window away, it is clutter */
 	vf normal[3] = { load(p->normal[0] + i), load(p->normal[1] + i), load(p->normal[2] + i) };
-	for (int shift = 0; shift < 2 && largest(where(open, all(1))) > 0; shift++, cells /= 2) {
+	for (int shift = 0; shift < 2 && any(open) && (!shift || any(seen)); shift++, cells /= 2) {
 		/* The least distance off a plane along the ray is range * off / ahead: as a fraction, for
 		 * division is slow. */
 		vf least_off = all(ON_PLANE * o->range_noise_m), least_ahead = range;
@@ -118,16 +99,15 @@ INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
 			if ((int64_t)row + down < 0 || (int64_t)row + down >= g->rows)
 				continue;
 			size_t k = i + (ptrdiff_t)down * g->columns + right;
-			memcpy(&eight, fitted + k, sizeof eight);
-			if (!(eight & 0x0101010101010101)) /* none is WHOLE */
-				continue;
-			vi whole = load_bytes(fitted + k) == WHOLE;
+			vf offset = load(p->offset_m + k);
+			vi whole = open & (offset > 0);
+			seen |= whole;
 			vf nx = load(p->normal[0] + k), ny = load(p->normal[1] + k),
 			   nz = load(p->normal[2] + k);
 			vf ahead = -(nx * x + ny * y + nz * z);
-			vf off = magnitude(load(p->offset_m + k) - ahead);
-			vi better = whole & open & (ahead > 0) &
-				    (off * least_ahead < least_off * ahead);
+			vf off = magnitude(offset - ahead);
+			vi better = whole & (ahead > 0) & (off * least_ahead < least_off * ahead);
+			better = better < 0; /* the compiler sees a comparison, and blends */
 			found |= better;
 			least_off = choose(better, off, least_off);
 			least_ahead = choose(better, ahead, least_ahead);
@@ -142,35 +122,33 @@ INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
 }
 
 INLINE void sharpen_row(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, const uint8_t *fitted, uint32_t row, uint32_t column,
-	uint32_t end)
+	const struct normals_planes *p, uint32_t row, uint32_t column, uint32_t end)
 {
 	for (; column < MIN(end, EDGE_COLUMNS); column++)
-		sharpen_cell(g, o, p, fitted, row, column);
+		sharpen_cell(g, o, p, row, column);
 	for (; column < end && column + LANES + EDGE_COLUMNS <= g->columns; column += LANES)
-		sharpen_lanes(g, o, p, fitted, row, column);
+		sharpen_lanes(g, o, p, row, column);
 	for (; column < end; column++)
-		sharpen_cell(g, o, p, fitted, row, column);
+		sharpen_cell(g, o, p, row, column);
 }
 
 static void sharpen_row_portable(const range_grid *g, const struct normals_options *o,
-	const struct normals_planes *p, const uint8_t *fitted, uint32_t row, uint32_t column,
-	uint32_t end)
+	const struct normals_planes *p, uint32_t row, uint32_t column, uint32_t end)
 {
-	sharpen_row(g, o, p, fitted, row, column, end);
+	sharpen_row(g, o, p, row, column, end);
 }
 
 #if defined __x86_64__
 __attribute__((target("avx2,fma"))) static void sharpen_row_avx2(const range_grid *g,
-	const struct normals_options *o, const struct normals_planes *p, const uint8_t *fitted,
-	uint32_t row, uint32_t column, uint32_t end)
+	const struct normals_options *o, const struct normals_planes *p, uint32_t row,
+	uint32_t column, uint32_t end)
 {
-	sharpen_row(g, o, p, fitted, row, column, end);
+	sharpen_row(g, o, p, row, column, end);
 }
 #endif
 
 typedef void (*sharpen_function)(const range_grid *, const struct normals_options *,
-	const struct normals_planes *, const uint8_t *, uint32_t, uint32_t, uint32_t);
+	const struct normals_planes *, uint32_t, uint32_t, uint32_t);
 
 void normals_sharpen(
 	const range_grid *g, const struct normals_options *o, const struct normals_planes *p)
@@ -180,14 +158,10 @@ void normals_sharpen(
 	if (!o->portable && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
 		sharpen = sharpen_row_avx2;
 #endif
-	g_autofree uint8_t *fitted = g_malloc(range_grid_cells(g));
 	uint32_t strips = (g->columns + STRIP_COLUMNS - 1) / STRIP_COLUMNS;
-#pragma omp parallel for schedule(static) if (!o->single_thread)
-	for (uint32_t row = 0; row < g->rows; row++)
-		judge_row(g, p, row, o->range_noise_m, fitted + (size_t)row * g->columns);
 #pragma omp parallel for schedule(dynamic, 1) if (!o->single_thread)
 	for (uint32_t strip = 0; strip < strips; strip++)
 		for (uint32_t row = 0; row < g->rows; row++)
-			sharpen(g, o, p, fitted, row, strip * STRIP_COLUMNS,
+			sharpen(g, o, p, row, strip * STRIP_COLUMNS,
 				MIN((strip + 1) * STRIP_COLUMNS, g->columns));
 }

@@ -127,7 +127,7 @@ INLINE void fill_row(const range_grid *g, const struct normals_options *o,
 		 bottom = MIN(row + NEAR_CELLS, g->rows - 1);
 	for (uint32_t c = 0; c < g->columns; c++) {
 		struct fan f;
-		if (!(g->range_m[from + c] > 0) || p->offset_m[from + c] > 0)
+		if (!(g->range_m[from + c] > 0) || p->offset_m[from + c] != 0)
 			continue;
 		look_at(&f, g, o, from + c);
 		for (uint32_t r = top; r <= bottom; r++)

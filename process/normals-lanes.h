@@ -36,21 +36,6 @@ INLINE void store_mask(int32_t *at, vi mask)
 	*(vi_loose *)at = mask;
 }
 
-/* By shifts, for compilers widen bytes one by one. */
-INLINE vi load_bytes(const uint8_t *at)
-{
-	int32_t low, high;
-	memcpy(&low, at, sizeof low);
-	memcpy(&high, at + sizeof low, sizeof high);
-	const vi both = { low, low, low, low, high, high, high, high };
-#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-	const vi shift = { 0, 8, 16, 24, 0, 8, 16, 24 };
-#else
-	const vi shift = { 24, 16, 8, 0, 24, 16, 8, 0 };
-#endif
-	return both >> shift & 255;
-}
-
 INLINE vf choose(vi mask, vf yes, vf no)
 {
 	return (vf)(((vi)yes & mask) | ((vi)no & ~mask));

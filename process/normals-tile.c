@@ -1,15 +1,7 @@
 #include "process/normals-tile.h"
+#include "process/normals-frame.h"
 #include "process/normals-lanes.h"
 #include <string.h>
-
-#define GROUPS (TILE_COLUMNS / LANES)
-#define WIDTH  (TILE_COLUMNS + 2 * TILE_REACH)
-#define HEIGHT (TILE_ROWS + 2 * TILE_REACH)
-#define FRAME_STEP                                                                                 \
-	8 /* of that many cells one is enough for the frame; each column and row has its turn */
-#define MARGIN 8 /* columns, rows of nothing around it all */
-#define PITCH  (WIDTH + 2 * MARGIN)
-#define RING   (2 * TILE_REACH + 1) /* rows that a window may touch */
 
 /* Windows are wide enough for this error of a normal, 1 sigma about each axis. */
 #define AIM_RAD 0.014f
@@ -21,23 +13,10 @@
 #define COUNT_MIN 4
 /* So many cells of an arm are summed up before it is asked whether any lane goes on. */
 #define NO_LINKS_EACH 4
-
-enum { N, U, V, W, UU, UV, VV, UW, VW, WW, SUMS };
-
-struct tile {
-	/* Direction and inverse depth in the frame of the tile: point = (u, v, 1) / w; w 0: none. v is relative to v_mean of its
-	 * row. With rows and columns of nothing around. */
-	float u[HEIGHT + 2 * MARGIN][PITCH], v[HEIGHT + 2 * MARGIN][PITCH],
-		w[HEIGHT + 2 * MARGIN][PITCH], range[HEIGHT + 2 * MARGIN][PITCH];
-	/* -1: to the next cell in the row, or column, is a link. */
-	int32_t right[HEIGHT][PITCH], down[HEIGHT][PITCH];
-	uint32_t segment[HEIGHT + 2 * MARGIN][PITCH];
-	vf sum[RING][SUMS]; /* of one group of columns: row y is at y % RING */
-	float v_mean[HEIGHT + 2 * MARGIN], u_mean[GROUPS], level[HEIGHT + 2 * MARGIN];
-	float axis[3][3];  /* of the frame: right, up, ahead */
-	int height, width; /* with the reach */
-	bool has_segments;
-};
+/* Two rows at once: a pair comes in when its further row is at most this much beyond the arm's end. */
+#define PAIR_SLACK 0.25f
+/* A fit leaves about the noise along the rays. What leaves this much more reaches over a crease. */
+#define CREASED_NOISES 1.35f
 
 tile *tile_new(void)
 {
@@ -47,224 +26,6 @@ tile *tile_new(void)
 void tile_free(tile *t)
 {
 	g_aligned_free(t);
-}
-
-/* ---- the frame and the points in it ---- */
-
-/* Looks where the tile's points are on average. false: it has none. */
-static bool set_frame(tile *t, const struct tile_job *job)
-{
-	const range_grid *g = job->grid;
-	double ahead[3] = { 0 };
-	for (uint32_t r = 0; r < job->rows; r++)
-		for (uint32_t c = r % FRAME_STEP; c < job->columns; c += FRAME_STEP) {
-			size_t i = (size_t)(job->row + r) * g->columns + job->column + c;
-			if (!(g->range_m[i] > 0))
-				continue;
-			float nearness = 1 / g->range_m[i];
-			ahead[0] += g->x_m[i] * nearness;
-			ahead[1] += g->y_m[i] * nearness;
-			ahead[2] += g->z_m[i] * nearness;
-		}
-	double length = sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1] + ahead[2] * ahead[2]);
-	if (!(length > 0))
-		return false;
-	for (int k = 0; k < 3; k++)
-		ahead[k] /= length;
-	double level = hypot(ahead[0], ahead[1]);
-	double right[3] = { 1, 0, 0 };
-	if (level > 1e-3) {
-		right[0] = ahead[1] / level;
-		right[1] = -ahead[0] / level;
-	} else {
-		double along = ahead[0], rest = sqrt(1 - along * along);
-		for (int k = 0; k < 3; k++)
-			right[k] = ((k == 0) - along * ahead[k]) / rest;
-	}
-	for (int k = 0; k < 3; k++) {
-		int a = (k + 1) % 3, b = (k + 2) % 3;
-		t->axis[0][k] = (float)right[k];
-		t->axis[1][k] = (float)(right[a] * ahead[b] - right[b] * ahead[a]);
-		t->axis[2][k] = (float)ahead[k];
-	}
-	return true;
-}
-
-/* The cells of row y of the tile from the grid's plane, 0 where it has none. */
-static void copy_row(const struct tile_job *job, int y, const float *plane, float *ret)
-{
-	const range_grid *g = job->grid;
-	int64_t row = (int64_t)job->row + y - TILE_REACH;
-	memset(ret, 0, PITCH * sizeof *ret);
-	if (row < 0 || row >= g->rows)
-		return;
-	plane += row * g->columns;
-	int64_t columns = g->columns, from = (int64_t)job->column - job->reach_columns,
-		to = (int64_t)job->column + job->columns + job->reach_columns;
-	if (to - from > columns) /* a narrow grid: no cell twice */
-		to = from + columns;
-	float *into = ret + MARGIN + TILE_REACH - job->reach_columns;
-	for (int64_t c = from; c < to;) {
-		int64_t at = c < 0 ? c + columns : c >= columns ? c - columns : c;
-		int64_t run = MIN(to - c, c < 0 ? -c : c < columns ? columns - c : to - c);
-		if (at == c || g->wraps)
-			memcpy(into + (c - from), plane + at, run * sizeof *plane);
-		c += run;
-	}
-}
-
-/* That row of the plane: as it lies in the grid when all the tile needs is there, else in buffer. At MARGIN it begins. */
-static const float *find_row(const struct tile_job *job, int y, const float *plane, float *buffer)
-{
-	const range_grid *g = job->grid;
-	int64_t row = (int64_t)job->row + y - TILE_REACH,
-		from = (int64_t)job->column - TILE_REACH - MARGIN;
-	if (job->reach_columns == TILE_REACH && job->columns % LANES == 0 && row >= 0 &&
-		row < g->rows && from >= 0 &&
-		from + job->columns + PITCH - TILE_COLUMNS <= g->columns)
-		return plane + row * g->columns + from;
-	copy_row(job, y, plane, buffer);
-	return buffer;
-}
-
-INLINE void place_row(tile *t, const struct tile_job *job, int y, vf *u_sum, vf *u_count)
-{
-	const range_grid *g = job->grid;
-	float buffer[4][PITCH];
-	const float *line[4] = { find_row(job, y, g->x_m, buffer[0]),
-		find_row(job, y, g->y_m, buffer[1]), find_row(job, y, g->z_m, buffer[2]),
-		find_row(job, y, g->range_m, buffer[3]) };
-	const float(*axis)[3] = (const float(*)[3])t->axis;
-	int r = y + MARGIN;
-	vf v_sum = { 0 }, level = { 0 }, count = { 0 };
-	if (t->has_segments)
-		copy_row(job, y, (const float *)job->options->segment, (float *)t->segment[r]);
-	for (int c = MARGIN; c < MARGIN + t->width; c += LANES) {
-		vf x = load(line[0] + c), yy = load(line[1] + c), z = load(line[2] + c),
-		   range = load(line[3] + c);
-		vf depth = axis[2][0] * x + axis[2][1] * yy + axis[2][2] * z;
-		vi good = (range > 0) & (depth > 0.2f * range);
-		vf w = where(good, 1 / choose(good, depth, all(1)));
-		vf u = (axis[0][0] * x + axis[0][1] * yy + axis[0][2] * z) * w;
-		vf v = (axis[1][0] * x + axis[1][1] * yy + axis[1][2] * z) * w;
-		vf one = where(good, all(1));
-		store(t->u[r] + c, u);
-		store(t->v[r] + c, v);
-		store(t->w[r] + c, w);
-		store(t->range[r] + c, where(good, range));
-		v_sum += v;
-		count += one;
-		level += where(good, root(x * x + yy * yy) / choose(good, range, all(1)));
-		int group = (c - MARGIN - TILE_REACH) / LANES;
-		if (c >= MARGIN + TILE_REACH && group < GROUPS) {
-			u_sum[group] += u;
-			u_count[group] += one;
-		}
-	}
-	store(t->w[r] + MARGIN + t->width, (vf){ 0 });
-	store(t->range[r] + MARGIN + t->width, (vf){ 0 });
-	float n = 0, v_all = 0, level_all = 0;
-	for (int k = 0; k < LANES; k++) {
-		n += count[k];
-		v_all += v_sum[k];
-		level_all += level[k];
-	}
-	t->v_mean[r] = n > 0 ? v_all / n : 0;
-	t->level[r] = n > 0 ? level_all / n : 1;
-	for (int c = MARGIN; n > 0 && c < MARGIN + t->width; c += LANES) {
-		vf w = load(t->w[r] + c);
-		store(t->v[r] + c, where(w > 0, load(t->v[r] + c) - t->v_mean[r]));
-	}
-}
-
-INLINE void place(tile *t, const struct tile_job *job)
-{
-	vf u_sum[GROUPS] = { 0 }, u_count[GROUPS] = { 0 };
-	for (int y = 0; y < t->height; y++)
-		place_row(t, job, y, u_sum, u_count);
-	for (int r = MARGIN + t->height; r < 2 * MARGIN + t->height; r++)
-		memset(t->w[r], 0, sizeof t->w[r]); /* a tile before may have been higher */
-	for (int group = 0; group < GROUPS; group++) {
-		float sum = 0, count = 0;
-		for (int k = 0; k < LANES; k++) {
-			sum += u_sum[group][k];
-			count += u_count[group][k];
-		}
-		t->u_mean[group] = count > 0 ? sum / count : 0;
-	}
-}
-
-/* ---- links ---- */
-
-/* Four cells in a line, a b c d: b and c are side by side, a is two before b, d two behind c. */
-struct line {
-	vf w[4], at[4]; /* inverse depth, direction along the line */
-};
-
-/* What goes on as the cells before b, or after c, foretell it is a surface, however steep: from `behind` to `from` it went up by
- * rise over run, and `to` is a step further. All is times run, for division is slow. */
-INLINE vi is_foretold(vf from, vf behind, vf run, vf step, vf to, vf noise)
-{
-	vf going_on = (from - behind) * step;
-	return magnitude((from - to) * run + going_on) <=
-	       6 * noise * magnitude(run) + 0.5f * magnitude(going_on);
-}
-
-INLINE vi is_linked(const struct line *l, float noise_m, float step_rad)
-{
-	vf b = l->w[1], c = l->w[2], noise = noise_m * (b * c);
-	vf difference = magnitude(c - b), size = step_rad * most(b, c);
-	vf step = l->at[2] - l->at[1];
-	vi before = (l->w[0] > 0) & is_foretold(b, l->w[0], l->at[1] - l->at[0], step, c, noise);
-	vi after = (l->w[3] > 0) & is_foretold(c, l->w[3], l->at[2] - l->at[3], -step, b, noise);
-	vi gentle = difference <= 5 * noise + size;
-	vi steep = difference > 5 * noise + 12 * size;
-	return (b > 0) & (c > 0) & (gentle | (before & after) | ((before | after) & ~steep));
-}
-
-INLINE vi same_segment(const tile *t, int r, int c, int down, int right)
-{
-	vi a = (vi) * (const vu_loose *)&t->segment[r][c];
-	vi b = (vi) * (const vu_loose *)&t->segment[r + down][c + right];
-	return (a == 0) | (b == 0) | (a == b);
-}
-
-INLINE vi link_right(const tile *t, int r, int c, const struct tile_job *job)
-{
-	struct line l;
-	static const int at[4] = { -2, 0, 1, 3 };
-	for (int k = 0; k < 4; k++) {
-		l.w[k] = load(t->w[r] + c + at[k]);
-		l.at[k] = load(t->u[r] + c + at[k]);
-	}
-	vi linked = is_linked(
-		&l, job->options->range_noise_m, (float)job->grid->column_rad * t->level[r]);
-	return t->has_segments ? linked & same_segment(t, r, c, 0, 1) : linked;
-}
-
-INLINE vi link_down(const tile *t, int r, int c, const struct tile_job *job)
-{
-	struct line l;
-	static const int at[4] = { -2, 0, 1, 3 };
-	for (int k = 0; k < 4; k++) {
-		l.w[k] = load(t->w[r + at[k]] + c);
-		l.at[k] = load(t->v[r + at[k]] + c) + t->v_mean[r + at[k]];
-	}
-	vi linked = is_linked(&l, job->options->range_noise_m, (float)job->grid->row_rad);
-	return t->has_segments ? linked & same_segment(t, r, c, 1, 0) : linked;
-}
-
-INLINE void find_links(tile *t, const struct tile_job *job)
-{
-	for (int y = 0; y < t->height; y++) {
-		for (int c = MARGIN; c < MARGIN + t->width; c += LANES)
-			store_mask(t->right[y] + c, link_right(t, y + MARGIN, c, job));
-		store_mask(t->right[y] + MARGIN + t->width - 1, (vi){ 0 });
-	}
-	for (int y = 0; y < t->height - 1; y++)
-		for (int c = MARGIN + TILE_REACH; c < MARGIN + t->width - TILE_REACH; c += LANES)
-			store_mask(t->down[y] + c, link_down(t, y + MARGIN, c, job));
-	memset(t->down[t->height - 1], 0, sizeof t->down[0]);
 }
 
 /* ---- windows ---- */
@@ -380,19 +141,78 @@ INLINE void add_rows(vf *s, const tile *t, int y, int c, int side, vf arm)
 	}
 }
 
-INLINE void sum_window(const tile *t, const struct tile_job *job, int y, int group, vf *s)
+INLINE vf arm_down(const tile *t, const struct tile_job *job, int y, int c)
 {
-	int r = y + MARGIN, c = MARGIN + TILE_REACH + group * LANES;
-	const float column_rad = (float)job->grid->column_rad * t->level[r],
-		    row_rad = (float)job->grid->row_rad;
+	int r = y + MARGIN;
 	vf range = load(t->range[r] + c);
 	vf slope = slope_m(load(t->range[r - 2] + c), range, load(t->range[r + 2] + c),
 		job->options->range_noise_m);
-	vf arm = arm_cells(range, column_rad, row_rad, slope, job->options, TILE_REACH);
+	return arm_cells(range, (float)job->grid->column_rad * t->level[r],
+		(float)job->grid->row_rad, slope, job->options, TILE_REACH);
+}
+
+INLINE void sum_window(const tile *t, const struct tile_job *job, int y, int c, vf *s)
+{
+	vf arm = arm_down(t, job, y, c);
 	for (int k = 0; k < SUMS; k++)
 		s[k] = t->sum[y % RING][k];
 	add_rows(s, t, y, c, 1, arm);
 	add_rows(s, t, y, c, -1, arm);
+}
+
+/* ---- two rows at once ---- */
+
+INLINE vf *pair_of(tile *t, int y)
+{
+	return t->pair[y / 2 % (RING / 2)];
+}
+
+/* Rows y and y + 1, relative to row y; only where they are linked does it mean anything. */
+INLINE void sum_pair(tile *t, int y, int c)
+{
+	const int r = y + MARGIN;
+	vf s[SUMS], *pair = pair_of(t, y);
+	for (int k = 0; k < SUMS; k++)
+		s[k] = t->sum[y % RING][k];
+	add_row(s, t->sum[(y + 1) % RING], t->v_mean[r + 1] - t->v_mean[r],
+		load(t->w[r + 1] + c) - load(t->w[r] + c), load_mask(t->down[y] + c));
+	for (int k = 0; k < SUMS; k++)
+		pair[k] = s[k];
+}
+
+/* As add_rows, two rows a step; an arm ends before a pair that is not linked. */
+INLINE void add_pairs(vf *s, tile *t, int y, int c, int side, vf arm)
+{
+	const int r = y + MARGIN, far = (int)((largest(arm) + PAIR_SLACK) * 0.5f);
+	vf here = load(t->w[r] + c);
+	vi in = here > 0;
+	for (int k = 1; k <= far; k++) {
+		const int i = y + 2 * side * k;
+		in &= (arm >= 2 * (float)k - PAIR_SLACK) &
+		      load_mask(t->down[side > 0 ? i - 1 : i + 1] + c) & load_mask(t->down[i] + c);
+		if (k % (NO_LINKS_EACH / 2) == 0 && !any(in))
+			break;
+		add_row(s, pair_of(t, i), t->v_mean[i + MARGIN] - t->v_mean[r],
+			load(t->w[i + MARGIN] + c) - here, in);
+	}
+}
+
+/* One window for a cell of row y and that below it. */
+INLINE void sum_pair_window(tile *t, const struct tile_job *job, int y, int c, vf *s)
+{
+	vf arm = arm_down(t, job, y, c);
+	for (int k = 0; k < SUMS; k++)
+		s[k] = pair_of(t, y)[k];
+	add_pairs(s, t, y, c, 1, arm);
+	add_pairs(s, t, y, c, -1, arm);
+}
+
+/* Whether all cells of the group in row y are linked to those below, or neither is there. */
+INLINE bool is_paired(const tile *t, int y, int c)
+{
+	const int r = y + MARGIN;
+	vi one = (load(t->w[r] + c) > 0) | (load(t->w[r + 1] + c) > 0);
+	return !any(one & ~load_mask(t->down[y] + c));
 }
 
 /* ---- planes ---- */
@@ -440,15 +260,25 @@ INLINE struct fit fit_plane(const vf *s, vf here, float u_mean, float v_mean, fl
 	return f;
 }
 
-/* Into the grid's planes, those of the lanes that are the tile's. */
-INLINE void put(float *plane, size_t at, vf x, int lanes)
+/* Where eight cells lie in the grid's planes. */
+struct place {
+	size_t at,
+		below; /* below: how much further the same cells of the next row lie, which share the plane; 0: not */
+	int lanes; /* that are the tile's */
+};
+
+INLINE void put(float *plane, struct place at, vf x)
 {
 	if (!plane)
 		return;
-	if (lanes == LANES)
-		store(plane + at, x);
-	else
-		memcpy(plane + at, &x, lanes * sizeof *plane);
+	plane += at.at;
+	if (at.lanes == LANES) {
+		store(plane, x);
+		store(plane + at.below, x);
+	} else {
+		memcpy(plane, &x, at.lanes * sizeof *plane);
+		memcpy(plane + at.below, &x, at.lanes * sizeof *plane);
+	}
 }
 
 INLINE vf turned(const tile *t, int k, vf x, vf y, vf z)
@@ -458,16 +288,16 @@ INLINE vf turned(const tile *t, int k, vf x, vf y, vf z)
 
 /* The neighbours' places on the plane: moving by du, dv in direction moves the point by du * e + dv * f. */
 INLINE void put_window(
-	const tile *t, const struct normals_planes *p, size_t at, const struct fit *f, int lanes)
+	const tile *t, const struct normals_planes *p, struct place at, const struct fit *f)
 {
 	vf z = 1 / choose(f->good, f->centre_w, all(1));
 	vf ea = f->a * z, eb = f->b * z;
 	vf e[3] = { z * (1 - f->centre_u * ea), -z * f->centre_v * ea, -z * ea };
 	vf g[3] = { -z * f->centre_u * eb, z * (1 - f->centre_v * eb), -z * eb };
 	vf along[3], up[3];
-	put(p->count, at, where(f->good, f->count), lanes);
+	put(p->count, at, where(f->good, f->count));
 	for (int k = 0; k < 3; k++) {
-		put(p->centre_m[k], at, turned(t, k, f->centre_u * z, f->centre_v * z, z), lanes);
+		put(p->centre_m[k], at, turned(t, k, f->centre_u * z, f->centre_v * z, z));
 		along[k] = turned(t, k, e[0], e[1], e[2]);
 		up[k] = turned(t, k, g[0], g[1], g[2]);
 	}
@@ -476,22 +306,22 @@ INLINE void put_window(
 			put(p->covariance_m2[k++], at,
 				f->uu * along[i] * along[j] +
 					f->uv * (along[i] * up[j] + up[i] * along[j]) +
-					f->vv * up[i] * up[j],
-				lanes);
+					f->vv * up[i] * up[j]);
 }
 
-INLINE void put_plane(
-	const tile *t, const struct normals_planes *p, size_t at, const struct fit *f, int lanes)
+INLINE void put_plane(const tile *t, const struct normals_planes *p, struct place at,
+	const struct fit *f, vf range, float noise_m)
 {
 	vf length = root(f->a * f->a + f->b * f->b + f->d * f->d),
 	   inverse = 1 / choose(f->good, length, all(1));
 	vf z = 1 / choose(f->good, f->centre_w, all(1));
 	for (int k = 0; k < 3; k++)
-		put(p->normal[k], at, where(f->good, -inverse * turned(t, k, f->a, f->b, f->d)),
-			lanes);
+		put(p->normal[k], at, where(f->good, -inverse * turned(t, k, f->a, f->b, f->d)));
 	vf error = z * inverse * root(f->error_w2), none = all(NAN);
-	put(p->error_m, at, choose(f->good, error, none), lanes);
-	put(p->offset_m, at, where(f->good, inverse), lanes);
+	put(p->error_m, at, choose(f->good, error, none));
+	vi creased = f->error_w2 * range * range > CREASED_NOISES * CREASED_NOISES * noise_m *
+							   noise_m * f->centre_w * f->centre_w;
+	put(p->offset_m, at, where(f->good, choose(creased, -inverse, inverse)));
 	if (p->curvature) {
 		vf ea = f->a * z, eb = f->b * z, u = f->centre_u, v = f->centre_v,
 		   one = 1 + u * u + v * v;
@@ -501,24 +331,45 @@ INLINE void put_plane(
 				    2 * f->uv * (u * eb + v * ea - one * ea * eb));
 		vf least_m2 = least(error * error, spread * 0.5f);
 		put(p->curvature, at,
-			choose(f->good, least_m2 / most(spread + least_m2, all(1e-20f)), none),
-			lanes);
+			choose(f->good, least_m2 / most(spread + least_m2, all(1e-20f)), none));
 	}
 	if (p->count)
-		put_window(t, p, at, f, lanes);
+		put_window(t, p, at, f);
 }
 
-INLINE void fit_cells(const tile *t, const struct tile_job *job, int y, int group)
+INLINE struct place place_of(const struct tile_job *job, int y, int group, bool paired)
+{
+	size_t columns = job->grid->columns;
+	return (struct place){ .at = (size_t)(job->row + y - TILE_REACH) * columns + job->column +
+				     group * LANES,
+		.below = paired ? columns : 0,
+		.lanes = MIN(LANES, (int)job->columns - group * LANES) };
+}
+
+INLINE void fit_cells(tile *t, const struct tile_job *job, int y, int group, bool paired)
 {
 	int c = MARGIN + TILE_REACH + group * LANES, r = y + MARGIN;
-	size_t at = (size_t)(job->row + y - TILE_REACH) * job->grid->columns + job->column +
-		    group * LANES;
-	vf s[SUMS], here = load(t->w[r] + c);
-	int lanes = MIN(LANES, (int)job->columns - group * LANES);
-	sum_window(t, job, y, group, s);
-	struct fit f =
-		fit_plane(s, here, t->u_mean[group], t->v_mean[r], job->options->range_noise_m);
-	put_plane(t, job->planes, at, &f, lanes);
+	vf s[SUMS];
+	if (paired)
+		sum_pair_window(t, job, y, c, s);
+	else
+		sum_window(t, job, y, c, s);
+	struct fit f = fit_plane(
+		s, load(t->w[r] + c), t->u_mean[group], t->v_mean[r], job->options->range_noise_m);
+	put_plane(t, job->planes, place_of(job, y, group, paired), &f, load(t->range[r] + c),
+		job->options->range_noise_m);
+}
+
+/* Rows y and y + 1. Their windows are all but the same, so one does for both; but not where something ends between them. Who
+ * asks for the windows themselves gets each cell's own. */
+INLINE void fit_rows(tile *t, const struct tile_job *job, int y, int group)
+{
+	bool both = y + 1 < TILE_REACH + (int)job->rows;
+	bool paired =
+		both && !job->planes->count && is_paired(t, y, MARGIN + TILE_REACH + group * LANES);
+	fit_cells(t, job, y, group, paired);
+	if (both && !paired)
+		fit_cells(t, job, y + 1, group, false);
 }
 
 /* A group of columns after the other: what its windows take in stays in the nearest cache. */
@@ -527,10 +378,12 @@ INLINE void fit_tile(tile *t, const struct tile_job *job)
 	place(t, job);
 	find_links(t, job);
 	for (int group = 0; group * LANES < (int)job->columns; group++)
-		for (int y = 0; y < t->height; y++) {
+		for (int y = 0; y < t->height; y += 2) {
 			sum_row(t, job, y, group);
+			sum_row(t, job, y + 1, group);
+			sum_pair(t, y, MARGIN + TILE_REACH + group * LANES);
 			if (y >= 2 * TILE_REACH)
-				fit_cells(t, job, y - TILE_REACH, group);
+				fit_rows(t, job, y - TILE_REACH, group);
 		}
 }
 

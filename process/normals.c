@@ -88,8 +88,9 @@ static float noise_left_m(const range_grid *g, const struct normals_options *o,
 		for (uint32_t i = 0; i < job.columns * job.rows; i++) {
 			size_t at = (size_t)(job.row + i / job.columns) * g->columns + job.column +
 				    i % job.columns;
-			if (p->offset_m[at] > 0)
-				left_m[count++] = p->error_m[at] * g->range_m[at] / p->offset_m[at];
+			if (p->offset_m[at] != 0)
+				left_m[count++] =
+					p->error_m[at] * g->range_m[at] / fabsf(p->offset_m[at]);
 		}
 	}
 	return low_quantile(left_m, count, 8, o->range_noise_m);

@@ -24,7 +24,9 @@ struct normals_options {
 struct normals_planes {
 	float *normal[3];
 	float *error_m, *curvature;
-	float *offset_m; /* distance of the fitted plane from the scanner */
+	/* Distance of the fitted plane from the scanner, 0: none; negative where the fit leaves more than noise, for it reaches
+	 * over a crease or takes in clutter. */
+	float *offset_m;
 	/* The neighbours, as they lie on the plane: how many, their centre, and the covariance xx xy xz yy yz zz. */
 	float *count, *centre_m[3], *covariance_m2[6];
 };
