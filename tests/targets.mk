@@ -14,7 +14,7 @@ demo: deps
 	$(MAKE) all
 	@sh tests/demo.sh $(BUILD)/bin $(demo_site)
 
-#: make check           set up, build, run every test (also under ASan and UBSan), check layers and format
+#: make check           set up, build, run every test (all but the slowest also under ASan and UBSan), check layers and format
 check: deps
 	$(MAKE) all tests
 	$(MAKE) check-house
@@ -35,13 +35,28 @@ tests: $(tests) $(fuzzers)
 
 # Each program prints TAP; prove runs them side by side, each with a time limit, and sums up. The longest go first.
 long_tests := $(addprefix $(BUILD)/tests/,test-process-kill test-scan-kill test-commands-damage test-preset test-scan-faults)
+run_tests ?= $(tests) $(fuzzers)
 check-tests: all tests
-	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(long_tests) $(filter-out $(long_tests),$(tests)) $(fuzzers)
+	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(filter $(run_tests),$(long_tests)) $(filter-out $(long_tests),$(run_tests))
 
-check-sanitized: check-asan
+# Instrumented, these take a minute and more of two cores each. They do so wherever main changes (.ci/run), not at each check.
+slow_tests := $(addprefix $(BUILD)/tests/,test-cloud-align test-align-command test-scan-faults test-align-scans \
+	test-register-site test-commands-damage test-world test-preset)
+asan := BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1'
+check-sanitized:
+	$(MAKE) $(asan) check-asan-quick
+.PHONY: check-asan-quick check-asan-slow check-slow
+check-asan-quick check-asan-slow: all tests
+check-asan-quick:
+	$(MAKE) run_tests='$(filter-out $(slow_tests),$(tests) $(fuzzers))' check-tests
+check-asan-slow:
+	$(MAKE) run_tests='$(slow_tests)' check-tests
+#: make check-slow      the tests that make check leaves out under ASan and UBSan, since they take long there
+check-slow:
+	$(MAKE) $(asan) check-asan-slow
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:
-	$(MAKE) BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1' check-tests
+	$(MAKE) $(asan) check-tests
 #: make check-ubsan     all tests under UndefinedBehaviorSanitizer alone
 check-ubsan:
 	$(MAKE) BUILD=build-ubsan SANITIZE=undefined CFLAGS='-O1 -g' check-tests
