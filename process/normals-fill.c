@@ -5,7 +5,7 @@
 /* Neighbours in space: cells each way, and how far away, in metric windows and in beams. */
 #define NEAR_CELLS   3
 #define NEAR_WINDOWS 2.0f
-#define NEAR_BEAMS   5.0f
+#define NEAR_BEAMS   12.0f
 #define NEAR_MIN     3
 #define PRIOR_SLOPE  1.5f
 

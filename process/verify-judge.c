@@ -15,16 +15,21 @@
 #define BALANCE_MIN      0.02
 /* A rival is refuted by things that it puts where they were seen through, and which this pose explains: by so much more of
  * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.1 %, and up to 1 % where each surface
- * rests on one beam, which may have met an edge; a hall's half turn that its furniture tells apart, 0.25 % and more. */
+ * rests on one beam, which may have met an edge; a hall's half turn that its furniture tells apart, 0.25 % and more. But when
+ * things moved, the true pose has its percent, and a half turn that shows little of the place has less. */
 #define RIVAL_FACTOR     2.0
-#define RIVAL_MARGIN     0.0015
+#define RIVAL_MARGIN     0.0030
 #define RIVAL_MARGIN_ONE 0.010
-#define RIVAL_DOUBT_SR   0.005
-/* From here on a rival would be refused itself: less more of it is enough, or what came to rest between two
- * true poses, along a street with cars elsewhere, would speak against the best. */
-#define RIVAL_HOPELESS        CONFLICT_MAX
+#define BEAMS_MANY       3
+/* Nothing moved, and this pose shows about as much of the place as the rival. */
+#define STILL_MAX      0.0015
+#define STILL_SHARE    0.5
+#define STILL_MARGIN   0.0015
+#define STILL_DOUBT_SR 0.005
+/* From here on a rival would hardly be accepted itself: less more of it is enough, or what came to rest between two true
+ * poses, along a street with cars elsewhere, would speak against the best. */
+#define RIVAL_HOPELESS        0.075
 #define RIVAL_HOPELESS_FACTOR 1.25
-#define BEAMS_MANY            3
 #define RIVALRY_MAX           99
 #define RIVAL_MIN_SR          0.3
 #define RIVAL_SHARE           0.1
@@ -34,9 +39,9 @@
 #define SLIDING_M   0.02
 #define SLIDING_RAD (0.2 * G_PI / 180)
 /* What agrees must be at rest: a wall whose bricks are as deep as the pose is wrong agrees with it all the same, but pulls. */
-#define REST_MAX_M    0.012
+#define REST_MAX_M    0.010
 #define REST_MAX_RAD  (0.05 * G_PI / 180)
-#define IMPRECISE_M   2.0e-3
+#define IMPRECISE_M   1.6e-3
 #define IMPRECISE_RAD (0.010 * G_PI / 180)
 
 double verify_contradiction(const struct verification *v)
@@ -55,8 +60,13 @@ double verify_rivalry(const struct verification *v, const struct verification *r
 {
 	if (rival->agree_sr < fmax(RIVAL_MIN_SR, RIVAL_SHARE * v->agree_sr))
 		return 0;
-	double doubt = v->together_sr + RIVAL_DOUBT_SR, own = doubt / (v->agree_sr + doubt),
-	       margin = v->beams < BEAMS_MANY ? RIVAL_MARGIN_ONE : RIVAL_MARGIN,
+	bool still = v->together_sr < STILL_MAX * v->agree_sr &&
+		     v->agree_sr >= STILL_SHARE * rival->agree_sr && v->beams >= BEAMS_MANY;
+	double doubt = v->together_sr + (still ? STILL_DOUBT_SR : DOUBT_SR),
+	       own = doubt / (v->agree_sr + doubt),
+	       margin = still                    ? STILL_MARGIN
+			: v->beams >= BEAMS_MANY ? RIVAL_MARGIN
+						 : RIVAL_MARGIN_ONE,
 	       hopeless = fmax(RIVAL_HOPELESS, RIVAL_HOPELESS_FACTOR * own),
 	       may = fmin(RIVAL_FACTOR * own + margin, hopeless),
 	       does = rival->together_sr / (rival->agree_sr + rival->together_sr);
