@@ -193,6 +193,7 @@ static void print_json(uint32_t scans, const struct figures *f)
 	json_object_set_double_member(j, "cpu_seconds", f->cpu_s);
 	json_object_set_double_member(j, "cpu_seconds_one_more", f->cpu_last_s);
 	json_object_set_int_member(j, "rebuilt_one_more", f->last.scans_rebuilt);
+	json_object_set_int_member(j, "taken_over", (gint64)f->last.points_taken_over);
 	json_object_set_double_member(j, "peak_mib", f->peak_mib);
 	g_autoptr(JsonNode) node = json_node_new(JSON_NODE_OBJECT);
 	json_node_take_object(node, j);
@@ -212,6 +213,8 @@ static void print_text(uint32_t scans, const struct figures *f)
 	printf("  %-28s %10.2f million points/s\n", "", most / f->most.seconds * 1e-6);
 	printf("  %-28s %10.1f s, %.1f s of processors (%u scans sorted anew)\n", "with the last",
 		f->last.seconds, f->cpu_last_s, f->last.scans_rebuilt);
+	printf("  %-28s %10.1f %% of the points\n", "taken over as they were",
+		100 * (double)f->last.points_taken_over / (double)f->last.points);
 	printf("  %-28s %10.0f MiB  (reach: <= 4096 for 100 million)\n", "peak resident memory",
 		f->peak_mib);
 }

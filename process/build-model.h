@@ -24,6 +24,8 @@ struct build_options {
 struct build_result {
 	uint64_t points,
 		redundant; /* in the model; left out because another scan has them better */
+	uint64_t
+		points_taken_over; /* of those in the model: with pieces of the one before, unchanged */
 	uint32_t scans, scans_rebuilt; /* in the model; of these, whose part was made anew */
 	uint32_t
 		scans_left_out; /* placed, but in groups of scans that nothing ties to the others */

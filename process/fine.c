@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* From wide cells and a wide kernel to narrow ones. Within a stage the slack falls with each step, by a third at most, until
- * it is at its end. */
+ * it is at its end. The last stage is for narrow cells, whose normals at edges differ most. */
 static const struct fine_stage {
 	double pitch_m;
 	double slack_first_m, slack_last_m;
@@ -13,11 +13,12 @@ static const struct fine_stage {
 	float cosine_min;
 	bool around;
 } stages[] = {
-	{ 1.0, 0.80, 0.20, 16, 1, 0.60f, true }, { 0.5, 0.20, 0.06, 10, 1, 0.75f, true },
-	{ 0.25, 0.06, 0.015, 8, 2, 0.85f, false }, { 0.10, 0.010, 0.001, 8, 2, 0.92f, false },
+	{ 1.0, 0.80, 0.20, 16, 1, 0.60f, true },
+	{ 0.5, 0.20, 0.06, 10, 1, 0.75f, true },
+	{ 0.25, 0.06, 0.015, 8, 2, 0.85f, false },
+	{ 0.10, 0.010, 0.001, 8, 2, 0.92f, false },
 	{ 0.10, 0.001, 0.001, 8, 1, 0.92f, false },
-	{ 0.10, 0.001, 0.001, 8, 1, 0.985f,
-		false }, /* in narrow cells, whose normals at edges differ most */
+	{ 0.10, 0.001, 0.001, 8, 1, 0.985f, false },
 };
 #define STAGES G_N_ELEMENTS(stages)
 #define NARROW (STAGES - 1)

@@ -25,6 +25,7 @@ struct merge {
 	uint64_t total, done; /* points that stay; of these, added to the model or taken over */
 	uint64_t next_step;   /* of done */
 	uint64_t points, redundant; /* in the model; left out */
+	uint64_t taken_over;        /* of those in the model */
 };
 
 static bool comes_before(const struct run *a, const struct run *b)
@@ -211,6 +212,7 @@ static bool take_piece(
 				       model_stale_end(s, i), ret_taken, error))
 		return false;
 	m->done += model_writer_count(m->to) - before;
+	m->taken_over += model_writer_count(m->to) - before;
 	return true;
 }
 
@@ -285,5 +287,6 @@ bool model_merge(const char *path, model_part *const *part, size_t parts, unsign
 	merge_clear(&m);
 	result->points = m.points;
 	result->redundant = m.redundant;
+	result->points_taken_over = m.taken_over;
 	return ok;
 }

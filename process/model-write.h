@@ -13,7 +13,8 @@ bool model_writer_add(model_writer *w, const struct part_point *p, uint16_t scan
 bool model_writer_take(model_writer *w, const model *from, const struct model_piece *piece,
 	uint64_t end_chunk, bool *ret_taken, GError **error);
 uint64_t model_writer_count(const model_writer *w);
-/* dropped: a section of words, as in the parts' overlaps, and where those of each part end. Takes the manifest. The writer can only be freed then. */
+/* With the words of what each part lost to its neighbours, and where those of each part end. Takes the manifest. The writer
+ * can only be freed then. */
 bool model_writer_finish(model_writer *w, model_part *const *part, size_t parts,
 	JsonObject *manifest, GError **error);
 void model_writer_free(model_writer *w); /* NULL is fine; removes what was not finished */

@@ -266,7 +266,7 @@ static const struct solution *finish_rival(struct search *s)
 {
 	const struct solution *rival = find_rival(s);
 	for (size_t k = 0; k < FINISHED && rival && !rival->measured &&
-			   verify_rivalry(&s->solution[0].verification, &rival->verification) >= 1;
+			   rivalry(s, (size_t)(rival - s->solution)) >= 1;
 		k++) {
 		finish(s, &s->solution[rival - s->solution]);
 		rival = find_rival(s);

@@ -93,6 +93,7 @@ static bool run_model(site *s, const struct stage_progress *progress, char **ret
 		return false;
 	json_object_set_int_member(figures, "points", (gint64)result.points);
 	json_object_set_int_member(figures, "redundant", (gint64)result.redundant);
+	json_object_set_int_member(figures, "points_taken_over", (gint64)result.points_taken_over);
 	json_object_set_int_member(figures, "scans", result.scans);
 	json_object_set_int_member(figures, "scans_rebuilt", result.scans_rebuilt);
 	*ret_summary = g_strdup_printf("%.2f million points; %.2f million were seen better from "

@@ -220,6 +220,7 @@ static void test_again(void)
 	assert_same(path, whole_sum());
 	struct build_result r = build_some(path, SCANS);
 	g_assert_cmpuint(r.scans_rebuilt, ==, 0);
+	g_assert_cmpuint(r.points_taken_over, ==, r.points);
 	assert_same(path, whole_sum());
 }
 
@@ -273,6 +274,27 @@ static void test_far_apart(void)
 	g_assert_cmpuint(model_count(m), ==, r.points);
 	build_some(path, SCANS);
 	assert_same(path, whole_sum());
+}
+
+/* A house apart: what changes at one leaves the pieces of the other as they were. */
+static void test_taken_over(void)
+{
+	g_autofree char *path = fresh_site(), *other = fresh_site();
+	scan_graph *apart = graph_of(SCANS), *two = graph_of(2);
+	placed(apart, 1)->pose.translation_m[1] += 100;
+	placed(two, 1)->pose = placed(apart, 1)->pose;
+	uint64_t first = build_some(path, 1).points;
+	struct build_result r = build(path, two, NULL), s = build(path, apart, NULL);
+	uint64_t second = r.points - first;
+	g_assert_cmpuint(r.points_taken_over, >, first * 9 / 10);
+	g_assert_cmpuint(r.points_taken_over, <=, first);
+	g_assert_cmpuint(s.points_taken_over, >, second * 9 / 10);
+	g_assert_cmpuint(s.points_taken_over, <, second + first);
+	g_assert_cmpuint(build(other, apart, NULL).points_taken_over, ==, 0);
+	g_autofree char *sum = sum_of(path);
+	assert_same(other, sum);
+	free_graph(apart);
+	free_graph(two);
 }
 
 static void test_threads_and_memory(void)
@@ -513,6 +535,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/build-model/scan-by-scan", test_scan_by_scan);
 	g_test_add_func("/build-model/moved-and-back", test_moved_and_back);
 	g_test_add_func("/build-model/far-apart", test_far_apart);
+	g_test_add_func("/build-model/taken-over", test_taken_over);
 	g_test_add_func("/build-model/threads-and-memory", test_threads_and_memory);
 	g_test_add_func("/build-model/stopped-anywhere", test_stopped_anywhere);
 	g_test_add_func("/build-model/damaged", test_damaged);
