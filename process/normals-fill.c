@@ -119,6 +119,11 @@ INLINE void put_plane(const struct fan *f, const struct normals_options *o,
 	p->offset_m[i] = (float)(1 / length);
 }
 
+INLINE vi is_left_out(const range_grid *g, const struct normals_planes *p, size_t i)
+{
+	return (load(g->range_m + i) > 0) & (load(p->offset_m + i) == 0);
+}
+
 INLINE void fill_row(const range_grid *g, const struct normals_options *o,
 	const struct normals_planes *p, uint32_t row)
 {
@@ -127,7 +132,9 @@ INLINE void fill_row(const range_grid *g, const struct normals_options *o,
 		 bottom = MIN(row + NEAR_CELLS, g->rows - 1);
 	for (uint32_t c = 0; c < g->columns; c++) {
 		struct fan f;
-		if (!(g->range_m[from + c] > 0) || p->offset_m[from + c] != 0)
+		while (c + LANES <= g->columns && !any(is_left_out(g, p, from + c)))
+			c += LANES;
+		if (c == g->columns || !(g->range_m[from + c] > 0) || p->offset_m[from + c] != 0)
 			continue;
 		look_at(&f, g, o, from + c);
 		for (uint32_t r = top; r <= bottom; r++)

@@ -4,7 +4,7 @@
 #include "process/normals.h"
 
 #define TILE_COLUMNS 96 /* at most, of the tile itself */
-#define TILE_ROWS    88
+#define TILE_ROWS    132
 #define TILE_REACH   16 /* cells around it that windows may reach into */
 
 struct tile_job {

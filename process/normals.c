@@ -1,5 +1,4 @@
 #include "process/normals-tile.h"
-#include <stdlib.h>
 
 /* No tile with its reach looks wider than this: far from its middle the frame would be squeezed. */
 #define TILE_WIDEST_RAD 1.4
@@ -39,19 +38,36 @@ void normals_fit(const range_grid *g, const struct normals_options *options,
 	}
 }
 
-static int by_value(const void *a, const void *b)
+/* What would stand there if the values were sorted (Hoare's find: sorting them all takes longer than the fits). */
+static float value_at(float *values, size_t count, size_t place)
 {
-	float x = *(const float *)a, y = *(const float *)b;
-	return (x > y) - (x < y);
+	size_t first = 0, last = count - 1;
+	while (first < last) {
+		float pivot = values[first + (last - first) / 2];
+		size_t i = first, j = last;
+		for (;; i++, j--) {
+			while (values[i] < pivot)
+				i++;
+			while (pivot < values[j])
+				j--;
+			if (i >= j)
+				break;
+			float swap = values[i];
+			values[i] = values[j];
+			values[j] = swap;
+		}
+		if (place <= j)
+			last = j;
+		else
+			first = j + 1;
+	}
+	return values[place];
 }
 
 /* The value that one in `part` is below. */
 static float low_quantile(float *values, size_t count, size_t part, float otherwise)
 {
-	if (!count)
-		return otherwise;
-	qsort(values, count, sizeof *values, by_value);
-	return values[count / part];
+	return count ? value_at(values, count, count / part) : otherwise;
 }
 
 /* Second differences of ranges along a row have sqrt(6) times their noise, and whatever uneven beams on slanting surfaces add.
