@@ -271,7 +271,7 @@ bool bench_table_save(const struct bench_table *t, const char *path, GError **er
 	g_autoptr(GString) text = g_string_new(
 		"trial\tkind\toutcome\tverdict\tdistance_m\toverlap\tagreement\tshared_sr\terror_"
 		"deg\t"
-		"error_mm\tconflict\ttogether_sr\tagree\tagree_sr\tbalance\tdeviation_"
+		"error_mm\tconflict\ttogether_sr\tthing_sr\tagree\tagree_sr\tbalance\tdeviation_"
 		"deg\tdeviation_mm\trival\t"
 		"rms_mm\tcoarse_s\tfine_s\tverify_s\treason\n");
 	for (guint i = 0; i < t->trials->len; i++) {
@@ -279,15 +279,17 @@ bool bench_table_save(const struct bench_table *t, const char *path, GError **er
 		const struct pair_result *r = &one->result;
 		const struct verification *v = &r->verification;
 		g_string_append_printf(text,
-			"%s\t%s\t%s\t%s\t%.2f\t%.3f\t%.4f\t%.2f\t%.5f\t%.3f\t%.5f\t%.5f\t%.4f\t%."
+			"%s\t%s\t%s\t%s\t%.2f\t%.3f\t%.4f\t%.2f\t%.5f\t%.3f\t%.5f\t%.5f\t%.5f\t%."
+			"4f\t%."
 			"2f\t%"
 			".3f\t%.5f\t%.3f\t%.3f\t%.2f\t%.3f\t%.3f\t%.3f\t%s\n",
 			one->name, trial_kind_names[one->kind], outcome_names[one->outcome],
 			verdict_names[v->verdict], one->distance_m, one->overlap, one->agreement,
 			one->shared_sr, one->error_rad * DEGREES, one->error_m * MM,
-			verify_contradiction(v), v->together_sr, v->agreement, v->agree_sr,
-			v->balance, v->deviation_rad * DEGREES, v->deviation_m * MM, v->rival_score,
-			v->rms_m * MM, r->coarse_s, r->fine_s, r->verify_s, v->reason);
+			verify_contradiction(v), v->together_sr, v->thing_sr, v->agreement,
+			v->agree_sr, v->balance, v->deviation_rad * DEGREES, v->deviation_m * MM,
+			v->rival_score, v->rms_m * MM, r->coarse_s, r->fine_s, r->verify_s,
+			v->reason);
 	}
 	return g_file_set_contents(path, text->str, (gssize)text->len, error);
 }

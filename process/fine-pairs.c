@@ -115,10 +115,11 @@ struct found {
 };
 
 /* The surfel of a cell, if it may be the same surface as a point with a normal. */
-INLINE void consider(const struct surfel *s, const float q[3], const float n[3], float cosine_min,
-	struct found *best)
+INLINE void consider(const struct surfel *s, const float q[3], const float n[3],
+	const struct pairing *how, struct found *best)
 {
-	if (!(s->sigma_m > 0) || dot(s->normal, n) < cosine_min)
+	if (!(s->sigma_m > 0 && s->sigma_m < how->sigma_max_m) ||
+		dot(s->normal, n) < how->cosine_min)
 		return;
 	float d[3] = { q[0] - s->point_m[0], q[1] - s->point_m[1], q[2] - s->point_m[2] };
 	float distance2 = dot(d, d);
@@ -127,7 +128,7 @@ INLINE void consider(const struct surfel *s, const float q[3], const float n[3],
 }
 
 static void consider_around(const pyramid *p, const struct place *at, const float q[3],
-	const float n[3], float cosine_min, struct found *best)
+	const float n[3], const struct pairing *how, struct found *best)
 {
 	const struct pyramid_level *l = &p->level[at->level];
 	int32_t columns = (int32_t)l->columns, rows = (int32_t)l->rows;
@@ -139,7 +140,7 @@ static void consider_around(const pyramid *p, const struct place *at, const floa
 					continue;
 				c = k < 0 ? columns - 1 : 0;
 			}
-			consider(&l->surfel[(size_t)r * l->columns + c], q, n, cosine_min, best);
+			consider(&l->surfel[(size_t)r * l->columns + c], q, n, how, best);
 		}
 }
 
@@ -265,9 +266,9 @@ void pairs_sum(const struct pairing *how, const struct sample *samples, size_t c
 		float apart = reach + 2.5f * cell * (float)(1 << at.level) * sqrtf(dot(q, q));
 		struct found best = { NULL, apart * apart };
 		if (how->around)
-			consider_around(into, &at, q, n, how->cosine_min, &best);
+			consider_around(into, &at, q, n, how, &best);
 		else
-			consider(middle, q, n, how->cosine_min, &best);
+			consider(middle, q, n, how, &best);
 		if (!best.surfel)
 			continue;
 		struct row row;

@@ -14,9 +14,10 @@ struct sample {
 struct pairing {
 	double pitch_m;
 	double slack_m; /* 1 sigma of what the planes may be apart beyond their own noise: also of the pose's error */
-	double scale;     /* of the kernel, in normalised residuals */
-	float cosine_min; /* between normals */
-	bool around;      /* also in the eight cells around */
+	double scale;      /* of the kernel, in normalised residuals */
+	float cosine_min;  /* between normals */
+	float sigma_max_m; /* of cells that count */
+	bool around;       /* also in the eight cells around */
 };
 
 /* The level whose cells are about pitch_m wide at this range. */

@@ -4,7 +4,8 @@
 #include <string.h>
 
 /* From wide cells and a wide kernel to narrow ones. Within a stage the slack falls with each step, by a third at most, until
- * it is at its end. The last stage is for narrow cells, whose normals at edges differ most. */
+ * it is at its end. The last stage is for narrow cells, whose normals at edges differ most; those that hold a reveal or a
+ * sill, and are uneven by it, lie on other parts of it for each scan, whole columns of them. */
 static const struct fine_stage {
 	double pitch_m;
 	double slack_first_m, slack_last_m;
@@ -12,13 +13,14 @@ static const struct fine_stage {
 	uint32_t stride; /* of the cells that are looked for in the other scan */
 	float cosine_min;
 	bool around;
+	float sigma_max_m; /* of the cells that count */
 } stages[] = {
-	{ 1.0, 0.80, 0.20, 16, 1, 0.60f, true },
-	{ 0.5, 0.20, 0.06, 10, 1, 0.75f, true },
-	{ 0.25, 0.06, 0.015, 8, 2, 0.85f, false },
-	{ 0.10, 0.010, 0.001, 8, 2, 0.92f, false },
-	{ 0.10, 0.001, 0.001, 8, 1, 0.92f, false },
-	{ 0.10, 0.001, 0.001, 8, 1, 0.985f, false },
+	{ 1.0, 0.80, 0.20, 16, 1, 0.60f, true, INFINITY },
+	{ 0.5, 0.20, 0.06, 10, 1, 0.75f, true, INFINITY },
+	{ 0.25, 0.06, 0.015, 8, 2, 0.85f, false, INFINITY },
+	{ 0.10, 0.010, 0.001, 8, 2, 0.92f, false, INFINITY },
+	{ 0.10, 0.001, 0.001, 8, 1, 0.92f, false, INFINITY },
+	{ 0.10, 0.001, 0.001, 8, 1, 0.985f, false, 0.012f },
 };
 #define STAGES G_N_ELEMENTS(stages)
 #define NARROW (STAGES - 1)
@@ -42,7 +44,8 @@ static const struct {
 	[FINE_CLOSELY] = { NARROW, NARROW, THROUGH_MAX_NEAR },
 };
 
-#define PAIRS_MIN 100
+#define PAIRS_MIN   100
+#define EVEN_NOISES 1.6f
 /* What is shared beyond a tile (one plane's points are in the planes of all its neighbours, and in many pairs), as measured:
  * against exact truth the normalised error is 1.4 to 3 without it. */
 #define COVARIANCE_FACTOR 2.0
@@ -84,15 +87,23 @@ static double scale_of(const pyramid *p)
 	return CLAMP(range[count / 2], SCENE_MIN_M, SCENE_M) / SCENE_M;
 }
 
+/* Scanners that measure less closely have no cells that are more even. */
+static float sigma_max_m(const pyramid *p, const struct fine_stage *stage)
+{
+	return fmaxf(stage->sigma_max_m, EVEN_NOISES * (float)p->noise_m);
+}
+
 static void take_level(const pyramid *p, int level, const struct fine_stage *stage, double pitch_m,
 	struct sample *to, size_t *count)
 {
+	float most_m = sigma_max_m(p, stage);
 	const struct pyramid_level *l = &p->level[level];
 	for (uint32_t r = 0; r < l->rows; r += stage->stride)
 		for (uint32_t c = (r / stage->stride) % stage->stride; c < l->columns;
 			c += stage->stride) {
 			const struct surfel *s = &l->surfel[(size_t)r * l->columns + c];
-			if (!(s->sigma_m > 0) || pairing_level(p, pitch_m, s->range_m) != level)
+			if (!(s->sigma_m > 0 && s->sigma_m < most_m) ||
+				pairing_level(p, pitch_m, s->range_m) != level)
 				continue;
 			struct sample *sample = &to[(*count)++];
 			memcpy(sample->point_m, s->point_m, sizeof sample->point_m);
@@ -160,6 +171,7 @@ static struct pairing pairing_of(const fine_scan *of, size_t stage, double slack
 		.slack_m = slack_m,
 		.scale = KERNEL_SCALE,
 		.cosine_min = s->cosine_min,
+		.sigma_max_m = sigma_max_m(of->pyramid, s),
 		.around = s->around };
 }
 

@@ -1,4 +1,5 @@
 #include "process/verify-compare.h"
+#include "process/verify-conflicts.h"
 
 #define SAME_FACING 0.8f
 #define SIGMAS      3.0f
@@ -190,56 +191,16 @@ static void add_pull(
 	}
 }
 
-static double cell_sr(const struct verify_view *v, uint32_t row, uint32_t stride)
-{
-	double up = v->elevation_max_rad - (row + 0.5) * v->row_rad;
-	return v->column_rad * v->row_rad * cos(up) * stride * stride;
-}
-
-/* ---- what lies together ---- */
-
-#define TOGETHER_MIN 6
-
-/* What of the cells that were looked at, as a grid of its own. */
-struct looked {
-	uint32_t rows, columns;
-	uint8_t *kind;
-};
-
-/* Whether most cells around see the same: a thing, not an edge, a chair's leg or a beam met at a slant. */
-static bool is_together(const struct looked *l, uint32_t row, uint32_t column)
-{
-	int same = 0;
-	for (int dr = -1; dr <= 1; dr++)
-		for (int dc = -1; dc <= 1; dc++) {
-			int64_t r = (int64_t)row + dr;
-			int64_t c = ((int64_t)column + dc + l->columns) % l->columns;
-			same += r >= 0 && r < l->rows &&
-				l->kind[r * l->columns + c] == COMPARED_THROUGH;
-		}
-	return same >= TOGETHER_MIN;
-}
-
-static void add_together(const struct verify_view *from, const struct looked *l, uint32_t stride,
-	struct comparison *ret)
-{
-	for (uint32_t r = 0; r < l->rows; r++)
-		for (uint32_t c = 0; c < l->columns; c++)
-			if (l->kind[(size_t)r * l->columns + c] == COMPARED_THROUGH &&
-				is_together(l, r, c))
-				ret->together_sr += cell_sr(from, r * stride, stride);
-}
-
 void verify_compare(const struct verify_view *from, const struct verify_view *into,
 	const struct pose *pose, const struct comparing *how, struct comparison *ret)
 {
 	struct motion m = motion_of(pose);
 	uint32_t stride = MAX(how->stride, 1);
-	struct looked l = { (from->rows + stride - 1) / stride,
-		(from->columns + stride - 1) / stride, NULL };
+	struct conflicts_view l = { from, (from->rows + stride - 1) / stride,
+		(from->columns + stride - 1) / stride, stride, NULL };
 	g_autofree uint8_t *kinds = l.kind = g_malloc0((size_t)l.rows * l.columns);
 	for (uint32_t r = 0; r < from->rows; r += stride) {
-		double sr = cell_sr(from, r, stride);
+		double sr = conflicts_cell_sr(&l, r / stride);
 		for (uint32_t c = r / stride % stride; c < from->columns; c += stride) {
 			size_t i = (size_t)r * from->columns + c;
 			if (!(from->surfel[i].sigma_m > 0))
@@ -259,5 +220,5 @@ void verify_compare(const struct verify_view *from, const struct verify_view *in
 			}
 		}
 	}
-	add_together(from, &l, stride, ret);
+	conflicts_add(&l, ret);
 }

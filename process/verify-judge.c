@@ -6,13 +6,14 @@
 /* Of a pose of a site's own scans, without things that moved, conflicts are below 2 %; with cars, people and furniture
  * elsewhere mostly below 8 %. Scans of different places come to rest with 14 % or more. Where little is shared, moved things
  * must not excuse what a wrong pose does. */
-#define CONFLICT_MAX     0.09
-#define CONFLICT_FEW_MAX 0.025
-#define FEW_SR           1.2
-#define MISSED_MAX       0.03 /* on top */
-#define AGREE_MIN_SR     0.6
-#define OVERLAP_MIN      0.15
-#define BALANCE_MIN      0.02
+#define CONFLICT_MAX       0.09
+#define CONFLICT_FEW_MAX   0.025
+#define FEW_SR             1.2
+#define MISSED_MAX         0.03 /* on top */
+#define CONFLICT_THING_MAX 0.07 /* where a thing was left out of it */
+#define AGREE_MIN_SR       0.6
+#define OVERLAP_MIN        0.15
+#define BALANCE_MIN        0.02
 /* A rival is refuted by things that it puts where they were seen through, and which this pose explains: by so much more of
  * them, and this on top. Where two poses are truly alike, the worse of them has up to 0.1 %, and up to 1 % where each surface
  * rests on one beam, which may have met an edge; a hall's half turn that its furniture tells apart, 0.25 % and more. But when
@@ -69,7 +70,9 @@ double verify_rivalry(const struct verification *v, const struct verification *r
 						 : RIVAL_MARGIN_ONE,
 	       hopeless = fmax(RIVAL_HOPELESS, RIVAL_HOPELESS_FACTOR * own),
 	       may = fmin(RIVAL_FACTOR * own + margin, hopeless),
-	       does = rival->together_sr / (rival->agree_sr + rival->together_sr);
+	       /* What is overlooked here is so there too, and only then: it may be the same. */
+		against = rival->together_sr + (v->thing_sr > 0 ? 0 : rival->thing_together_sr),
+	       does = against / (rival->agree_sr + against);
 	return may < RIVALRY_MAX * does ? may / does : RIVALRY_MAX;
 }
 
@@ -109,8 +112,9 @@ static bool shares_enough(struct verification *v)
 
 static bool agrees(struct verification *v)
 {
-	double conflict = verify_contradiction(v),
-	       most = v->agree_sr < FEW_SR ? CONFLICT_FEW_MAX : CONFLICT_MAX;
+	double conflict = verify_contradiction(v), most = v->agree_sr < FEW_SR ? CONFLICT_FEW_MAX
+							  : v->thing_sr > 0    ? CONFLICT_THING_MAX
+									       : CONFLICT_MAX;
 	if (conflict <= most && 1 - v->agreement <= most + MISSED_MAX)
 		return true;
 	if (conflict > most)
@@ -173,6 +177,16 @@ static bool is_precise(struct verification *v)
 	return false;
 }
 
+/* What was left out is told. */
+static void tell_thing(struct verification *v)
+{
+	if (!(v->thing_sr > 0))
+		return;
+	g_autofree char *thing = g_strdup_printf(
+		" Beside a scanner stood a thing of %.2f sr that came or went.", v->thing_sr);
+	g_strlcat(v->reason, thing, sizeof v->reason);
+}
+
 void verify_judge(struct verification *v, const struct verification *rival)
 {
 	v->rival_score = rival ? verify_rivalry(v, rival) : 0;
@@ -184,4 +198,5 @@ void verify_judge(struct verification *v, const struct verification *rival)
 			"and %.3f degrees.",
 			100 * v->overlap, 100 * (1 - v->agreement), 1000 * v->deviation_m,
 			v->deviation_rad * 180 / G_PI);
+	tell_thing(v);
 }

@@ -105,6 +105,8 @@ static void fill(struct verification *v, const struct comparison *c, const struc
 		.conflict_sr = sr[COMPARED_THROUGH],
 		.outside_sr = sr[COMPARED_OUTSIDE],
 		.together_sr = c->together_sr,
+		.thing_together_sr = c->thing_together_sr,
+		.thing_sr = c->thing_sr,
 		.missed_sr = sr[COMPARED_MISSED],
 		.void_sr = sr[COMPARED_VOID],
 		.overlap = share(agree, against + sr[COMPARED_HIDDEN]),

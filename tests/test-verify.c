@@ -127,6 +127,76 @@ static void test_corridor(void)
 	g_assert_cmpint(v.verdict, ==, VERDICT_SLIDING);
 }
 
+/* ---- things beside the scanner ---- */
+
+struct box {
+	double least_m[3], most_m[3]; /* in the scanner's frame */
+};
+
+/* Where the ray enters it, in ranges of the ray; infinite: not. */
+static double entry(const struct box *b, const double ray[3])
+{
+	double in = 0, out = INFINITY;
+	for (int k = 0; k < 3; k++) {
+		double inverse = 1 / (fabs(ray[k]) > 1e-9 ? ray[k] : 1e-9);
+		double one = b->least_m[k] * inverse, other = b->most_m[k] * inverse;
+		in = fmax(in, fmin(one, other));
+		out = fmin(out, fmax(one, other));
+	}
+	return in < out ? in : INFINITY;
+}
+
+/* The scan, had the box stood there. */
+static range_grid *with_box(const range_grid *g, const struct box *box)
+{
+	size_t cells = range_grid_cells(g);
+	g_autofree double *xyz = g_new0(double, 3 * cells);
+	g_autoptr(GError) error = NULL;
+	for (size_t i = 0; i < cells; i++) {
+		double ray[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+		double to = g->range_m[i] > 0 ? fmin(entry(box, ray), 1) : 0;
+		for (int k = 0; k < 3; k++)
+			xyz[k * cells + i] = to * ray[k];
+	}
+	struct range_grid_desc desc = { .columns = g->columns,
+		.rows = g->rows,
+		.x_m = xyz,
+		.y_m = xyz + cells,
+		.z_m = xyz + 2 * cells,
+		.cell = g->cell };
+	range_grid *ret = range_grid_new(&desc, &error);
+	g_assert_no_error(error);
+	return ret;
+}
+
+static struct verification verify_with(const struct box *box)
+{
+	const struct given *g = &pairs[1];
+	g_autoptr(range_grid) grid = with_box(placed_scan(g->b)->grid, box);
+	g_autoptr(pair_scan) b = pair_scan_new(grid);
+	struct fine_result fine = { .pose = pose_between(
+					    &placed_scan(g->a)->pose, &placed_scan(g->b)->pose) };
+	struct verification v;
+	pair_verify(pair_scan_of(g->a), b, &fine, &v, NULL);
+	g_test_message("conflict %.3f thing %.3f of %.2f sr; %s", v.conflict_sr, v.thing_sr,
+		v.agree_sr, v.reason);
+	return v;
+}
+
+/* A van that parked beside the scanner says nothing of the pose; a wall across the street does. */
+static void test_thing(void)
+{
+	const struct box van = { { 1.5, -2, -1.7 }, { 3.3, 2.4, 0.6 } },
+			 wall = { { -20, 3, -1.7 }, { 20, 3.2, 3 } };
+	struct verification with_van = verify_with(&van), with_wall = verify_with(&wall);
+	g_assert_cmpfloat(with_van.thing_sr, >, 0.3);
+	g_assert_cmpint(with_van.verdict, ==, VERDICT_ACCEPTED);
+	g_assert_cmpfloat(verify_contradiction(&with_van), <, 0.03);
+	g_assert_nonnull(strstr(with_van.reason, "that came or went"));
+	g_assert_cmpfloat(with_wall.thing_sr, ==, 0);
+	g_assert_cmpint(with_wall.verdict, ==, VERDICT_CONFLICT);
+}
+
 /* ---- the verdict, from figures alone ---- */
 
 static const struct verification fine_one = { .agree_sr = 6,
@@ -206,6 +276,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/verify/other-site", test_other_site);
 	g_test_add_func("/verify/map", test_map);
 	g_test_add_func("/verify/corridor", test_corridor);
+	g_test_add_func("/verify/thing", test_thing);
 	g_test_add_func("/verify/verdicts", test_verdicts);
 	return g_test_run();
 }
