@@ -1,79 +1,14 @@
 #include "process/coarse.h"
-#include "sim/truth.h"
-#include "tests/simulated.h"
+#include "tests/placed-scans.h"
 #include <math.h>
 #include <string.h>
 
 #define CANDIDATES 12
-#define DRAFT      "seed=9&ares=720&camera=none&divergence_mrad=0"
 
-/* A draft of one station, and where it really stands. */
-struct station {
-	range_grid *grid;
-	struct pose pose; /* takes its scanner frame to the world */
-};
-
-static range_grid *draft_of(const char *device)
+static const struct placed *station_of(const char *scene, int number)
 {
-	g_autofree char *folder = simulated_folder();
-	g_autofree char *path = g_build_filename(folder, "site", NULL);
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
-	g_autoptr(GError) error = NULL;
-	simulated_scan(path, device, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
-	g_autoptr(site) s = site_open(path, &error);
-	g_autoptr(panorama) p = scan_load(s, result.number, false, &error);
-	g_assert_no_error(error);
-	return range_grid_from_panorama(p);
-}
-
-/* Worlds take their time: one a scene. */
-static const world *world_of(const char *scene)
-{
-	static GHashTable *known;
-	if (!known)
-		known = g_hash_table_new_full(
-			g_str_hash, g_str_equal, g_free, (GDestroyNotify)truth_free);
-	truth *t = g_hash_table_lookup(known, scene);
-	if (!t) {
-		g_autoptr(GError) error = NULL;
-		g_autofree char *device = g_strdup_printf("%s?" DRAFT, scene);
-		t = truth_new(device, &error);
-		g_assert_no_error(error);
-		g_hash_table_insert(known, g_strdup(scene), t);
-	}
-	return truth_world(t);
-}
-
-static struct pose true_pose(const char *scene, int number)
-{
-	struct world_station at;
-	world_get_station(world_of(scene), (uint32_t)number, &at);
-	struct pose pose;
-	memcpy(pose.rotation, at.rotation, sizeof pose.rotation);
-	memcpy(pose.translation_m, at.position_m, sizeof pose.translation_m);
-	return pose;
-}
-
-/* Scans are kept for the whole program: several tests look at them. */
-static const struct station *station_of(const char *scene, int number)
-{
-	static GHashTable *known;
-	if (!known)
-		known = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
-	char *device = g_strdup_printf("%s?station=%d&" DRAFT, scene, number);
-	struct station *s = g_hash_table_lookup(known, device);
-	if (s) {
-		g_free(device);
-		return s;
-	}
-	s = g_new0(struct station, 1);
-	s->grid = draft_of(device);
-	s->pose = true_pose(scene, number);
-	g_hash_table_insert(known, device, s);
-	return s;
+	g_autofree char *what = g_strdup_printf("%s?seed=9&station=%d", scene, number);
+	return placed_scan(what);
 }
 
 static bool is_near(const struct pose *a, const struct pose *b, double metres, double degrees)
@@ -120,7 +55,7 @@ struct pair {
 static void test_finds(gconstpointer data)
 {
 	const struct pair *p = data;
-	const struct station *a = station_of(p->scene, p->a), *b = station_of(p->scene, p->b);
+	const struct placed *a = station_of(p->scene, p->a), *b = station_of(p->scene, p->b);
 	struct pose expected = pose_between(&a->pose, &b->pose);
 	int rank = rank_of(a->grid, b->grid, &expected, NULL);
 	g_test_message("stations %.1f m apart: rank %d", pose_distance_m(&expected), rank);
@@ -130,7 +65,7 @@ static void test_finds(gconstpointer data)
 
 static void test_finds_the_other_way(void)
 {
-	const struct station *a = station_of("court", 2), *b = station_of("court", 1);
+	const struct placed *a = station_of("court", 2), *b = station_of("court", 1);
 	struct pose expected = pose_between(&a->pose, &b->pose);
 	g_assert_cmpint(rank_of(a->grid, b->grid, &expected, NULL), ==, 0);
 }
@@ -166,7 +101,7 @@ static void test_finds_turned(gconstpointer data)
 	static const double twists[2][2][6] = { { { 3.1, 0, 0 }, { 0, 1.6, 0 } },
 		{ { 0.1, -0.15, 0.5 }, { -2, 0.9, 0.3 } } };
 	const struct pair *p = data;
-	const struct station *a = station_of(p->scene, p->a), *b = station_of(p->scene, p->b);
+	const struct placed *a = station_of(p->scene, p->a), *b = station_of(p->scene, p->b);
 	struct coarse_options options = { .not_level = true };
 	for (int i = 0; i < 2; i++) {
 		struct pose turn_a = pose_perturb(&POSE_IDENTITY, twists[i][0]),
@@ -188,7 +123,7 @@ static void test_finds_turned(gconstpointer data)
 
 static void test_same_again(void)
 {
-	const struct station *a = station_of("court", 1), *b = station_of("court", 2);
+	const struct placed *a = station_of("court", 1), *b = station_of("court", 2);
 	struct coarse_candidate c[2][CANDIDATES];
 	size_t count[2];
 	memset(c, 0, sizeof c);
@@ -203,7 +138,7 @@ static void test_same_again(void)
 
 static void test_keeps_to_limits(void)
 {
-	const struct station *a = station_of("court", 1), *b = station_of("court", 2);
+	const struct placed *a = station_of("court", 1), *b = station_of("court", 2);
 	g_autoptr(coarse_scan) scan_a = coarse_scan_new(a->grid);
 	g_autoptr(coarse_scan) scan_b = coarse_scan_new(b->grid);
 	struct coarse_options options = { .distance_max_m = 4 };
@@ -220,8 +155,8 @@ static void test_keeps_to_limits(void)
 /* Two places that have nothing to do with each other: whatever is proposed scores below what is true. */
 static void test_strangers(void)
 {
-	const struct station *a = station_of("court", 1), *near = station_of("court", 2),
-			     *other = station_of("bridge", 1);
+	const struct placed *a = station_of("court", 1), *near = station_of("court", 2),
+			    *other = station_of("bridge", 1);
 	g_autoptr(coarse_scan) scan_a = coarse_scan_new(a->grid);
 	g_autoptr(coarse_scan) scan_near = coarse_scan_new(near->grid);
 	g_autoptr(coarse_scan) scan_other = coarse_scan_new(other->grid);
@@ -256,7 +191,7 @@ static range_grid *few_points(uint32_t columns, uint32_t rows, uint32_t measured
 static void test_hardly_anything(void)
 {
 	static const uint32_t sizes[][3] = { { 2, 2, 4 }, { 12, 9, 108 }, { 40, 3, 100 } };
-	const struct station *a = station_of("court", 1);
+	const struct placed *a = station_of("court", 1);
 	g_autoptr(coarse_scan) whole = coarse_scan_new(a->grid);
 	for (size_t i = 0; i < G_N_ELEMENTS(sizes); i++) {
 		g_autoptr(range_grid) g = few_points(sizes[i][0], sizes[i][1], sizes[i][2]);
