@@ -3,14 +3,15 @@
 #define TOGETHER_MIN 6
 
 /* A car, a stall, a group of people beside the scanner covers as much of its view as half the street: it is one thing, and
- * came or went as one. Such a thing is this near and at most this large. */
+ * came or went as one. Such things are this near and at most this large. */
 #define THING_RANGE_MAX_M  6.0f
 #define THING_EXTENT_MAX_M 8.0f
 #define THING_HEIGHT_MAX_M 4.0f
-#define THING_MIN_SR       0.20
-/* Its parts are this near to each other: what the other scan has in its way, a post, a sill, cuts it up. */
-#define THING_GAP_M     0.3f
-#define THING_GAP_CELLS 12
+#define THING_MIN_SR       0.15
+/* A thing is in cubes side by side: what the other scan has in its way, a post, a sill, cuts it up in the view. A wall nearby
+ * goes on beyond a thing's size before the cubes end. */
+#define CUBE_M     0.25f
+#define CUBES_SIDE 72 /* on each side of a scanner, half of them */
 
 double conflicts_cell_sr(const struct conflicts_view *v, uint32_t row)
 {
@@ -55,6 +56,38 @@ struct thing {
 	float least_m[3], most_m[3];
 };
 
+/* The cube of a surface, 0 where it is too far away; the outermost ones stay empty. */
+static size_t cube_of(const struct surfel *s)
+{
+	size_t cube = 0;
+	for (int k = 0; k < 3; k++) {
+		int i = (int)floorf(s->point_m[k] / CUBE_M) + CUBES_SIDE / 2;
+		if (i < 1 || i >= CUBES_SIDE - 1)
+			return 0;
+		cube = cube * CUBES_SIDE + (size_t)i;
+	}
+	return cube;
+}
+
+/* Numbers all marked cubes that hang together with one alike. */
+static void number_cubes(uint16_t *cube, size_t first, uint16_t number, GArray *stack)
+{
+	cube[first] = number;
+	g_array_append_val(stack, first);
+	while (stack->len) {
+		size_t at = g_array_index(stack, size_t, stack->len - 1);
+		g_array_set_size(stack, stack->len - 1);
+		for (int k = 0; k < 27; k++) {
+			size_t beside = at + (size_t)((k / 9 - 1) * CUBES_SIDE * CUBES_SIDE +
+						      (k / 3 % 3 - 1) * CUBES_SIDE + k % 3 - 1);
+			if (cube[beside] != G_MAXUINT16)
+				continue;
+			cube[beside] = number;
+			g_array_append_val(stack, beside);
+		}
+	}
+}
+
 static void add_cell(const struct conflicts_view *v, size_t at, struct thing *t)
 {
 	const struct surfel *s = surfel_of(v, at);
@@ -68,56 +101,6 @@ static void add_cell(const struct conflicts_view *v, size_t at, struct thing *t)
 	t->together_sr += is_together(v, at) ? sr : 0;
 }
 
-static bool is_near(const struct surfel *a, const struct surfel *b)
-{
-	float sum = 0;
-	for (int k = 0; k < 3; k++)
-		sum += (a->point_m[k] - b->point_m[k]) * (a->point_m[k] - b->point_m[k]);
-	return sum <= THING_GAP_M * THING_GAP_M;
-}
-
-/* Cells each way that may hold a part as near. */
-static int gap_cells(const struct conflicts_view *v, const struct surfel *s)
-{
-	float cell_m = s->range_m * fminf(v->from->column_rad, v->from->row_rad) * v->stride;
-	return (int)fminf(THING_GAP_M / cell_m + 1, THING_GAP_CELLS);
-}
-
-/* A stack of cells that are still to be looked around. */
-struct search {
-	uint8_t *left; /* of all cells: whether it is in no thing yet */
-	uint32_t *cell;
-	size_t count;
-};
-
-static void look_around(const struct conflicts_view *v, size_t at, struct search *s)
-{
-	const struct surfel *here = surfel_of(v, at);
-	int gap = gap_cells(v, here);
-	for (int down = -gap; down <= gap; down++)
-		for (int right = -gap; right <= gap; right++) {
-			int64_t k = beside(v, at, down, right);
-			if (k < 0 || !s->left[k] || !is_near(here, surfel_of(v, (size_t)k)))
-				continue;
-			s->left[k] = 0;
-			s->cell[s->count++] = (uint32_t)k;
-		}
-}
-
-/* All that hangs together with a cell. */
-static struct thing take_thing(const struct conflicts_view *v, size_t first, struct search *s)
-{
-	struct thing t = { 0 };
-	s->left[first] = 0;
-	s->cell[s->count++] = (uint32_t)first;
-	while (s->count) {
-		size_t at = s->cell[--s->count];
-		add_cell(v, at, &t);
-		look_around(v, at, s);
-	}
-	return t;
-}
-
 static bool is_thing(const struct thing *t)
 {
 	float size[3];
@@ -127,23 +110,30 @@ static bool is_thing(const struct thing *t)
 	       hypotf(size[0], size[1]) <= THING_EXTENT_MAX_M && size[2] <= THING_HEIGHT_MAX_M;
 }
 
-static struct thing find_largest(const struct conflicts_view *v)
+/* All pieces of what was seen through and is near, of struct thing; caller frees. */
+static GArray *find_pieces(const struct conflicts_view *v)
 {
-	struct thing largest = { 0 };
 	size_t cells = (size_t)v->rows * v->columns;
-	g_autofree uint8_t *left = g_malloc(cells);
-	g_autofree uint32_t *cell = g_new(uint32_t, cells);
-	struct search search = { left, cell, 0 };
+	g_autofree uint16_t *cube = g_new0(uint16_t, CUBES_SIDE * CUBES_SIDE * CUBES_SIDE);
+	g_autofree uint32_t *cube_of_cell = g_new0(uint32_t, cells);
+	g_autoptr(GArray) stack = g_array_new(FALSE, FALSE, sizeof(size_t));
+	GArray *pieces = g_array_new(FALSE, TRUE, sizeof(struct thing));
 	for (size_t i = 0; i < cells; i++)
-		left[i] = v->kind[i] == COMPARED_THROUGH;
+		if (v->kind[i] == COMPARED_THROUGH) {
+			cube_of_cell[i] = (uint32_t)cube_of(surfel_of(v, i));
+			cube[cube_of_cell[i]] = G_MAXUINT16;
+		}
+	cube[0] = 0;
 	for (size_t i = 0; i < cells; i++) {
-		if (!left[i])
-			continue;
-		struct thing t = take_thing(v, i, &search);
-		if (is_thing(&t) && t.sr > largest.sr)
-			largest = t;
+		size_t k = cube_of_cell[i];
+		if (k && cube[k] == G_MAXUINT16 && pieces->len < G_MAXUINT16 - 1) {
+			g_array_set_size(pieces, pieces->len + 1);
+			number_cubes(cube, k, (uint16_t)pieces->len, stack);
+		}
+		if (k && cube[k] != G_MAXUINT16)
+			add_cell(v, i, &g_array_index(pieces, struct thing, cube[k] - 1));
 	}
-	return largest;
+	return pieces;
 }
 
 void conflicts_add(const struct conflicts_view *v, struct comparison *ret)
@@ -153,9 +143,15 @@ void conflicts_add(const struct conflicts_view *v, struct comparison *ret)
 	for (size_t i = 0; i < cells; i++)
 		if (v->kind[i] == COMPARED_THROUGH && is_together(v, i))
 			together_sr += conflicts_cell_sr(v, (uint32_t)(i / v->columns));
-	struct thing thing = find_largest(v);
-	ret->together_sr += together_sr - thing.together_sr;
-	ret->sr[COMPARED_THROUGH] -= thing.sr;
-	ret->thing_sr += thing.sr;
-	ret->thing_together_sr += thing.together_sr;
+	g_autoptr(GArray) pieces = find_pieces(v);
+	ret->together_sr += together_sr;
+	for (guint i = 0; i < pieces->len; i++) {
+		const struct thing *t = &g_array_index(pieces, struct thing, i);
+		if (!is_thing(t))
+			continue;
+		ret->together_sr -= t->together_sr;
+		ret->sr[COMPARED_THROUGH] -= t->sr;
+		ret->thing_sr += t->sr;
+		ret->thing_together_sr += t->together_sr;
+	}
 }

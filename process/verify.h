@@ -35,7 +35,7 @@ struct verification {
 	double agree_sr, occluded_sr, conflict_sr, outside_sr;
 	double together_sr; /* of the conflicts, those that lie together: not edges, nor thin things */
 	double thing_together_sr; /* of the next */
-	double thing_sr; /* of things beside the scanners that the other saw through: one for each scan, not in the conflicts */
+	double thing_sr; /* of things beside the scanners that the other saw through; not in the conflicts */
 	double beams;    /* that a surface rests on, in the coarser of the two scans */
 	double missed_sr; /* a parallel surface stands within 0.3 m, but not here */
 	double void_sr; /* the other saw nothing at all there, as it does of the sky, glass and water */
