@@ -198,10 +198,10 @@ static void print_times(const struct bench_table *t)
 	sums_end(&s);
 }
 
-/* Of the pairs that overlap enough and can be told. */
+/* Of the pairs that overlap enough: those that can be told, and all. */
 static void print_share(const struct bench_table *t)
 {
-	uint32_t found = 0, refused = 0, wrong = 0;
+	uint32_t found = 0, refused = 0, wrong = 0, alike = 0;
 	for (guint i = 0; i < t->trials->len; i++) {
 		const struct trial *one = &g_array_index(t->trials, struct trial, i);
 		if (one->kind != TRIAL_OVERLAP && one->kind != TRIAL_MOVED)
@@ -209,10 +209,12 @@ static void print_share(const struct bench_table *t)
 		found += one->outcome == TRIAL_RIGHT;
 		refused += one->outcome == TRIAL_REFUSED;
 		wrong += one->outcome == TRIAL_WRONG;
+		alike += one->outcome == TRIAL_ALIKE;
 	}
-	double all = MAX(found + refused + wrong, 1);
-	printf("of %.0f that overlap: found %.1f %%, refused but true %.1f %%\n", all,
-		100 * found / all, 100 * refused / all);
+	double told = MAX(found + refused + wrong, 1), all = told + alike;
+	printf("of %.0f that overlap: found %.1f %%, refused but true %.1f %%; with the alike, of "
+	       "%.0f: found %.1f %%\n",
+		told, 100 * found / told, 100 * refused / told, all, 100 * found / all);
 }
 
 uint32_t bench_table_wrong(const struct bench_table *t)
