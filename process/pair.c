@@ -44,7 +44,7 @@ static double cpu_seconds(void)
 struct solution {
 	struct fine_result fine;
 	struct verification verification;
-	bool measured, finished; /* in full, and came to rest where it was roughly */
+	bool measured, finished; /* in full; came to rest */
 };
 
 struct search {
@@ -205,15 +205,20 @@ static void try_rivals(struct search *s)
 	}
 }
 
+/* What slides on from where it was roughly gets another try from there. */
 static void finish(struct search *s, struct solution *solution)
 {
-	struct pose rough = solution->fine.pose;
 	double before = cpu_seconds();
-	bool good = fine_align(s->a->fine, s->b->fine, &rough, FINE_FROM_ROUGH, &solution->fine);
+	solution->finished = false;
+	for (int pass = 0; pass < 2 && !solution->finished; pass++) {
+		struct pose rough = solution->fine.pose;
+		if (!fine_align(s->a->fine, s->b->fine, &rough, FINE_FROM_ROUGH, &solution->fine))
+			break;
+		solution->finished = is_same(&rough, &solution->fine.pose);
+	}
 	s->fine_s += cpu_seconds() - before;
 	measure(s, solution, VERIFY_FULL);
 	solution->measured = true;
-	solution->finished = good && is_same(&rough, &solution->fine.pose);
 }
 
 static void polish(struct search *s, struct solution *solution)
