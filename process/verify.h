@@ -36,7 +36,7 @@ struct verification {
 	double together_sr; /* of the conflicts, those that lie together: not edges, nor thin things */
 	double thing_together_sr; /* of the next */
 	double thing_sr; /* of things beside the scanners that the other saw through; not in the conflicts */
-	double beams;    /* that a surface rests on, in the coarser of the two scans */
+	double beams;     /* that a surface rests on, in the coarser of the two scans */
 	double missed_sr; /* a parallel surface stands within 0.3 m, but not here */
 	double void_sr; /* the other saw nothing at all there, as it does of the sky, glass and water */
 	double overlap;   /* agree over agree, occluded, conflict and missed, 0..1 */
