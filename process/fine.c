@@ -44,7 +44,8 @@ static const struct {
 	[FINE_CLOSELY] = { NARROW, NARROW, THROUGH_MAX_NEAR },
 };
 
-#define PAIRS_MIN   100
+#define PAIRS_MIN 100
+/* Cells that are uneven by more than so many times the noise of a range do not hold the pose. */
 #define EVEN_NOISES 1.6f
 /* What is shared beyond a tile (one plane's points are in the planes of all its neighbours, and in many pairs), as measured:
  * against exact truth the normalised error is 1.4 to 3 without it. */

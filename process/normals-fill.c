@@ -7,7 +7,6 @@
 #define NEAR_WINDOWS 2.0f
 #define NEAR_BEAMS   12.0f
 #define NEAR_MIN     3
-#define PRIOR_SLOPE  1.5f
 
 _Static_assert(2 * NEAR_CELLS + 1 <= LANES, "a row of neighbours at once");
 
@@ -100,7 +99,7 @@ INLINE void put_plane(const struct fan *f, const struct normals_options *o,
 	       vv = total(f->vv) / n - v * v;
 	double uw = total(f->uw) / n - u * w, vw = total(f->vw) / n - v * w,
 	       ww = total(f->ww) / n - w * w;
-	double hold = o->range_noise_m * here / PRIOR_SLOPE, held = hold * hold / n + 1e-14;
+	double hold = o->range_noise_m * here / NORMALS_PRIOR_SLOPE, held = hold * hold / n + 1e-14;
 	double scale = 1 / ((uu + held) * (vv + held) - uv * uv);
 	double a = (uw * (vv + held) - vw * uv) * scale, b = (vw * (uu + held) - uw * uv) * scale;
 	double c = here + w - a * u - b * v, length = sqrt(a * a + b * b + c * c);

@@ -3,9 +3,6 @@
 /* From the sums of eight windows their planes, and those into the grid's. Internal to normals-tile.c. */
 #include "process/normals-frame.h"
 
-/* A surface is tilted by about this much against the ray, if nothing is known: the slope that holds what the neighbours leave
- * open (a wire has no width). */
-#define PRIOR_SLOPE 1.5f
 /* Fewer cells than these make no plane. */
 #define COUNT_MIN 4
 /* A fit leaves about the noise along the rays. What leaves this much more reaches over a crease. */
@@ -38,7 +35,7 @@ INLINE struct fit fit_plane(const vf *s, vf here, float u_mean, float v_mean, fl
 	/* Where nothing is known, the surface faces the scanner. */
 	vf facing = (w + here) / (1 + f.centre_u * f.centre_u + f.centre_v * f.centre_v);
 	vf a0 = facing * f.centre_u, b0 = facing * f.centre_v;
-	vf hold = noise_m * here * (1 / PRIOR_SLOPE);
+	vf hold = noise_m * here * (1 / NORMALS_PRIOR_SLOPE);
 	hold = hold * hold * part + 1e-14f;
 	vf p = f.uu + hold, q = f.vv + hold;
 	vf ra = uw - f.uu * a0 - f.uv * b0, rb = vw - f.uv * a0 - f.vv * b0;

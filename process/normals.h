@@ -12,6 +12,10 @@
  * two passes over rows and columns sum it all up. Sums are taken relative to something near, so that floats hold them. */
 #include "process/range-grid.h"
 
+/* A surface is tilted by about this much against the ray, if nothing is known: the slope that holds what the neighbours leave
+ * open (a wire has no width). */
+#define NORMALS_PRIOR_SLOPE 1.5f
+
 struct normals_options {
 	float radius_m, range_noise_m;
 	const uint32_t *

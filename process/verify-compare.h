@@ -23,8 +23,8 @@ struct pull {
 struct comparison {
 	double sr[COMPARED_KINDS]; /* solid angles, as the scan that is looked at from saw them */
 	double together_sr; /* of the conflicts, those that lie together, as a thing seen through does */
-	double thing_together_sr; /* of the next */
 	double thing_sr; /* large things beside the scanner that were seen through, left out of the conflicts */
+	double thing_together_sr; /* of these, what lies together */
 	double even_sr, squares,
 		under_6mm; /* of agreeing surfaces that are even: sums weighted by solid angle */
 	double facing

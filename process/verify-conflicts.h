@@ -11,6 +11,7 @@ struct conflicts_view {
 };
 
 double conflicts_cell_sr(const struct conflicts_view *v, uint32_t row);
+/* Adds what lies together, and moves things beside the scanner out of what was seen through. */
 void conflicts_add(const struct conflicts_view *v, struct comparison *ret);
 
 #endif

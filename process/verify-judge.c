@@ -9,8 +9,8 @@
 #define CONFLICT_MAX       0.09
 #define CONFLICT_FEW_MAX   0.025
 #define FEW_SR             1.2
+#define CONFLICT_THING_MAX 0.07 /* where things beside a scanner were left out */
 #define MISSED_MAX         0.03 /* on top */
-#define CONFLICT_THING_MAX 0.07 /* where a thing was left out of it */
 #define AGREE_MIN_SR       0.6
 #define OVERLAP_MIN        0.15
 #define BALANCE_MIN        0.02

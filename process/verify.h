@@ -5,7 +5,8 @@
  * saw something nearer; it conflicts when the other saw through the place where it is: impossible, unless something moved.
  * Both ways, by solid angle.
  *
- * Things that moved (people, cars, chairs) are some percent of a view at most. A wrong pose puts walls into places that the
+ * Things that moved (people, cars, chairs) are some percent of a view at most; only what stands beside a scanner is more,
+ * and it is known by being near and compact (verify-conflicts.h). A wrong pose puts walls into places that the
  * other saw through, but in a hall that is its own half turn, or along equal houses, only a few percent of them too. So what
  * counts most is the comparison with rivals: other poses in which the same surfaces meet. A rival is refuted only by whole
  * things that it puts where they were seen through; edges, and single cells of distant walls, refute nothing, for even true
@@ -34,10 +35,10 @@ struct verification {
 	/* Sums over both ways, each surface weighted by the solid angle that it covers for the scan that saw it, in sr. */
 	double agree_sr, occluded_sr, conflict_sr, outside_sr;
 	double together_sr; /* of the conflicts, those that lie together: not edges, nor thin things */
-	double thing_together_sr; /* of the next */
 	double thing_sr; /* of things beside the scanners that the other saw through; not in the conflicts */
-	double beams;     /* that a surface rests on, in the coarser of the two scans */
-	double missed_sr; /* a parallel surface stands within 0.3 m, but not here */
+	double thing_together_sr; /* of these, what lies together */
+	double beams;             /* that a surface rests on, in the coarser of the two scans */
+	double missed_sr;         /* a parallel surface stands within 0.3 m, but not here */
 	double void_sr; /* the other saw nothing at all there, as it does of the sky, glass and water */
 	double overlap;   /* agree over agree, occluded, conflict and missed, 0..1 */
 	double agreement; /* agree / (agree + conflict + missed) */
