@@ -60,12 +60,6 @@ struct panorama_desc panorama_desc_for(uint32_t columns, uint32_t rows)
 		.elevation_min_rad = (above - 0.5 - rows) * row_rad };
 }
 
-struct sample {
-	int16_t across, up;
-	float range_m;
-	uint16_t intensity;
-};
-
 static int64_t distance2(int16_t a, int16_t b)
 {
 	return (int64_t)a * a + (int64_t)b * b;
@@ -73,49 +67,61 @@ static int64_t distance2(int16_t a, int16_t b)
 
 /* Beams that are equally far from the centre must have an order too, or the panorama would depend
  * on which came first. */
-static bool wins(const panorama *p, size_t i, const struct sample *s)
+static bool wins(const panorama *p, const struct panorama_beam *b)
 {
-	int64_t mine = distance2(s->across, s->up),
+	size_t i = b->cell;
+	int64_t mine = distance2(b->across, b->up),
 		its = distance2(p->azimuth_offset[i], p->elevation_offset[i]);
 	if (p->cell[i] == CELL_EMPTY || mine != its)
 		return p->cell[i] == CELL_EMPTY || mine < its;
-	if (s->across != p->azimuth_offset[i])
-		return s->across < p->azimuth_offset[i];
-	if (s->up != p->elevation_offset[i])
-		return s->up < p->elevation_offset[i];
-	return s->range_m != p->range_m[i] ? s->range_m > p->range_m[i]
-					   : s->intensity > p->intensity[i];
+	if (b->across != p->azimuth_offset[i])
+		return b->across < p->azimuth_offset[i];
+	if (b->up != p->elevation_offset[i])
+		return b->up < p->elevation_offset[i];
+	return b->range_m != p->range_m[i] ? b->range_m > p->range_m[i]
+					   : b->intensity > p->intensity[i];
 }
 
-static void add_beam(
-	panorama *p, double azimuth_rad, double elevation_rad, float range_m, uint16_t intensity)
+bool panorama_find_beam(const panorama *p, double azimuth_rad, double elevation_rad, float range_m,
+	uint16_t intensity, struct panorama_beam *ret)
 {
 	double x = azimuth_rad / p->column_rad,
 	       y = (p->desc.elevation_max_rad - elevation_rad) / p->row_rad;
 	double column = floor(x), row = floor(y);
 	if (!(row >= 0 && row < p->desc.rows && x >= 0 && column <= p->desc.columns))
-		return;
+		return false;
 	/* A calibration's range offset can make a range negative. */
 	bool hit = range_m > 0 && range_m < PANORAMA_RANGE_MAX_M;
-	struct sample s = { .across = (int16_t)lrint((x - column - 0.5) * PANORAMA_OFFSET_ONE),
+	*ret = (struct panorama_beam){
+		.cell = (uint32_t)panorama_index(
+			p, (uint32_t)row, (uint32_t)column % p->desc.columns),
+		.across = (int16_t)lrint((x - column - 0.5) * PANORAMA_OFFSET_ONE),
 		.up = (int16_t)lrint((row + 0.5 - y) * PANORAMA_OFFSET_ONE),
 		.range_m = hit ? range_m : 0,
-		.intensity = hit ? intensity : 0 };
-	size_t i = panorama_index(p, (uint32_t)row, (uint32_t)column % p->desc.columns);
-	if (!wins(p, i, &s))
+		.intensity = hit ? intensity : 0,
+	};
+	return true;
+}
+
+static void add_beam(panorama *p, const struct panorama_beam *b)
+{
+	if (!wins(p, b))
 		return;
-	p->range_m[i] = s.range_m;
-	p->intensity[i] = s.intensity;
-	p->cell[i] = hit ? CELL_MEASURED : CELL_NO_RETURN;
-	p->azimuth_offset[i] = s.across;
-	p->elevation_offset[i] = s.up;
+	p->range_m[b->cell] = b->range_m;
+	p->intensity[b->cell] = b->intensity;
+	p->cell[b->cell] = b->range_m > 0 ? CELL_MEASURED : CELL_NO_RETURN;
+	p->azimuth_offset[b->cell] = b->across;
+	p->elevation_offset[b->cell] = b->up;
 }
 
 void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation_rad,
 	const float *range_m, const uint16_t *intensity, size_t beams)
 {
+	struct panorama_beam beam;
 	for (size_t i = 0; i < beams; i++)
-		add_beam(p, azimuth_rad[i], elevation_rad[i], range_m[i], intensity[i]);
+		if (panorama_find_beam(
+			    p, azimuth_rad[i], elevation_rad[i], range_m[i], intensity[i], &beam))
+			add_beam(p, &beam);
 }
 
 /* One line of cells, along a row or a column. */

@@ -4,11 +4,11 @@
  * (clockwise seen from above, so that it looks as the place does), rows of falling elevation from
  * top to bottom. Cells are equal in angle.
  *
- * It is resampled from beams without mixing them: a cell keeps the beam that passed nearest its
- * centre, as measured, with the beam's own direction as an offset from the centre. So a measured
- * cell is a point as exact as the scanner made it. Cells that no beam came near are filled from
- * their neighbours for looking at, and say so; nothing downstream may treat them as measured. One
- * owner; not thread-safe while written, const after. */
+ * A cell keeps the beam that passed nearest its centre, as measured, with the beam's own direction
+ * as an offset from the centre. So a measured cell is a point as exact as the scanner made it; where
+ * several beams of a cell met one surface, their mean is more exact (panorama-means.h). Cells that
+ * no beam came near are filled from their neighbours for looking at, and say so; nothing downstream
+ * may treat them as measured. One owner; not thread-safe while written, const after. */
 #include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -56,6 +56,17 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(panorama, panorama_free)
 /* The grid of a preset: columns over a full turn, rows over 90 degrees from 40 below to 50 above
  * the horizon, laid so that the centre of a row is at elevation 0. */
 struct panorama_desc panorama_desc_for(uint32_t columns, uint32_t rows);
+
+/* A beam in its cell. */
+struct panorama_beam {
+	uint32_t cell;      /* panorama_index */
+	int16_t across, up; /* from the centre, in units of an offset */
+	float range_m;      /* 0 = no return */
+	uint16_t intensity;
+};
+/* false: it is outside the rows. */
+bool panorama_find_beam(const panorama *p, double azimuth_rad, double elevation_rad, float range_m,
+	uint16_t intensity, struct panorama_beam *ret);
 
 /* Beams in any order; azimuth 0..2 pi; range 0 = no return, and so is what is no range (negative,
  * beyond PANORAMA_RANGE_MAX_M). Beams outside the rows are passed over. */

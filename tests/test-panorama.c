@@ -1,5 +1,5 @@
 /* The grid, the beams in it, and what is filled between them. */
-#include "acquire/panorama.h"
+#include "acquire/panorama-means.h"
 #include <math.h>
 #include <string.h>
 
@@ -143,12 +143,18 @@ static void shuffle(struct shot *shots, size_t n, GRand *r)
 	}
 }
 
-static panorama *shoot(const struct shot *shots, size_t n)
+static panorama *shoot(const struct shot *shots, size_t n, bool mean)
 {
 	panorama *p = grid(64, 24);
-	for (size_t i = 0; i < n; i++)
-		panorama_add(p, &shots[i].azimuth_rad, &shots[i].elevation_rad, &shots[i].range_m,
-			&shots[i].intensity, 1);
+	g_autoptr(panorama_means) m = panorama_means_new();
+	for (size_t i = 0; i < n; i++) {
+		const struct shot *s = &shots[i];
+		panorama_add(p, &s->azimuth_rad, &s->elevation_rad, &s->range_m, &s->intensity, 1);
+		panorama_means_add(
+			m, p, &s->azimuth_rad, &s->elevation_rad, &s->range_m, &s->intensity, 1);
+	}
+	if (mean)
+		panorama_means_apply(m, p);
 	return p;
 }
 
@@ -163,23 +169,101 @@ static void assert_same(const panorama *a, const panorama *b)
 }
 
 /* Directions on a coarse raster, so that many beams are equally far from the centre. */
-static void test_any_order(void)
+static void test_any_order(gconstpointer mean)
 {
 	g_autoptr(GRand) r = g_rand_new_with_seed(4);
 	static struct shot shots[20000];
 	for (size_t i = 0; i < G_N_ELEMENTS(shots); i++)
 		shots[i] = (struct shot){ g_rand_int_range(r, 0, 256) * 2 * G_PI / 256,
 			(float)((g_rand_int_range(r, 0, 192) - 86) * 90 * DEGREE / 192),
-			(float)g_rand_int_range(r, 0, 4), (uint16_t)g_rand_int_range(r, 0, 3) };
-	g_autoptr(panorama) p = shoot(shots, G_N_ELEMENTS(shots));
+			(float)g_rand_int_range(r, 0, 4) * (mean ? 0.03f : 1.0f),
+			(uint16_t)g_rand_int_range(r, 0, 3) };
+	g_autoptr(panorama) p = shoot(shots, G_N_ELEMENTS(shots), mean);
 	struct panorama_counts counts = panorama_count(p);
 	g_assert_cmpuint(counts.measured, >, 500);
 	g_assert_cmpuint(counts.no_return, >, 100);
 	for (int i = 0; i < 5; i++) {
 		shuffle(shots, G_N_ELEMENTS(shots), r);
-		g_autoptr(panorama) q = shoot(shots, G_N_ELEMENTS(shots));
+		g_autoptr(panorama) q = shoot(shots, G_N_ELEMENTS(shots), mean);
 		assert_same(p, q);
 	}
+}
+
+/* Beams of one cell: where, how far, and what is expected of the cell. */
+static const struct {
+	const char *path;
+	struct {
+		double across, up;
+		float range_m;
+		uint16_t intensity;
+	} beams[4];
+	enum panorama_cell cell;
+	double range_m, across, up;
+	uint16_t intensity;
+} cells[] = {
+	{ "one", { { 0.3, -0.2, 5, 100 } }, CELL_MEASURED, 5, 0.3, -0.2, 100 },
+	{ "one-surface", { { 0.1, 0.2, 5.01f, 100 }, { -0.3, -0.2, 4.99f, 200 } }, CELL_MEASURED, 5,
+		-0.1, 0, 150 },
+	{ "four",
+		{ { 0, 0.4, 5.02f, 10 }, { 0, 0.1, 4.98f, 20 }, { 0, -0.1, 5, 30 },
+			{ 0, -0.4, 5, 40 } },
+		CELL_MEASURED, 5, 0, 0, 25 },
+	{ "an-edge", { { 0.1, 0, 5, 100 }, { -0.3, 0, 5.1f, 200 }, { 0.3, 0, 5.02f, 200 } },
+		CELL_MEASURED, 5.01, 0.2, 0, 150 },
+	{ "nothing-beside", { { 0.1, 0, 5, 100 }, { -0.3, 0, 0, 0 } }, CELL_MEASURED, 5, 0.1, 0,
+		100 },
+	{ "nothing-nearest", { { 0.3, 0, 5, 100 }, { -0.1, 0, 0, 0 } }, CELL_NO_RETURN, 0, -0.1, 0,
+		0 },
+};
+
+static void test_mean(gconstpointer data)
+{
+	size_t k = GPOINTER_TO_SIZE(data);
+	g_autoptr(panorama) p = grid(750, 198);
+	g_autoptr(panorama_means) m = panorama_means_new();
+	for (size_t i = 0; i < G_N_ELEMENTS(cells[k].beams); i++) {
+		double azimuth = (10.5 + cells[k].beams[i].across) * p->column_rad;
+		float elevation = (float)(p->desc.elevation_max_rad -
+					  (20.5 - cells[k].beams[i].up) * p->row_rad);
+		if (i && !cells[k].beams[i].across && !cells[k].beams[i].up)
+			break;
+		panorama_add(p, &azimuth, &elevation, &cells[k].beams[i].range_m,
+			&cells[k].beams[i].intensity, 1);
+		panorama_means_add(m, p, &azimuth, &elevation, &cells[k].beams[i].range_m,
+			&cells[k].beams[i].intensity, 1);
+	}
+	panorama_means_apply(m, p);
+	size_t i = at(p, 10, 20);
+	g_assert_cmpint(p->cell[i], ==, cells[k].cell);
+	g_assert_cmpfloat_with_epsilon((double)p->range_m[i], cells[k].range_m, 0.0002);
+	g_assert_cmpint(p->intensity[i], ==, cells[k].intensity);
+	g_assert_cmpfloat_with_epsilon(
+		p->azimuth_offset[i] / PANORAMA_OFFSET_ONE, cells[k].across, 1e-4);
+	g_assert_cmpfloat_with_epsilon(
+		p->elevation_offset[i] / PANORAMA_OFFSET_ONE, cells[k].up, 1e-4);
+	g_assert_cmpuint(panorama_count(p).empty, ==, 750 * 198 - 1);
+	panorama_means_free(NULL);
+}
+
+/* Where a floor is met at 80 degrees, the mean lies on it. */
+static void test_mean_of_slant(void)
+{
+	g_autoptr(panorama) p = grid(750, 198);
+	g_autoptr(panorama_means) m = panorama_means_new();
+	for (int i = 0; i < 4; i++) {
+		double azimuth = 10.5 * p->column_rad;
+		float elevation =
+			(float)(p->desc.elevation_max_rad - (132.2 + 0.2 * i) * p->row_rad);
+		float range = (float)(0.3 / sin(-(double)elevation));
+		panorama_add(p, &azimuth, &elevation, &range, &(uint16_t){ 7 }, 1);
+		panorama_means_add(m, p, &azimuth, &elevation, &range, &(uint16_t){ 7 }, 1);
+	}
+	panorama_means_apply(m, p);
+	double point[3];
+	panorama_point(p, 132, 10, point);
+	g_assert_cmpint(p->cell[at(p, 10, 132)], ==, CELL_MEASURED);
+	g_assert_cmpint(abs(p->elevation_offset[at(p, 10, 132)]), <, 30);
+	g_assert_cmpfloat_with_epsilon(point[2], -0.3, 2e-6);
 }
 
 static void test_seam(void)
@@ -383,7 +467,13 @@ int main(int argc, char **argv)
 	g_test_add_func("/panorama/absurd", test_absurd);
 	g_test_add_func("/panorama/offsets", test_offsets);
 	g_test_add_func("/panorama/nearest-wins", test_nearest_wins);
-	g_test_add_func("/panorama/any-order", test_any_order);
+	g_test_add_data_func("/panorama/any-order", NULL, test_any_order);
+	g_test_add_data_func("/panorama/mean/any-order", "mean", test_any_order);
+	for (size_t i = 0; i < G_N_ELEMENTS(cells); i++) {
+		g_autofree char *path = g_strconcat("/panorama/mean/", cells[i].path, NULL);
+		g_test_add_data_func(path, GSIZE_TO_POINTER(i), test_mean);
+	}
+	g_test_add_func("/panorama/mean/slant", test_mean_of_slant);
 	g_test_add_func("/panorama/seam", test_seam);
 	g_test_add_func("/panorama/outside", test_outside);
 	g_test_add_func("/panorama/odd-ranges", test_odd_ranges);
