@@ -29,8 +29,8 @@ void panorama_means_add(panorama_means *m, const panorama *p, const double *azim
 {
 	struct panorama_beam beam;
 	for (size_t i = 0; i < beams; i++)
-		if (panorama_find_beam(p, azimuth_rad[i], elevation_rad[i], range_m[i],
-			    intensity[i], &beam) &&
+		if (panorama_find_beam(
+			    p, azimuth_rad[i], elevation_rad[i], range_m[i], intensity[i], &beam) &&
 			beam.range_m > 0)
 			g_array_append_val(m->beams, beam);
 }

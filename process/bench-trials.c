@@ -99,7 +99,9 @@ static enum trial_outcome outcome_of(const struct trial *t)
 		return true_pose ? TRIAL_RIGHT : TRIAL_WRONG;
 	if (t->kind == TRIAL_NONE || t->kind == TRIAL_LITTLE)
 		return TRIAL_RIGHTLY_REFUSED;
-	return is_alike(t) && verdict == VERDICT_AMBIGUOUS ? TRIAL_ALIKE : TRIAL_REFUSED;
+	if (is_alike(t) && verdict == VERDICT_AMBIGUOUS)
+		return TRIAL_ALIKE;
+	return true_pose ? TRIAL_REFUSED : TRIAL_MISSED;
 }
 
 void trial_run(struct trial *t)

@@ -27,7 +27,8 @@ extern const char *const trial_kind_names[TRIAL_KINDS];
 enum trial_outcome {
 	TRIAL_RIGHT,   /* accepted, and true */
 	TRIAL_WRONG,   /* accepted, and not true */
-	TRIAL_REFUSED, /* refused although it could have been found */
+	TRIAL_REFUSED, /* found, and refused although true */
+	TRIAL_MISSED,  /* another pose was found, or none, and it was refused */
 	TRIAL_ALIKE, /* refused as ambiguous, where indeed nothing that stays in its place tells the poses apart */
 	TRIAL_RIGHTLY_REFUSED, /* refused, and they do not overlap, or too little */
 	TRIAL_OUTCOMES
