@@ -5,8 +5,8 @@
 #define LINES_MIN  20u
 #define PASSES     6
 #define CUT_SIGMAS 3.0
-/* What a single line's shift is worth at best: walls have relief between two columns. */
-#define LINE_DEVIATION_RAD 4e-4
+/* What a single line's shift is worth at best. */
+#define LINE_DEVIATION_RAD 1e-4
 #define DEVIATION_MAX_S    3e-4
 /* What is thought before anything is seen: a cable delays by about a millisecond, gears are tight. */
 #define DELAY_PRIOR_S   2e-3
@@ -16,6 +16,8 @@
 #define EVEN_RMS_M    0.015
 #define BEAM_CUT_M    0.06
 #define RANGE_NOISE_M 0.015
+/* Walls are not even between two columns; met at a slant, that is more along the beam. */
+#define RELIEF_M 0.006
 
 struct back_beam {
 	double azimuth_rad;
@@ -78,6 +80,7 @@ void lidar_delay_add(lidar_delay *d, const struct scanline *line, const struct p
 
 struct local_fit {
 	double inverse, slope; /* of 1/range, and of it along the azimuth, in 1/m and 1/(m rad) */
+	double slope_variance;
 };
 
 struct moments {
@@ -134,7 +137,8 @@ static bool fit_around(const panorama *p, const struct back_beam *b, struct loca
 	double slope = (au * ee - eu * ae) / determinant, rise = (eu * aa - au * ae) / determinant;
 	double left = fmax(uu - slope * au - rise * eu, 0);
 	double range = b->range_m;
-	*ret = (struct local_fit){ (m.u - slope * m.a - rise * m.e) / m.n, slope };
+	*ret = (struct local_fit){ (m.u - slope * m.a - rise * m.e) / m.n, slope,
+		left / (m.n - 3) * ee / determinant };
 	return sqrt(left / m.n) * range * range < EVEN_RMS_M;
 }
 
@@ -144,7 +148,8 @@ struct shift {
 	double shift_rad, variance_rad2;
 };
 
-/* Least squares over the beams of a line; those that are far off see something else. */
+/* Least squares over the beams of a line; those that are far off see something else. The noise of the
+ * slopes adds to their squares, and would make every shift too small. */
 static bool shift_of_line(
 	const lidar_delay *d, const panorama *p, const struct back_line *line, struct shift *ret)
 {
@@ -158,8 +163,11 @@ static bool shift_of_line(
 		double off_m = (1 / (double)b->range_m - fit.inverse) * scale;
 		if (fabs(off_m) > BEAM_CUT_M)
 			continue;
-		squares += fit.slope * scale * fit.slope * scale;
-		products += fit.slope * scale * off_m;
+		double tangent = fit.slope * (double)b->range_m;
+		double noise2 = RANGE_NOISE_M * RANGE_NOISE_M,
+		       weight = noise2 / (noise2 + RELIEF_M * RELIEF_M * (1 + tangent * tangent));
+		squares += weight * (fit.slope * fit.slope - fit.slope_variance) * scale * scale;
+		products += weight * fit.slope * scale * off_m;
 	}
 	if (!(squares > 0))
 		return false;
@@ -187,11 +195,11 @@ struct solution {
 };
 
 /* One weighted step: shift = lead * delay - slack. Lines far off the solution before count less
- * (Huber). */
+ * (Huber), and by how far they are off the variance grows. */
 static struct solution solve(const GArray *shifts, const struct solution *before)
 {
 	double dd = 1 / (DELAY_PRIOR_S * DELAY_PRIOR_S), ds = 0,
-	       ss = 1 / (SLACK_PRIOR_RAD * SLACK_PRIOR_RAD), dy = 0, sy = 0;
+	       ss = 1 / (SLACK_PRIOR_RAD * SLACK_PRIOR_RAD), dy = 0, sy = 0, off2 = 0;
 	for (guint i = 0; i < shifts->len; i++) {
 		const struct shift *q = &g_array_index(shifts, struct shift, i);
 		double off = q->shift_rad - q->lead_rad_s * before->delay_s + before->slack_rad,
@@ -203,10 +211,12 @@ static struct solution solve(const GArray *shifts, const struct solution *before
 		ss += weight;
 		dy += weight * q->lead_rad_s * q->shift_rad;
 		sy -= weight * q->shift_rad;
+		off2 += weight * off * off;
 	}
-	double determinant = dd * ss - ds * ds;
+	double determinant = dd * ss - ds * ds,
+	       spread = before->lines ? fmax(off2 / MAX(shifts->len, 1), 1) : 1;
 	return (struct solution){ (dy * ss - sy * ds) / determinant,
-		(sy * dd - dy * ds) / determinant, ss / determinant, shifts->len };
+		(sy * dd - dy * ds) / determinant, spread * ss / determinant, shifts->len };
 }
 
 bool lidar_delay_estimate(const lidar_delay *d, const panorama *p, struct lidar_delay_result *ret)

@@ -5,7 +5,8 @@
  * went back over places that it scanned going forth: there the same surfaces lie apart by the
  * delay times the difference of the two paces (DEVICES 5: "CW/CCW pan difference"). Slack in the
  * gear shifts them by a constant, so both are found together, by least squares over the beams of
- * the way back, in inverse range, which is linear across a plane. One owner. */
+ * the way back, in inverse range, which is linear across a plane. They are told apart by the
+ * different paces of the way back (preset.h). One owner. */
 #include "acquire/panorama.h"
 #include "acquire/placement.h"
 #include "acquire/scanline.h"

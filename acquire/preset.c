@@ -44,7 +44,9 @@ struct stage_pace preset_pace(const struct preset *preset, double scan_rate_hz)
 		.photo_rad_s = 20 * DEGREE,
 		.home_rad_s = 45 * DEGREE,
 		.acceleration_rad_s2 = acceleration,
-		.run_up_rad = scan * scan / (2 * acceleration) + 0.3 * scan };
+		.run_up_rad = scan * scan / (2 * acceleration) + 0.3 * scan,
+		.look_rad_s = 10 * DEGREE,
+		.look_rad = 40 * DEGREE };
 }
 
 /* A move from rest to rest. */
@@ -72,7 +74,8 @@ static struct itinerary plan(const struct stage_pace *pace, bool photos)
 		.back_s = move_seconds(back, pace->travel_rad_s, a),
 		.pass_s = move_seconds(pass, pace->scan_rad_s, a),
 		.photos_s = photos ? move_seconds(G_PI, pace->photo_rad_s, a) : 0,
-		.travel_s = move_seconds(travel, pace->travel_rad_s, a),
+		.travel_s = move_seconds(pace->look_rad, pace->look_rad_s, a) +
+			    move_seconds(travel - pace->look_rad, pace->travel_rad_s, a),
 		.turned_rad = G_PI + roll + back + pass + (photos ? G_PI : 0) + travel };
 }
 

@@ -26,6 +26,9 @@ struct stage_pace {
 	double travel_rad_s, photo_rad_s, home_rad_s;
 	double acceleration_rad_s2;
 	double run_up_rad; /* before the first column, to be at speed there */
+	/* How slowly the way home begins, and for how long: what comes late shifts the two parts of
+	 * it differently, slack in the gear alike (lidar-delay.h). */
+	double look_rad_s, look_rad;
 };
 struct stage_pace preset_pace(const struct preset *preset, double scan_rate_hz);
 

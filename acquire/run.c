@@ -444,17 +444,21 @@ static bool forgive(GError *failed, GError **error)
 static bool look_back(run *r, GError **error)
 {
 	GError *failed = NULL;
+	stage_track *track = stream_stage(r->pump.stream);
+	double here = stage_track_angle_rad(track, stage_track_known_until_ns(track));
 	g_autofree char *pause = stream_pause_text();
 	if (!pump_mark(&r->pump, pause, error))
 		return false;
-	if (start_lidar(r, &failed) && go(r, 0, r->pace.travel_rad_s, &failed))
+	if (start_lidar(r, &failed) &&
+		go(r, here - r->pace.look_rad, r->pace.look_rad_s, &failed) &&
+		go(r, 0, r->pace.travel_rad_s, &failed))
 		r->pump.driver->stop(&r->pump, &failed);
 	r->streaming = false;
 	return forgive(failed, error);
 }
 
-/* On the way the lidar looks at everything once more, backwards: that tells how late its stamps are
- * (lidar-delay.h). */
+/* On the way the lidar looks at everything once more, backwards, first slowly: that tells how late
+ * its stamps are (lidar-delay.h). */
 static bool go_home(run *r, GError **error)
 {
 	doing(r, "going home");

@@ -61,13 +61,14 @@ static struct placed_line line_at(struct room *r, double front_rad, double pace_
 }
 
 /* From rest to rest, as after homing and on the way home. */
-static void go_back(struct room *room, lidar_delay *d, double from_rad, double angle_deg)
+static void go_back(
+	struct room *room, lidar_delay *d, double from_rad, double angle_deg, double most_deg_s)
 {
 	const struct scanline line = { .scan_rate_hz = RATE_HZ, .beams = BEAMS };
 	double to_rad = from_rad - angle_deg * DEGREE, a = 40 * DEGREE, speed = 0;
 	for (double front = from_rad; front > to_rad; front -= speed / RATE_HZ) {
 		double left = fmax(sqrt(2 * a * (front - to_rad)), a / RATE_HZ);
-		speed = fmin(fmin(speed + a / RATE_HZ, 45 * DEGREE), left);
+		speed = fmin(fmin(speed + a / RATE_HZ, most_deg_s * DEGREE), left);
 		struct placed_line placed = line_at(room, front, -speed);
 		lidar_delay_add(d, &line, &placed);
 	}
@@ -89,8 +90,9 @@ static bool find_delay(double delay_s, double slack_rad, uint32_t columns, uint3
 		panorama_add(p, placed.azimuth_rad, placed.elevation_rad, placed.range_m,
 			placed.intensity, placed.beams);
 	}
-	go_back(room, d, 25 * DEGREE, fmin(25, back_deg));
-	go_back(room, d, 200 * DEGREE, back_deg);
+	go_back(room, d, 25 * DEGREE, fmin(25, back_deg), 45);
+	go_back(room, d, 200 * DEGREE, fmin(40, back_deg), 10);
+	go_back(room, d, 160 * DEGREE, fmax(back_deg - 40, 0), 45);
 	return lidar_delay_estimate(d, p, ret);
 }
 
@@ -115,9 +117,9 @@ static void test_room(gconstpointer data)
 		rooms[i].rows, 200, &found));
 	g_test_message("delay %.0f us, found %.0f +- %.0f, slack %.4f deg", 1e6 * rooms[i].delay_s,
 		1e6 * found.delay_s, 1e6 * found.deviation_s, found.slack_rad / DEGREE);
-	g_assert_cmpfloat(fabs(found.delay_s - rooms[i].delay_s), <, 0.6e-3);
-	g_assert_cmpfloat(fabs(found.slack_rad / DEGREE - rooms[i].slack_deg), <, 0.03);
-	g_assert_cmpfloat(found.deviation_s, <, 0.25e-3);
+	g_assert_cmpfloat(fabs(found.delay_s - rooms[i].delay_s), <, 0.5e-3);
+	g_assert_cmpfloat(fabs(found.slack_rad / DEGREE - rooms[i].slack_deg), <, 0.025);
+	g_assert_cmpfloat(found.deviation_s, <, 0.2e-3);
 }
 
 static void test_too_little_tells_nothing(void)
