@@ -14,7 +14,7 @@
 
 struct developing {
 	panorama *panorama;
-	panorama_means *means;
+	GArray *beams;      /* of struct panorama_beam, in it */
 	GArray *photos;     /* of struct photo, pixels in the mapped record */
 	lidar_delay *delay; /* NULL once it is known */
 };
@@ -29,10 +29,8 @@ static void take_line(
 		lidar_delay_add(d->delay, line, placed);
 	if (!usable || !forth)
 		return;
-	panorama_add(d->panorama, placed->azimuth_rad, placed->elevation_rad, placed->range_m,
-		placed->intensity, placed->beams);
-	panorama_means_add(d->means, d->panorama, placed->azimuth_rad, placed->elevation_rad,
-		placed->range_m, placed->intensity, placed->beams);
+	panorama_add_and_keep(d->panorama, placed->azimuth_rad, placed->elevation_rad,
+		placed->range_m, placed->intensity, placed->beams, d->beams);
 }
 
 static void take_frame(const struct camera_frame_info *info, const uint8_t *pixels,
@@ -99,6 +97,7 @@ static bool place_all(stream *s, struct developing *d, const char *path,
 	record_reader **ret_reader, GError **error)
 {
 	g_array_set_size(d->photos, 0);
+	g_array_set_size(d->beams, 0);
 	stream_rewind(s);
 	return feed_all(s, path, o, from, FRACTION_PLACE, result, ret_reader, error);
 }
@@ -117,8 +116,6 @@ static bool place_on_time(stream *s, struct developing *d, const char *path,
 		return false;
 	panorama_free(d->panorama);
 	d->panorama = again;
-	panorama_means_free(d->means);
-	d->means = panorama_means_new();
 	g_clear_pointer(reader, record_reader_free);
 	stream_advance_lidar(s, llround(result->delay.delay_s * 1e9));
 	return place_all(s, d, path, o, FRACTION_LEARN + FRACTION_PLACE, result, reader, error);
@@ -127,7 +124,7 @@ static bool place_on_time(stream *s, struct developing *d, const char *path,
 static void finish(stream *s, struct developing *d, struct develop_result *result)
 {
 	fill_result(s, result);
-	panorama_means_apply(d->means, d->panorama);
+	panorama_set_means(d->panorama, d->beams);
 	panorama_fill(d->panorama, FILL_REACH);
 	if (stream_calibration(s) && stream_calibration(s)->has_camera)
 		colour_panorama(d->panorama, (const struct photo *)(void *)d->photos->data,
@@ -141,8 +138,8 @@ panorama *develop_record(const char *path, const struct develop_options *o,
 	struct develop_result result = { 0 };
 	g_autoptr(GArray) photos = g_array_new(FALSE, FALSE, sizeof(struct photo));
 	g_autoptr(lidar_delay) delay = lidar_delay_new();
-	struct developing d = { panorama_new(&o->desc, error), panorama_means_new(), photos,
-		delay };
+	g_autoptr(GArray) beams = g_array_new(FALSE, FALSE, sizeof(struct panorama_beam));
+	struct developing d = { panorama_new(&o->desc, error), beams, photos, delay };
 	struct stream_sink sink = { .line = take_line, .frame = take_frame, .user_data = &d };
 	g_autoptr(stream) s = stream_new(STREAM_LEARN_FIRST, &sink);
 	g_autoptr(record_reader) first = NULL, second = NULL;
@@ -150,7 +147,6 @@ panorama *develop_record(const char *path, const struct develop_options *o,
 		    place_all(s, &d, path, o, FRACTION_LEARN, &result, &second, error) &&
 		    place_on_time(s, &d, path, o, &result, &second, error);
 	g_autoptr(panorama) p = d.panorama;
-	g_autoptr(panorama_means) means = d.means;
 	if (!good)
 		return NULL;
 	finish(s, &d, &result);

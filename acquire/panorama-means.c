@@ -5,37 +5,22 @@
  * usual scanner makes of a difference. */
 #define SAME_SURFACE_M 0.05f
 
-struct panorama_means {
-	GArray *beams; /* of struct panorama_beam */
-};
-
-panorama_means *panorama_means_new(void)
-{
-	panorama_means *m = g_new0(panorama_means, 1);
-	m->beams = g_array_new(FALSE, FALSE, sizeof(struct panorama_beam));
-	return m;
-}
-
-void panorama_means_free(panorama_means *m)
-{
-	if (!m)
-		return;
-	g_array_unref(m->beams);
-	g_free(m);
-}
-
-void panorama_means_add(panorama_means *m, const panorama *p, const double *azimuth_rad,
-	const float *elevation_rad, const float *range_m, const uint16_t *intensity, size_t beams)
+void panorama_add_and_keep(panorama *p, const double *azimuth_rad, const float *elevation_rad,
+	const float *range_m, const uint16_t *intensity, size_t count, GArray *beams)
 {
 	struct panorama_beam beam;
-	for (size_t i = 0; i < beams; i++)
-		if (panorama_find_beam(
-			    p, azimuth_rad[i], elevation_rad[i], range_m[i], intensity[i], &beam) &&
-			beam.range_m > 0)
-			g_array_append_val(m->beams, beam);
+	for (size_t i = 0; i < count; i++) {
+		if (!panorama_find_beam(
+			    p, azimuth_rad[i], elevation_rad[i], range_m[i], intensity[i], &beam))
+			continue;
+		panorama_add_beam(p, &beam);
+		if (beam.range_m > 0)
+			g_array_append_val(beams, beam);
+	}
 }
 
-/* The beams in the order of their cells: those of cell i begin at first[i], and end at first[i + 1]. Caller frees both. */
+/* The beams in the order of their cells: those of cell i begin at first[i], and end at
+ * first[i + 1]. Caller frees both. */
 static uint32_t *order_by_cell(const GArray *beams, size_t cells, uint32_t **ret_first)
 {
 	uint32_t *first = g_new0(uint32_t, cells + 2), *order = g_new(uint32_t, beams->len + 1);
@@ -55,10 +40,12 @@ struct sums {
 	int64_t across, up, intensity, count;
 };
 #define INVERSE_ONE 1e9
+/* Nearer than this nothing is seen; sums of the inverse stay within their numbers. */
+#define NEAREST_M 1e-4
 
 static void add_beam(struct sums *s, const struct panorama_beam *b)
 {
-	s->inverse += llrint(INVERSE_ONE / (double)b->range_m);
+	s->inverse += llrint(INVERSE_ONE / fmax((double)b->range_m, NEAREST_M));
 	s->across += b->across;
 	s->up += b->up;
 	s->intensity += b->intensity;
@@ -74,15 +61,15 @@ static void set_mean(panorama *p, size_t i, const struct sums *s)
 	p->intensity[i] = (uint16_t)lrint((double)s->intensity * share);
 }
 
-void panorama_means_apply(const panorama_means *m, panorama *p)
+void panorama_set_means(panorama *p, const GArray *beams)
 {
 	size_t cells = (size_t)p->desc.columns * p->desc.rows;
-	g_autofree uint32_t *first = NULL, *order = order_by_cell(m->beams, cells, &first);
+	g_autofree uint32_t *first = NULL, *order = order_by_cell(beams, cells, &first);
 	for (size_t i = 0; i < cells; i++) {
 		struct sums sums = { 0 };
 		for (uint32_t k = first[i]; k < first[i + 1] && p->cell[i] == CELL_MEASURED; k++) {
 			const struct panorama_beam *b =
-				&g_array_index(m->beams, struct panorama_beam, order[k]);
+				&g_array_index(beams, struct panorama_beam, order[k]);
 			if (fabsf(b->range_m - p->range_m[i]) <= SAME_SURFACE_M)
 				add_beam(&sums, b);
 		}

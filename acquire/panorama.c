@@ -103,7 +103,7 @@ bool panorama_find_beam(const panorama *p, double azimuth_rad, double elevation_
 	return true;
 }
 
-static void add_beam(panorama *p, const struct panorama_beam *b)
+void panorama_add_beam(panorama *p, const struct panorama_beam *b)
 {
 	if (!wins(p, b))
 		return;
@@ -121,7 +121,7 @@ void panorama_add(panorama *p, const double *azimuth_rad, const float *elevation
 	for (size_t i = 0; i < beams; i++)
 		if (panorama_find_beam(
 			    p, azimuth_rad[i], elevation_rad[i], range_m[i], intensity[i], &beam))
-			add_beam(p, &beam);
+			panorama_add_beam(p, &beam);
 }
 
 /* One line of cells, along a row or a column. */

@@ -67,6 +67,7 @@ struct panorama_beam {
 /* false: it is outside the rows. */
 bool panorama_find_beam(const panorama *p, double azimuth_rad, double elevation_rad, float range_m,
 	uint16_t intensity, struct panorama_beam *ret);
+void panorama_add_beam(panorama *p, const struct panorama_beam *beam);
 
 /* Beams in any order; azimuth 0..2 pi; range 0 = no return, and so is what is no range (negative,
  * beyond PANORAMA_RANGE_MAX_M). Beams outside the rows are passed over. */

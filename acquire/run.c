@@ -450,7 +450,7 @@ static bool look_back(run *r, GError **error)
 	if (!pump_mark(&r->pump, pause, error))
 		return false;
 	if (start_lidar(r, &failed) &&
-		go(r, here - r->pace.look_rad, r->pace.look_rad_s, &failed) &&
+		go(r, fmax(here - r->pace.look_rad, 0), r->pace.look_rad_s, &failed) &&
 		go(r, 0, r->pace.travel_rad_s, &failed))
 		r->pump.driver->stop(&r->pump, &failed);
 	r->streaming = false;

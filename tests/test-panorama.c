@@ -146,15 +146,14 @@ static void shuffle(struct shot *shots, size_t n, GRand *r)
 static panorama *shoot(const struct shot *shots, size_t n, bool mean)
 {
 	panorama *p = grid(64, 24);
-	g_autoptr(panorama_means) m = panorama_means_new();
+	g_autoptr(GArray) kept = g_array_new(FALSE, FALSE, sizeof(struct panorama_beam));
 	for (size_t i = 0; i < n; i++) {
 		const struct shot *s = &shots[i];
-		panorama_add(p, &s->azimuth_rad, &s->elevation_rad, &s->range_m, &s->intensity, 1);
-		panorama_means_add(
-			m, p, &s->azimuth_rad, &s->elevation_rad, &s->range_m, &s->intensity, 1);
+		panorama_add_and_keep(
+			p, &s->azimuth_rad, &s->elevation_rad, &s->range_m, &s->intensity, 1, kept);
 	}
 	if (mean)
-		panorama_means_apply(m, p);
+		panorama_set_means(p, kept);
 	return p;
 }
 
@@ -212,6 +211,8 @@ static const struct {
 		CELL_MEASURED, 5.01, 0.2, 0, 150 },
 	{ "nothing-beside", { { 0.1, 0, 5, 100 }, { -0.3, 0, 0, 0 } }, CELL_MEASURED, 5, 0.1, 0,
 		100 },
+	{ "hardly-away", { { 0.1, 0, 1e-12f, 1 }, { 0.3, 0, 1e-12f, 3 } }, CELL_MEASURED, 0, 0.2, 0,
+		2 },
 	{ "nothing-nearest", { { 0.3, 0, 5, 100 }, { -0.1, 0, 0, 0 } }, CELL_NO_RETURN, 0, -0.1, 0,
 		0 },
 };
@@ -220,19 +221,17 @@ static void test_mean(gconstpointer data)
 {
 	size_t k = GPOINTER_TO_SIZE(data);
 	g_autoptr(panorama) p = grid(750, 198);
-	g_autoptr(panorama_means) m = panorama_means_new();
+	g_autoptr(GArray) kept = g_array_new(FALSE, FALSE, sizeof(struct panorama_beam));
 	for (size_t i = 0; i < G_N_ELEMENTS(cells[k].beams); i++) {
 		double azimuth = (10.5 + cells[k].beams[i].across) * p->column_rad;
 		float elevation = (float)(p->desc.elevation_max_rad -
 					  (20.5 - cells[k].beams[i].up) * p->row_rad);
 		if (i && !cells[k].beams[i].across && !cells[k].beams[i].up)
 			break;
-		panorama_add(p, &azimuth, &elevation, &cells[k].beams[i].range_m,
-			&cells[k].beams[i].intensity, 1);
-		panorama_means_add(m, p, &azimuth, &elevation, &cells[k].beams[i].range_m,
-			&cells[k].beams[i].intensity, 1);
+		panorama_add_and_keep(p, &azimuth, &elevation, &cells[k].beams[i].range_m,
+			&cells[k].beams[i].intensity, 1, kept);
 	}
-	panorama_means_apply(m, p);
+	panorama_set_means(p, kept);
 	size_t i = at(p, 10, 20);
 	g_assert_cmpint(p->cell[i], ==, cells[k].cell);
 	g_assert_cmpfloat_with_epsilon((double)p->range_m[i], cells[k].range_m, 0.0002);
@@ -242,23 +241,21 @@ static void test_mean(gconstpointer data)
 	g_assert_cmpfloat_with_epsilon(
 		p->elevation_offset[i] / PANORAMA_OFFSET_ONE, cells[k].up, 1e-4);
 	g_assert_cmpuint(panorama_count(p).empty, ==, 750 * 198 - 1);
-	panorama_means_free(NULL);
 }
 
 /* Where a floor is met at 80 degrees, the mean lies on it. */
 static void test_mean_of_slant(void)
 {
 	g_autoptr(panorama) p = grid(750, 198);
-	g_autoptr(panorama_means) m = panorama_means_new();
+	g_autoptr(GArray) kept = g_array_new(FALSE, FALSE, sizeof(struct panorama_beam));
 	for (int i = 0; i < 4; i++) {
 		double azimuth = 10.5 * p->column_rad;
 		float elevation =
 			(float)(p->desc.elevation_max_rad - (132.2 + 0.2 * i) * p->row_rad);
 		float range = (float)(0.3 / sin(-(double)elevation));
-		panorama_add(p, &azimuth, &elevation, &range, &(uint16_t){ 7 }, 1);
-		panorama_means_add(m, p, &azimuth, &elevation, &range, &(uint16_t){ 7 }, 1);
+		panorama_add_and_keep(p, &azimuth, &elevation, &range, &(uint16_t){ 7 }, 1, kept);
 	}
-	panorama_means_apply(m, p);
+	panorama_set_means(p, kept);
 	double point[3];
 	panorama_point(p, 132, 10, point);
 	g_assert_cmpint(p->cell[at(p, 10, 132)], ==, CELL_MEASURED);
