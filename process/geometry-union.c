@@ -92,8 +92,7 @@ geometry_union *geometry_union_new(
 #pragma omp parallel for if (!u->options.single_thread)
 	for (size_t i = 0; i < cells; i++)
 		sum_own(u, &p, i);
-	normals_sharpen(g, &u->options, &p);
-	normals_fill(g, &u->options, &p);
+	normals_mend(g, &u->options, &p);
 	g_aligned_free(p.offset_m);
 	return u;
 }

@@ -62,9 +62,7 @@ geometry *geometry_estimate(const range_grid *g, const struct geometry_options *
 		.error_m = ret->plane_error_m,
 		.curvature = ret->curvature,
 		.offset_m = geometry_plane(range_grid_cells(g)) };
-	normals_fit(g, &o, &planes);
-	normals_sharpen(g, &o, &planes);
-	normals_fill(g, &o, &planes);
+	normals_estimate(g, &o, &planes);
 	g_aligned_free(planes.offset_m);
 	return ret;
 }

@@ -1,11 +1,10 @@
 #include "process/normals-lanes.h"
-#include "process/normals.h"
+#include "process/normals-tile.h"
 #include <string.h>
 
 /* How far off the plane of a neighbour's window the point itself may be, in sigma. */
 #define ON_PLANE      2.5f
 #define WINDOW_SHARE  60
-#define REACH_MOST    14
 #define STRIP_COLUMNS 256 /* whose planes, of all rows that are looked at, fit the nearer caches */
 #define EDGE_COLUMNS  16  /* nearer to the ends of a row, neighbours may be at the other */
 
@@ -35,13 +34,12 @@ static inline float window_cells(
 	const range_grid *g, const struct normals_options *o, float range_m)
 {
 	float beam_m = range_m * (float)g->row_rad;
-	float reach_m = fmaxf(o->radius_m, sqrtf(WINDOW_SHARE * o->range_noise_m * beam_m));
-	return fminf(reach_m / beam_m, REACH_MOST) / 4;
+	float reach_m = MAX(o->radius_m, sqrtf(WINDOW_SHARE * o->range_noise_m * beam_m));
+	return MIN(reach_m / beam_m, (float)SHARPEN_REACH) / 4;
 }
 
 /* Half the windows' width away in all directions, then a quarter. */
-static const int8_t way[8][2] = { { 0, -4 }, { 0, 4 }, { -4, 0 }, { 4, 0 }, { -3, -3 }, { -3, 3 },
-	{ 3, -3 }, { 3, 3 } };
+static const vf down = { 0, 0, -4, 4, -3, -3, 3, 3 }, right = { -4, 4, 0, 0, -3, 3, -3, 3 };
 
 static size_t find_plane(const range_grid *g, const struct normals_options *o,
 	const struct normals_planes *p, uint32_t row, uint32_t column)
@@ -50,8 +48,8 @@ static size_t find_plane(const range_grid *g, const struct normals_options *o,
 	float least = ON_PLANE * o->range_noise_m, cells = window_cells(g, o, g->range_m[i]);
 	for (int shift = 0; shift < 2 && best == i; shift++, cells /= 2)
 		for (int w = 0; w < 8; w++) {
-			if (!step(g, row, column, (int)(way[w][0] * cells),
-				    (int)(way[w][1] * cells), &k) ||
+			if (!step(g, row, column, (int)(down[w] * cells), (int)(right[w] * cells),
+				    &k) ||
 				!(p->offset_m[k] > 0))
 				continue;
 			float off = off_plane_m(g, p, i, k);
@@ -72,8 +70,16 @@ static void sharpen_cell(const range_grid *g, const struct normals_options *o,
 		p->normal[axis][i] = p->normal[axis][k];
 }
 
-/* The same for eight cells side by side, with the window of the first that needs it. Only planes of cells that are not creased
- * are taken and only others are replaced, so nothing is read that was written. */
+/* How many cells further those are; 0: beyond the grid. */
+INLINE vi steps(const range_grid *g, uint32_t row, float cells)
+{
+	vi rows = __builtin_convertvector(down * cells, vi),
+	   columns = __builtin_convertvector(right * cells, vi), at = rows + (int32_t)row;
+	return (rows * (int32_t)g->columns + columns) & (at >= 0) & (at < (int32_t)g->rows);
+}
+
+/* The same for eight cells side by side, with the widest window of those that need it. Only planes of cells that are not creased
+ * are taken and only others are replaced, so nothing is read that was written; and no cell is its own neighbour. */
 INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
 	const struct normals_planes *p, uint32_t row, uint32_t column)
 {
@@ -81,24 +87,18 @@ INLINE void sharpen_lanes(const range_grid *g, const struct normals_options *o,
 	vi open = load(p->offset_m + i) < 0;
 	if (!any(open))
 		return;
-	int first = 0;
-	while (!open[first])
-		first++;
-	float cells = window_cells(g, o, g->range_m[i + first]);
 	vf x = load(g->x_m + i), y = load(g->y_m + i), z = load(g->z_m + i),
 	   range = load(g->range_m + i);
+	float cells = window_cells(g, o, largest(where(open, range)));
 	vi seen = { 0 }; /* where none is whole half a window away, it is clutter */
 	vf normal[3] = { load(p->normal[0] + i), load(p->normal[1] + i), load(p->normal[2] + i) };
 	for (int shift = 0; shift < 2 && any(open) && (!shift || any(seen)); shift++, cells /= 2) {
 		/* The least distance off a plane along the ray is range * off / ahead: as a fraction, for
 		 * division is slow. */
 		vf least_off = all(ON_PLANE * o->range_noise_m), least_ahead = range;
-		vi found = { 0 };
-		for (int w = 0; w < 8; w++) {
-			int down = (int)(way[w][0] * cells), right = (int)(way[w][1] * cells);
-			if ((int64_t)row + down < 0 || (int64_t)row + down >= g->rows)
-				continue;
-			size_t k = i + (ptrdiff_t)down * g->columns + right;
+		vi found = { 0 }, further = steps(g, row, cells);
+		for (int w = 0; w < LANES; w++) {
+			size_t k = i + (ptrdiff_t)further[w];
 			vf offset = load(p->offset_m + k);
 			vi whole = open & (offset > 0);
 			seen |= whole;
@@ -150,8 +150,8 @@ __attribute__((target("avx2,fma"))) static void sharpen_row_avx2(const range_gri
 typedef void (*sharpen_function)(const range_grid *, const struct normals_options *,
 	const struct normals_planes *, uint32_t, uint32_t, uint32_t);
 
-void normals_sharpen(
-	const range_grid *g, const struct normals_options *o, const struct normals_planes *p)
+void sharpen_rows(const range_grid *g, const struct normals_options *o,
+	const struct normals_planes *p, uint32_t first, uint32_t end)
 {
 	sharpen_function sharpen = sharpen_row_portable;
 #if defined __x86_64__
@@ -161,7 +161,7 @@ void normals_sharpen(
 	uint32_t strips = (g->columns + STRIP_COLUMNS - 1) / STRIP_COLUMNS;
 #pragma omp parallel for schedule(dynamic, 1) if (!o->single_thread)
 	for (uint32_t strip = 0; strip < strips; strip++)
-		for (uint32_t row = 0; row < g->rows; row++)
+		for (uint32_t row = first; row < end; row++)
 			sharpen(g, o, p, row, strip * STRIP_COLUMNS,
 				MIN((strip + 1) * STRIP_COLUMNS, g->columns));
 }

@@ -1,5 +1,5 @@
 #include "process/normals-lanes.h"
-#include "process/normals.h"
+#include "process/normals-tile.h"
 #include <string.h>
 
 /* Neighbours in space: cells each way, and how far away, in metric windows and in beams. */
@@ -156,8 +156,8 @@ __attribute__((target("avx2,fma"))) static void fill_row_avx2(const range_grid *
 }
 #endif
 
-void normals_fill(
-	const range_grid *g, const struct normals_options *o, const struct normals_planes *p)
+void fill_rows(const range_grid *g, const struct normals_options *o, const struct normals_planes *p,
+	uint32_t first, uint32_t end)
 {
 	void (*fill)(const range_grid *, const struct normals_options *,
 		const struct normals_planes *, uint32_t) = fill_row_portable;
@@ -166,6 +166,6 @@ void normals_fill(
 		fill = fill_row_avx2;
 #endif
 #pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
-	for (uint32_t row = 0; row < g->rows; row++)
+	for (uint32_t row = first; row < end; row++)
 		fill(g, o, p, row);
 }

@@ -5,32 +5,60 @@
 #include "process/normals-lanes.h"
 #include "process/normals-tile.h"
 
-#define GROUPS (TILE_COLUMNS / LANES)
+#define GROUP                                                                                      \
+	(2 * LANES) /* columns that are fitted together: its even ones, or its odd ones, are eight lanes */
+#define GROUPS (TILE_COLUMNS / GROUP)
 #define WIDTH  (TILE_COLUMNS + 2 * TILE_REACH)
-#define HEIGHT (TILE_ROWS + 2 * TILE_REACH)
 #define FRAME_STEP                                                                                 \
 	8 /* of that many cells one is enough for the frame; each column and row has its turn */
-#define MARGIN 8 /* columns, rows of nothing around it all */
-#define PITCH  (WIDTH + 2 * MARGIN)
-#define RING   (2 * TILE_REACH + 2) /* rows that the windows of two rows may touch */
+#define MARGIN     16 /* columns of nothing left and right */
+#define PITCH      (WIDTH + 2 * MARGIN)
+#define LINK_REACH 3  /* rows, columns that a link looks ahead */
+#define KEPT_ROWS  64 /* at least what STRIP_ROWS and their windows and links touch */
 
-enum { N, U, V, W, UU, UV, VV, UW, VW, WW, SUMS };
+_Static_assert(TILE_COLUMNS % GROUP == 0 && TILE_REACH % GROUP == 0, "whole groups");
 
+/* Of windows, one in each lane. Named, not an array: those the compiler clears and copies in memory. */
+struct sums {
+	vf n, u, v, w, uu, uv, vv, uw, vw, ww;
+};
+
+/* A row of cells, even columns and odd ones apart: see cell(). */
+typedef float row_cells[2][PITCH / 2];
+typedef int32_t row_links[2][PITCH / 2];
+
+/* Only the rows that windows may touch are kept: row y is at kept(y). */
 struct tile {
-	/* Direction and inverse depth in the frame of the tile: point = (u, v, 1) / w; w 0: none. v is relative to v_mean of its
-	 * row. With rows and columns of nothing around. */
-	float u[HEIGHT + 2 * MARGIN][PITCH], v[HEIGHT + 2 * MARGIN][PITCH],
-		w[HEIGHT + 2 * MARGIN][PITCH], range[HEIGHT + 2 * MARGIN][PITCH];
-	/* -1: to the next cell in the row, or column, is a link. */
-	int32_t right[HEIGHT][PITCH], down[HEIGHT][PITCH];
-	uint32_t segment[HEIGHT + 2 * MARGIN][PITCH];
-	/* Of one group of columns: row y is at y % RING, rows y and y + 1 together, y even, at y / 2 % (RING / 2). */
-	vf sum[RING][SUMS], pair[RING / 2][SUMS];
-	float v_mean[HEIGHT + 2 * MARGIN], u_mean[GROUPS], level[HEIGHT + 2 * MARGIN];
+	/* Direction and inverse depth in the frame of the tile: point = (u, v, 1) / w; w 0: none. With columns of nothing around. */
+	row_cells u[KEPT_ROWS], v[KEPT_ROWS], w[KEPT_ROWS], range[KEPT_ROWS];
+	row_links right[KEPT_ROWS],
+		down[KEPT_ROWS];      /* -1: to the next cell in the row, or column, is a link */
+	row_cells segment[KEPT_ROWS]; /* bits of numbers */
+	float level[KEPT_ROWS];
+	/* Made when asked for. Of row y, the even or odd columns of a group; or the blocks of rows y and y + 1, y even. */
+	struct sums sum[GROUPS][KEPT_ROWS][2], block[GROUPS][KEPT_ROWS / 2];
+	int sum_row[GROUPS][KEPT_ROWS][2], block_row[GROUPS][KEPT_ROWS / 2]; /* whose they are */
 	float axis[3][3];  /* of the frame: right, up, ahead */
 	int height, width; /* with the reach */
 	bool has_segments;
 };
+
+/* y may be as low as -KEPT_ROWS. */
+INLINE unsigned kept(int y)
+{
+	return (unsigned)(y + KEPT_ROWS) % KEPT_ROWS;
+}
+
+/* Where eight cells are that lie two columns apart, from column c on. */
+INLINE const float *cell(const row_cells row, int c)
+{
+	return &row[c & 1][c >> 1];
+}
+
+INLINE vi link_at(const row_links row, int c)
+{
+	return load_mask(&row[c & 1][c >> 1]);
+}
 
 /* ---- the frame and the points in it ---- */
 
@@ -39,7 +67,7 @@ static inline bool set_frame(tile *t, const struct tile_job *job)
 {
 	const range_grid *g = job->grid;
 	double ahead[3] = { 0 };
-	for (uint32_t r = 0; r < job->rows; r++)
+	for (uint32_t r = 0; r < job->rows; r += 3)
 		for (uint32_t c = r % FRAME_STEP; c < job->columns; c += FRAME_STEP) {
 			size_t i = (size_t)(job->row + r) * g->columns + job->column + c;
 			if (!(g->range_m[i] > 0))
@@ -73,12 +101,12 @@ static inline bool set_frame(tile *t, const struct tile_job *job)
 	return true;
 }
 
-/* The cells of row y of the tile from the grid's plane, 0 where it has none. */
+/* The cells of row y of the tile, with its reach, from the grid's plane; 0 where it has none. */
 static inline void copy_row(const struct tile_job *job, int y, const float *plane, float *ret)
 {
 	const range_grid *g = job->grid;
 	int64_t row = (int64_t)job->row + y - TILE_REACH;
-	memset(ret, 0, PITCH * sizeof *ret);
+	memset(ret, 0, WIDTH * sizeof *ret);
 	if (row < 0 || row >= g->rows)
 		return;
 	plane += row * g->columns;
@@ -86,7 +114,7 @@ static inline void copy_row(const struct tile_job *job, int y, const float *plan
 		to = (int64_t)job->column + job->columns + job->reach_columns;
 	if (to - from > columns) /* a narrow grid: no cell twice */
 		to = from + columns;
-	float *into = ret + MARGIN + TILE_REACH - job->reach_columns;
+	float *into = ret + TILE_REACH - job->reach_columns;
 	for (int64_t c = from; c < to;) {
 		int64_t at = c < 0 ? c + columns : c >= columns ? c - columns : c;
 		int64_t run = MIN(to - c, c < 0 ? -c : c < columns ? columns - c : to - c);
@@ -96,95 +124,89 @@ static inline void copy_row(const struct tile_job *job, int y, const float *plan
 	}
 }
 
-/* That row of the plane: as it lies in the grid when all the tile needs is there, else in buffer. At MARGIN it begins. */
+/* That row of the plane: as it lies in the grid when all the tile needs is there, else in buffer. */
 static inline const float *find_row(
 	const struct tile_job *job, int y, const float *plane, float *buffer)
 {
 	const range_grid *g = job->grid;
-	int64_t row = (int64_t)job->row + y - TILE_REACH,
-		from = (int64_t)job->column - TILE_REACH - MARGIN;
-	if (job->reach_columns == TILE_REACH && job->columns % LANES == 0 && row >= 0 &&
-		row < g->rows && from >= 0 &&
-		from + job->columns + PITCH - TILE_COLUMNS <= g->columns)
+	int64_t row = (int64_t)job->row + y - TILE_REACH, from = (int64_t)job->column - TILE_REACH;
+	if (job->reach_columns == TILE_REACH && job->columns % GROUP == 0 && row >= 0 &&
+		row < g->rows && from >= 0 && from + job->columns + 2 * TILE_REACH <= g->columns)
 		return plane + row * g->columns + from;
 	copy_row(job, y, plane, buffer);
 	return buffer;
 }
 
-INLINE void place_row(tile *t, const struct tile_job *job, int y, vf *u_sum, vf *u_count)
+/* Eight cells, from column c on, from their points. */
+INLINE void place_cells(tile *t, unsigned r, int c, const vf p[4])
+{
+	const float(*axis)[3] = (const float(*)[3])t->axis;
+	vf range = p[3];
+	vf depth = axis[2][0] * p[0] + axis[2][1] * p[1] + axis[2][2] * p[2];
+	vi good = (range > 0) & (depth > 0.2f * range);
+	vf w = where(good, 1 / choose(good, depth, all(1)));
+	store((float *)cell(t->u[r], c),
+		(axis[0][0] * p[0] + axis[0][1] * p[1] + axis[0][2] * p[2]) * w);
+	store((float *)cell(t->v[r], c),
+		(axis[1][0] * p[0] + axis[1][1] * p[1] + axis[1][2] * p[2]) * w);
+	store((float *)cell(t->w[r], c), w);
+	store((float *)cell(t->range[r], c), where(good, range));
+}
+
+static inline void place_segments(tile *t, const struct tile_job *job, int y)
+{
+	float buffer[WIDTH];
+	copy_row(job, y, (const float *)job->options->segment, buffer);
+	for (int x = 0; x < t->width; x++)
+		memcpy(&t->segment[kept(y)][x & 1][(MARGIN + x) >> 1], &buffer[x],
+			sizeof buffer[x]);
+}
+
+INLINE float total(vf x)
+{
+	float sum = 0;
+	for (int k = 0; k < LANES; k++)
+		sum += x[k];
+	return sum;
+}
+
+INLINE void place_row(tile *t, const struct tile_job *job, int y)
 {
 	const range_grid *g = job->grid;
-	float buffer[4][PITCH];
+	float buffer[4][WIDTH];
 	const float *line[4] = { find_row(job, y, g->x_m, buffer[0]),
 		find_row(job, y, g->y_m, buffer[1]), find_row(job, y, g->z_m, buffer[2]),
 		find_row(job, y, g->range_m, buffer[3]) };
-	const float(*axis)[3] = (const float(*)[3])t->axis;
-	int r = y + MARGIN;
-	vf v_sum = { 0 }, level = { 0 }, count = { 0 };
+	const unsigned r = kept(y);
+	vf level = { 0 }, away = { 0 };
 	if (t->has_segments)
-		copy_row(job, y, (const float *)job->options->segment, (float *)t->segment[r]);
-	for (int c = MARGIN; c < MARGIN + t->width; c += LANES) {
-		vf x = load(line[0] + c), yy = load(line[1] + c), z = load(line[2] + c),
-		   range = load(line[3] + c);
-		vf depth = axis[2][0] * x + axis[2][1] * yy + axis[2][2] * z;
-		vi good = (range > 0) & (depth > 0.2f * range);
-		vf w = where(good, 1 / choose(good, depth, all(1)));
-		vf u = (axis[0][0] * x + axis[0][1] * yy + axis[0][2] * z) * w;
-		vf v = (axis[1][0] * x + axis[1][1] * yy + axis[1][2] * z) * w;
-		vf one = where(good, all(1));
-		store(t->u[r] + c, u);
-		store(t->v[r] + c, v);
-		store(t->w[r] + c, w);
-		store(t->range[r] + c, where(good, range));
-		v_sum += v;
-		count += one;
-		level += where(good, root(x * x + yy * yy) / choose(good, range, all(1)));
-		int group = (c - MARGIN - TILE_REACH) / LANES;
-		if (c >= MARGIN + TILE_REACH && group < GROUPS) {
-			u_sum[group] += u;
-			u_count[group] += one;
+		place_segments(t, job, y);
+	for (int x = 0; x < t->width; x += GROUP) {
+		vf even[4], odd[4];
+		for (int k = 0; k < 4; k++) {
+			vf a = load(line[k] + x), b = load(line[k] + x + LANES);
+			even[k] = evens(a, b);
+			odd[k] = odds(a, b);
 		}
+		place_cells(t, r, MARGIN + x, even);
+		vi there = even[3] > 0;
+		level += where(there, root(even[0] * even[0] + even[1] * even[1]));
+		away += where(there, even[3]);
+		place_cells(t, r, MARGIN + x + 1, odd);
 	}
-	store(t->w[r] + MARGIN + t->width, (vf){ 0 });
-	store(t->range[r] + MARGIN + t->width, (vf){ 0 });
-	float n = 0, v_all = 0, level_all = 0;
-	for (int k = 0; k < LANES; k++) {
-		n += count[k];
-		v_all += v_sum[k];
-		level_all += level[k];
+	for (int odd = 0; odd < 2; odd++) {
+		store((float *)cell(t->w[r], MARGIN + t->width + odd), (vf){ 0 });
+		store((float *)cell(t->range[r], MARGIN + t->width + odd), (vf){ 0 });
 	}
-	t->v_mean[r] = n > 0 ? v_all / n : 0;
-	t->level[r] = n > 0 ? level_all / n : 1;
-	for (int c = MARGIN; n > 0 && c < MARGIN + t->width; c += LANES) {
-		vf w = load(t->w[r] + c);
-		store(t->v[r] + c, where(w > 0, load(t->v[r] + c) - t->v_mean[r]));
-	}
-}
-
-INLINE void place(tile *t, const struct tile_job *job)
-{
-	vf u_sum[GROUPS] = { 0 }, u_count[GROUPS] = { 0 };
-	for (int y = 0; y < t->height; y++)
-		place_row(t, job, y, u_sum, u_count);
-	for (int r = MARGIN + t->height; r < 2 * MARGIN + t->height; r++) {
-		memset(t->w[r], 0, sizeof t->w[r]); /* a tile before may have been higher */
-		memset(t->range[r], 0, sizeof t->range[r]);
-	}
-	for (int group = 0; group < GROUPS; group++) {
-		float sum = 0, count = 0;
-		for (int k = 0; k < LANES; k++) {
-			sum += u_sum[group][k];
-			count += u_count[group][k];
-		}
-		t->u_mean[group] = count > 0 ? sum / count : 0;
-	}
+	float sum = total(away);
+	t->level[r] = sum > 0 ? total(level) / sum : 1; /* half of the cells tell it well enough */
 }
 
 /* ---- links ---- */
 
 /* Four cells in a line, a b c d: b and c are side by side, a is two before b, d two behind c. */
 struct line {
-	vf w[4], at[4]; /* inverse depth, direction along the line */
+	const float *w[4], *at[4]; /* inverse depth, direction along the line */
 };
 
 /* What goes on as the cells before b, or after c, foretell it is a surface, however steep: from `behind` to `from` it went up by
@@ -198,59 +220,71 @@ INLINE vi is_foretold(vf from, vf behind, vf run, vf step, vf to, vf noise)
 
 INLINE vi is_linked(const struct line *l, float noise_m, float step_rad)
 {
-	vf b = l->w[1], c = l->w[2], noise = noise_m * (b * c);
+	vf b = load(l->w[1]), c = load(l->w[2]), noise = noise_m * (b * c);
 	vf difference = magnitude(c - b), size = step_rad * most(b, c);
-	vf step = l->at[2] - l->at[1];
-	vi before = (l->w[0] > 0) & is_foretold(b, l->w[0], l->at[1] - l->at[0], step, c, noise);
-	vi after = (l->w[3] > 0) & is_foretold(c, l->w[3], l->at[2] - l->at[3], -step, b, noise);
-	vi gentle = difference <= 5 * noise + size;
+	vi there = (b > 0) & (c > 0);
+	vi gentle = there & (difference <= 5 * noise + size);
+	if (!any(there & ~gentle)) /* mostly */
+		return gentle;
+	vf a = load(l->w[0]), d = load(l->w[3]), at = load(l->at[1]), step = load(l->at[2]) - at;
+	vi before = (a > 0) & is_foretold(b, a, at - load(l->at[0]), step, c, noise);
+	vi after = (d > 0) & is_foretold(c, d, load(l->at[2]) - load(l->at[3]), -step, b, noise);
 	vi steep = difference > 5 * noise + 12 * size;
-	return (b > 0) & (c > 0) & (gentle | (before & after) | ((before | after) & ~steep));
+	return there & (gentle | (before & after) | ((before | after) & ~steep));
 }
 
-INLINE vi same_segment(const tile *t, int r, int c, int down, int right)
+INLINE vi same_segment(const tile *t, int y, int c, int down, int right)
 {
-	vi a = (vi) * (const vu_loose *)&t->segment[r][c];
-	vi b = (vi) * (const vu_loose *)&t->segment[r + down][c + right];
+	vi a = (vi)load(cell(t->segment[kept(y)], c));
+	vi b = (vi)load(cell(t->segment[kept(y + down)], c + right));
 	return (a == 0) | (b == 0) | (a == b);
 }
 
-INLINE vi link_right(const tile *t, int r, int c, const struct tile_job *job)
+INLINE vi link_right(const tile *t, int y, int c, const struct tile_job *job)
 {
 	struct line l;
 	static const int at[4] = { -2, 0, 1, 3 };
 	for (int k = 0; k < 4; k++) {
-		l.w[k] = load(t->w[r] + c + at[k]);
-		l.at[k] = load(t->u[r] + c + at[k]);
+		l.w[k] = cell(t->w[kept(y)], c + at[k]);
+		l.at[k] = cell(t->u[kept(y)], c + at[k]);
 	}
 	vi linked = is_linked(
-		&l, job->options->range_noise_m, (float)job->grid->column_rad * t->level[r]);
-	return t->has_segments ? linked & same_segment(t, r, c, 0, 1) : linked;
+		&l, job->options->range_noise_m, (float)job->grid->column_rad * t->level[kept(y)]);
+	return t->has_segments ? linked & same_segment(t, y, c, 0, 1) : linked;
 }
 
-INLINE vi link_down(const tile *t, int r, int c, const struct tile_job *job)
+INLINE vi link_down(const tile *t, int y, int c, const struct tile_job *job)
 {
 	struct line l;
 	static const int at[4] = { -2, 0, 1, 3 };
 	for (int k = 0; k < 4; k++) {
-		l.w[k] = load(t->w[r + at[k]] + c);
-		l.at[k] = load(t->v[r + at[k]] + c) + t->v_mean[r + at[k]];
+		l.w[k] = cell(t->w[kept(y + at[k])], c);
+		l.at[k] = cell(t->v[kept(y + at[k])], c);
 	}
 	vi linked = is_linked(&l, job->options->range_noise_m, (float)job->grid->row_rad);
-	return t->has_segments ? linked & same_segment(t, r, c, 1, 0) : linked;
+	return t->has_segments ? linked & same_segment(t, y, c, 1, 0) : linked;
 }
 
-INLINE void find_links(tile *t, const struct tile_job *job)
+/* Row y comes in: its cells, the links along it, and those down from the row that is far enough before it. */
+INLINE void take_row(tile *t, const struct tile_job *job, int y)
 {
-	for (int y = 0; y < t->height; y++) {
-		for (int c = MARGIN; c < MARGIN + t->width; c += LANES)
-			store_mask(t->right[y] + c, link_right(t, y + MARGIN, c, job));
-		store_mask(t->right[y] + MARGIN + t->width - 1, (vi){ 0 });
+	const int from = MARGIN, to = MARGIN + t->width, above = y - LINK_REACH;
+	if (y < 0 || y >= t->height) {
+		memset(t->w[kept(y)], 0, sizeof t->w[0]);
+		memset(t->range[kept(y)], 0, sizeof t->range[0]);
+		memset(t->right[kept(y)], 0, sizeof t->right[0]);
+	} else {
+		place_row(t, job, y);
+		for (int c = from; c < to; c += GROUP)
+			for (int odd = 0; odd < 2; odd++)
+				store_mask(&t->right[kept(y)][odd][c >> 1],
+					link_right(t, y, c + odd, job));
+		t->right[kept(y)][1][(to - 1) >> 1] = 0;
 	}
-	for (int y = 0; y < t->height - 1; y++)
-		for (int c = MARGIN + TILE_REACH; c < MARGIN + t->width - TILE_REACH; c += LANES)
-			store_mask(t->down[y] + c, link_down(t, y + MARGIN, c, job));
-	memset(t->down[t->height - 1], 0, sizeof t->down[0]);
+	for (int c = from + TILE_REACH; above >= 0 && c < to - TILE_REACH; c += GROUP)
+		for (int odd = 0; odd < 2; odd++)
+			store_mask(&t->down[kept(above)][odd][c >> 1],
+				link_down(t, above, c + odd, job));
 }
 
 #endif

@@ -26,6 +26,27 @@ INLINE void store(float *at, vf x)
 	*(vf_loose *)at = x;
 }
 
+/* Sixteen in a row, apart and together again: those at even places, those at odd ones. */
+INLINE vf evens(vf a, vf b)
+{
+	return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+}
+
+INLINE vf odds(vf a, vf b)
+{
+	return __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+}
+
+INLINE vf first_half(vf even, vf odd)
+{
+	return __builtin_shufflevector(even, odd, 0, 8, 1, 9, 2, 10, 3, 11);
+}
+
+INLINE vf second_half(vf even, vf odd)
+{
+	return __builtin_shufflevector(even, odd, 4, 12, 5, 13, 6, 14, 7, 15);
+}
+
 INLINE vi load_mask(const int32_t *at)
 {
 	return *(const vi_loose *)at;

@@ -10,31 +10,28 @@
 
 struct fit {
 	vi good;
-	vf count, u, v, uu, uv, vv; /* of the window: mean direction, relative; covariance */
+	vf count, u, v, uu, uv, vv; /* of the window: mean direction, its covariance */
 	vf a, b, d;                 /* w = a * u + b * v + d, u and v of the tile */
 	vf error_w2;                /* mean square of what remains, in w */
-	vf centre_w;                /* of the plane at the mean direction, and there: */
-	vf centre_u, centre_v;
+	vf centre_w;                /* of the plane at the mean direction */
 };
 
-INLINE struct fit fit_plane(const vf *s, vf here, float u_mean, float v_mean, float noise_m)
+INLINE struct fit fit_plane(const struct sums *s, vf here, float noise_m)
 {
 	struct fit f;
-	f.good = (s[N] >= COUNT_MIN) & (here > 0);
-	f.count = choose(f.good, s[N], all(1));
+	f.good = (s->n >= COUNT_MIN) & (here > 0);
+	f.count = choose(f.good, s->n, all(1));
 	vf part = 1 / f.count;
-	vf w = s[W] * part;
-	f.u = s[U] * part;
-	f.v = s[V] * part;
-	f.uu = s[UU] * part - f.u * f.u;
-	f.uv = s[UV] * part - f.u * f.v;
-	f.vv = s[VV] * part - f.v * f.v;
-	vf uw = s[UW] * part - f.u * w, vw = s[VW] * part - f.v * w, ww = s[WW] * part - w * w;
-	f.centre_u = f.u + u_mean;
-	f.centre_v = f.v + v_mean;
+	vf w = s->w * part;
+	f.u = s->u * part;
+	f.v = s->v * part;
+	f.uu = most(s->uu * part - f.u * f.u, all(0)); /* of one column: but for rounding */
+	f.uv = s->uv * part - f.u * f.v;
+	f.vv = most(s->vv * part - f.v * f.v, all(0));
+	vf uw = s->uw * part - f.u * w, vw = s->vw * part - f.v * w, ww = s->ww * part - w * w;
 	/* Where nothing is known, the surface faces the scanner. */
-	vf facing = (w + here) / (1 + f.centre_u * f.centre_u + f.centre_v * f.centre_v);
-	vf a0 = facing * f.centre_u, b0 = facing * f.centre_v;
+	vf facing = (w + here) / (1 + f.u * f.u + f.v * f.v);
+	vf a0 = facing * f.u, b0 = facing * f.v;
 	vf hold = noise_m * here * (1 / NORMALS_PRIOR_SLOPE);
 	hold = hold * hold * part + 1e-14f;
 	vf p = f.uu + hold, q = f.vv + hold;
@@ -43,7 +40,7 @@ INLINE struct fit fit_plane(const vf *s, vf here, float u_mean, float v_mean, fl
 	f.a = a0 + (ra * q - rb * f.uv) * scale;
 	f.b = b0 + (rb * p - ra * f.uv) * scale;
 	f.centre_w = here + w;
-	f.d = f.centre_w - f.a * f.centre_u - f.b * f.centre_v;
+	f.d = f.centre_w - f.a * f.u - f.b * f.v;
 	f.error_w2 = most(ww - 2 * (f.a * uw + f.b * vw) + f.a * f.a * f.uu + 2 * f.a * f.b * f.uv +
 				  f.b * f.b * f.vv,
 		all(0));
@@ -51,24 +48,31 @@ INLINE struct fit fit_plane(const vf *s, vf here, float u_mean, float v_mean, fl
 	return f;
 }
 
-/* Where eight cells lie in the grid's planes. */
+/* Where a group's cells lie in the grid's planes. */
 struct place {
 	size_t at,
 		below; /* below: how much further the same cells of the next row lie, which share the plane; 0: not */
-	int lanes; /* that are the tile's */
+	int columns;  /* that are the tile's */
+	size_t ahead; /* how much further it is written next but one */
 };
 
-INLINE void put(float *plane, struct place at, vf x)
+INLINE void put(float *plane, struct place at, vf even, vf odd)
 {
 	if (!plane)
 		return;
 	plane += at.at;
-	if (at.lanes == LANES) {
-		store(plane, x);
-		store(plane + at.below, x);
+	/* Else all waits for memory that is written for the first time. */
+	__builtin_prefetch(plane + at.ahead, 1);
+	__builtin_prefetch(plane + at.ahead + at.below, 1);
+	vf x[2] = { first_half(even, odd), second_half(even, odd) };
+	if (at.columns >= GROUP) {
+		for (int half = 0; half < 2; half++) {
+			store(plane + half * LANES, x[half]);
+			store(plane + half * LANES + at.below, x[half]);
+		}
 	} else {
-		memcpy(plane, &x, at.lanes * sizeof *plane);
-		memcpy(plane + at.below, &x, at.lanes * sizeof *plane);
+		memcpy(plane, x, at.columns * sizeof *plane);
+		memcpy(plane + at.below, x, at.columns * sizeof *plane);
 	}
 }
 
@@ -77,55 +81,80 @@ INLINE vf turned(const tile *t, int k, vf x, vf y, vf z)
 	return t->axis[0][k] * x + t->axis[1][k] * y + t->axis[2][k] * z;
 }
 
-/* The neighbours' places on the plane: moving by du, dv in direction moves the point by du * e + dv * f. */
-INLINE void put_window(
-	const tile *t, const struct normals_planes *p, struct place at, const struct fit *f)
+/* What the grid's planes hold. */
+struct plane {
+	vf normal[3], error_m, offset_m, curvature;
+};
+
+INLINE struct plane plane_of(const tile *t, const struct fit *f, vf range, float noise_m)
 {
+	struct plane p;
+	vf length = root(f->a * f->a + f->b * f->b + f->d * f->d),
+	   inverse = 1 / choose(f->good, length, all(1));
+	vf z = 1 / choose(f->good, f->centre_w, all(1)), none = all(NAN);
+	for (int k = 0; k < 3; k++)
+		p.normal[k] = where(f->good, -inverse * turned(t, k, f->a, f->b, f->d));
+	vf error = z * inverse * root(f->error_w2);
+	p.error_m = choose(f->good, error, none);
+	vi creased = f->error_w2 * range * range > CREASED_NOISES * CREASED_NOISES * noise_m *
+							   noise_m * f->centre_w * f->centre_w;
+	p.offset_m = where(f->good, choose(creased, -inverse, inverse));
+	vf ea = f->a * z, eb = f->b * z, u = f->u, v = f->v, one = 1 + u * u + v * v;
+	vf spread = z * z *
+		    (f->uu * (1 - 2 * u * ea + one * ea * ea) +
+			    f->vv * (1 - 2 * v * eb + one * eb * eb) -
+			    2 * f->uv * (u * eb + v * ea - one * ea * eb));
+	spread = most(spread, all(0));
+	vf least_m2 = least(error * error, spread * 0.5f);
+	p.curvature = choose(f->good, least_m2 / most(spread + least_m2, all(1e-20f)), none);
+	return p;
+}
+
+/* The neighbours' places on the plane: moving by du, dv in direction moves the point by du * e + dv * f. */
+struct window {
+	vf count, centre_m[3], covariance_m2[6];
+};
+
+INLINE struct window window_of(const tile *t, const struct fit *f)
+{
+	struct window p;
 	vf z = 1 / choose(f->good, f->centre_w, all(1));
 	vf ea = f->a * z, eb = f->b * z;
-	vf e[3] = { z * (1 - f->centre_u * ea), -z * f->centre_v * ea, -z * ea };
-	vf g[3] = { -z * f->centre_u * eb, z * (1 - f->centre_v * eb), -z * eb };
+	vf e[3] = { z * (1 - f->u * ea), -z * f->v * ea, -z * ea };
+	vf g[3] = { -z * f->u * eb, z * (1 - f->v * eb), -z * eb };
 	vf along[3], up[3];
-	put(p->count, at, where(f->good, f->count));
+	p.count = where(f->good, f->count);
 	for (int k = 0; k < 3; k++) {
-		put(p->centre_m[k], at, turned(t, k, f->centre_u * z, f->centre_v * z, z));
+		p.centre_m[k] = turned(t, k, f->u * z, f->v * z, z);
 		along[k] = turned(t, k, e[0], e[1], e[2]);
 		up[k] = turned(t, k, g[0], g[1], g[2]);
 	}
 	for (int k = 0, i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++)
-			put(p->covariance_m2[k++], at,
-				f->uu * along[i] * along[j] +
-					f->uv * (along[i] * up[j] + up[i] * along[j]) +
-					f->vv * up[i] * up[j]);
+			p.covariance_m2[k++] = f->uu * along[i] * along[j] +
+					       f->uv * (along[i] * up[j] + up[i] * along[j]) +
+					       f->vv * up[i] * up[j];
+	return p;
 }
 
-INLINE void put_plane(const tile *t, const struct normals_planes *p, struct place at,
-	const struct fit *f, vf range, float noise_m)
+INLINE void put_planes(const struct normals_planes *p, struct place at, const struct plane *even,
+	const struct plane *odd)
 {
-	vf length = root(f->a * f->a + f->b * f->b + f->d * f->d),
-	   inverse = 1 / choose(f->good, length, all(1));
-	vf z = 1 / choose(f->good, f->centre_w, all(1));
 	for (int k = 0; k < 3; k++)
-		put(p->normal[k], at, where(f->good, -inverse * turned(t, k, f->a, f->b, f->d)));
-	vf error = z * inverse * root(f->error_w2), none = all(NAN);
-	put(p->error_m, at, choose(f->good, error, none));
-	vi creased = f->error_w2 * range * range > CREASED_NOISES * CREASED_NOISES * noise_m *
-							   noise_m * f->centre_w * f->centre_w;
-	put(p->offset_m, at, where(f->good, choose(creased, -inverse, inverse)));
-	if (p->curvature) {
-		vf ea = f->a * z, eb = f->b * z, u = f->centre_u, v = f->centre_v,
-		   one = 1 + u * u + v * v;
-		vf spread = z * z *
-			    (f->uu * (1 - 2 * u * ea + one * ea * ea) +
-				    f->vv * (1 - 2 * v * eb + one * eb * eb) -
-				    2 * f->uv * (u * eb + v * ea - one * ea * eb));
-		vf least_m2 = least(error * error, spread * 0.5f);
-		put(p->curvature, at,
-			choose(f->good, least_m2 / most(spread + least_m2, all(1e-20f)), none));
-	}
-	if (p->count)
-		put_window(t, p, at, f);
+		put(p->normal[k], at, even->normal[k], odd->normal[k]);
+	put(p->error_m, at, even->error_m, odd->error_m);
+	put(p->offset_m, at, even->offset_m, odd->offset_m);
+	put(p->curvature, at, even->curvature, odd->curvature);
+}
+
+INLINE void put_windows(const struct normals_planes *p, struct place at, const struct window *even,
+	const struct window *odd)
+{
+	put(p->count, at, even->count, odd->count);
+	for (int k = 0; k < 3; k++)
+		put(p->centre_m[k], at, even->centre_m[k], odd->centre_m[k]);
+	for (int k = 0; k < 6; k++)
+		put(p->covariance_m2[k], at, even->covariance_m2[k], odd->covariance_m2[k]);
 }
 
 #endif

@@ -1,6 +1,6 @@
 #ifndef PROCESS_NORMALS_TILE_H
 #define PROCESS_NORMALS_TILE_H
-/* The plane fits of one tile of a grid. Internal to normals*.c. One thread a tile. */
+/* The plane fits of one tile of a grid, and what is done to the planes of rows of it. Internal to normals*.c. One thread a tile. */
 #include "process/normals.h"
 
 #define TILE_COLUMNS 96 /* at most, of the tile itself */
@@ -19,5 +19,16 @@ typedef struct tile tile;
 tile *tile_new(void);
 void tile_free(tile *t);
 void tile_fit(tile *t, const struct tile_job *job);
+
+/* Cells at creases take the plane of a neighbour's window that holds them and does not reach over the crease. Looks this many
+ * rows up and down, at planes of fits alone. */
+#define SHARPEN_REACH 14
+void sharpen_rows(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes, uint32_t first, uint32_t end);
+/* Cells that the fit left out, for they have no neighbours beside them: from what is near in space. */
+void fill_rows(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes, uint32_t first, uint32_t end);
+
+_Static_assert(TILE_ROWS > 2 * SHARPEN_REACH, "a band is not taken back");
 
 #endif

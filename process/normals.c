@@ -15,26 +15,55 @@ static uint32_t columns_within(const range_grid *g, double angle_rad, uint32_t m
 	return columns < most ? MAX((uint32_t)columns, 1) : most;
 }
 
-void normals_fit(const range_grid *g, const struct normals_options *options,
-	const struct normals_planes *planes)
+/* Rows first to end. */
+static void fit_rows(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes, uint32_t first, uint32_t end)
 {
 	uint32_t reach = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH);
 	uint32_t width = columns_within(g, TILE_WIDEST_RAD / 2, TILE_COLUMNS);
-	width = width > 8 ? width / 8 * 8 : width;
-	uint32_t across = (g->columns + width - 1) / width,
-		 down = (g->rows + TILE_ROWS - 1) / TILE_ROWS;
+	width = width > 16 ? width / 16 * 16 : width;
+	uint32_t across = (g->columns + width - 1) / width;
 #pragma omp parallel if (!options->single_thread)
 	{
 		tile *t = tile_new();
-#pragma omp for schedule(dynamic, 4)
-		for (uint32_t i = 0; i < across * down; i++) {
-			struct tile_job job = { g, options, planes, .column = i % across * width,
-				.row = i / across * TILE_ROWS, .reach_columns = reach };
+#pragma omp for schedule(dynamic, 1)
+		for (uint32_t i = 0; i < across; i++) {
+			struct tile_job job = { g, options, planes, .column = i * width,
+				.row = first, .rows = end - first, .reach_columns = reach };
 			job.columns = MIN(width, g->columns - job.column);
-			job.rows = MIN(TILE_ROWS, g->rows - job.row);
 			tile_fit(t, &job);
 		}
 		tile_free(t);
+	}
+}
+
+void normals_fit(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes)
+{
+	for (uint32_t row = 0; row < g->rows; row += TILE_ROWS)
+		fit_rows(g, options, planes, row, MIN(row + TILE_ROWS, g->rows));
+}
+
+void normals_mend(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes)
+{
+	sharpen_rows(g, options, planes, 0, g->rows);
+	fill_rows(g, options, planes, 0, g->rows);
+}
+
+/* The three look at the same planes; a band of rows after the other, they find them in the cache. */
+void normals_estimate(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes)
+{
+	uint32_t sharp = 0, full = 0;
+	for (uint32_t row = 0, end; row < g->rows; row = end) {
+		end = MIN(row + TILE_ROWS, g->rows);
+		fit_rows(g, options, planes, row, end);
+		uint32_t back = end < g->rows ? SHARPEN_REACH : 0;
+		sharpen_rows(g, options, planes, sharp, end - back);
+		fill_rows(g, options, planes, full, end - 2 * back);
+		sharp = end - back;
+		full = end - 2 * back;
 	}
 }
 

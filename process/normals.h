@@ -9,7 +9,8 @@
  * Which neighbours count. Between cells side by side is a link unless there is a depth edge between them. From each cell an arm
  * goes left and right as far as the window and the links let it; the window of a cell is the arms of all cells on its own arms
  * up and down (the cross-based windows of stereo matching, Zhang, Lu and Lafruit 2009). So nothing beyond an edge comes in, and
- * two passes over rows and columns sum it all up. Sums are taken relative to something near, so that floats hold them. */
+ * two passes over rows and columns sum it all up: relative to the cell's own depth, so that floats hold the sums. Four cells
+ * side by side that are linked share a window. */
 #include "process/range-grid.h"
 
 /* A surface is tilted by about this much against the ray, if nothing is known: the slope that holds what the neighbours leave
@@ -35,14 +36,16 @@ struct normals_planes {
 	float *count, *centre_m[3], *covariance_m2[6];
 };
 
+/* The fits; those that the two below are to mend must have all of normal, error_m, curvature and offset_m. */
 void normals_fit(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *ret);
-/* Cells at creases take the plane of a neighbour's window that holds them and does not reach over the crease. */
-void normals_sharpen(const range_grid *g, const struct normals_options *options,
+/* Cells at creases take the plane of a neighbour's window that holds them and does not reach over the crease; those that the
+ * fit left out, for they have no neighbours beside them, one of what is near in space. */
+void normals_mend(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *planes);
-/* Cells that the fit left out, for they have no neighbours beside them: from what is near in space. */
-void normals_fill(const range_grid *g, const struct normals_options *options,
-	const struct normals_planes *planes);
+/* Both: the same planes, sooner. */
+void normals_estimate(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *ret);
 /* 1 sigma of the ranges, from how they vary over smooth runs. */
 float normals_range_noise_m(const range_grid *g);
 
