@@ -22,12 +22,11 @@ void tile_free(tile *t)
 
 INLINE struct place place_of(const struct tile_job *job, int y, int group, bool both)
 {
-	size_t columns = job->grid->columns;
-	return (struct place){ .at = (size_t)(job->row + y - TILE_REACH) * columns + job->column +
-				     group * GROUP,
-		.below = both ? columns : 0,
+	return (struct place){ .at = job->first + (size_t)(y - TILE_REACH) * job->pitch +
+				     (size_t)group * GROUP,
+		.below = both ? job->pitch : 0,
 		.columns = (int)job->columns - group * GROUP,
-		.ahead = 4 * columns };
+		.ahead = 4 * job->pitch };
 }
 
 INLINE struct fit fit_lanes(
@@ -121,7 +120,7 @@ static void put_nothing(const struct tile_job *job)
 	      *zero[] = { p->normal[0], p->normal[1], p->normal[2], p->offset_m, p->count };
 	for (uint32_t r = 0; r < job->rows; r++)
 		for (uint32_t c = 0; c < job->columns; c++) {
-			size_t i = (size_t)(job->row + r) * job->grid->columns + job->column + c;
+			size_t i = job->first + r * job->pitch + c;
 			for (size_t k = 0; k < G_N_ELEMENTS(none); k++)
 				if (none[k])
 					none[k][i] = NAN;

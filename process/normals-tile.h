@@ -13,6 +13,7 @@ struct tile_job {
 	const struct normals_planes *planes;
 	uint32_t column, row, columns, rows; /* the tile itself */
 	uint32_t reach_columns;              /* at most TILE_REACH */
+	size_t first, pitch; /* in the planes: its first cell, and from row to row */
 };
 
 typedef struct tile tile;

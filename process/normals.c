@@ -31,6 +31,8 @@ static void fit_rows(const range_grid *g, const struct normals_options *options,
 			struct tile_job job = { g, options, planes, .column = i * width,
 				.row = first, .rows = end - first, .reach_columns = reach };
 			job.columns = MIN(width, g->columns - job.column);
+			job.first = (size_t)first * g->columns + job.column;
+			job.pitch = g->columns;
 			tile_fit(t, &job);
 		}
 		tile_free(t);
@@ -124,18 +126,19 @@ static float noise_left_m(const range_grid *g, const struct normals_options *o,
 	size_t count = 0;
 	for (uint32_t k = 0; k < NOISE_TILES; k += stride) {
 		struct tile_job job = { g, o, p, .columns = MIN(NOISE_TILE, g->columns),
-			.rows = MIN(NOISE_TILE, g->rows),
+			.rows = MIN(NOISE_TILE, g->rows), .pitch = NOISE_TILE,
 			.reach_columns = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH) };
 		/* The golden ratio spreads them evenly, whatever repeats in the scan. */
 		job.column = (uint32_t)(fmod(k * 0.6180339887, 1) * (g->columns - job.columns));
 		job.row = (uint32_t)((k + 0.5) / NOISE_TILES * (g->rows - job.rows));
 		tile_fit(t, &job);
 		for (uint32_t i = 0; i < job.columns * job.rows; i++) {
-			size_t at = (size_t)(job.row + i / job.columns) * g->columns + job.column +
-				    i % job.columns;
+			uint32_t row = i / job.columns, column = i % job.columns,
+				 at = row * NOISE_TILE + column;
 			if (p->offset_m[at] != 0)
-				left_m[count++] =
-					p->error_m[at] * g->range_m[at] / fabsf(p->offset_m[at]);
+				left_m[count++] = p->error_m[at] / fabsf(p->offset_m[at]) *
+						  g->range_m[(size_t)(job.row + row) * g->columns +
+							     job.column + column];
 		}
 	}
 	return low_quantile(left_m, count, 8, o->range_noise_m);
@@ -143,8 +146,7 @@ static float noise_left_m(const range_grid *g, const struct normals_options *o,
 
 float normals_range_noise_m(const range_grid *g)
 {
-	size_t cells = range_grid_cells(g);
-	g_autofree float *error_m = g_new(float, cells + 64), *offset_m = g_new(float, cells + 64);
+	float error_m[NOISE_TILE * NOISE_TILE], offset_m[NOISE_TILE * NOISE_TILE];
 	struct normals_options options = { .radius_m = NOISE_RADIUS_M,
 		.range_noise_m = noise_at_most_m(g) };
 	struct normals_planes planes = { .error_m = error_m, .offset_m = offset_m };
