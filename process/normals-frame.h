@@ -9,12 +9,13 @@
 	(2 * LANES) /* columns that are fitted together: its even ones, or its odd ones, are eight lanes */
 #define GROUPS (TILE_COLUMNS / GROUP)
 #define WIDTH  (TILE_COLUMNS + 2 * TILE_REACH)
-#define FRAME_STEP                                                                                 \
-	8 /* of that many cells one is enough for the frame; each column and row has its turn */
-#define MARGIN     16 /* columns of nothing left and right */
-#define PITCH      (WIDTH + 2 * MARGIN)
-#define LINK_REACH 3  /* rows, columns that a link looks ahead */
-#define KEPT_ROWS  64 /* at least what STRIP_ROWS and their windows and links touch */
+/* Of that many rows and columns one is enough for the frame; each column has its turn. */
+#define FRAME_ROWS    3
+#define FRAME_COLUMNS 8
+#define MARGIN        16 /* columns of nothing left and right */
+#define PITCH         (WIDTH + 2 * MARGIN)
+#define LINK_REACH    3  /* rows, columns that a link looks ahead */
+#define KEPT_ROWS     64 /* at least what STRIP_ROWS and their windows and links touch */
 
 _Static_assert(TILE_COLUMNS % GROUP == 0 && TILE_REACH % GROUP == 0, "whole groups");
 
@@ -62,13 +63,13 @@ INLINE vi link_at(const row_links row, int c)
 
 /* ---- the frame and the points in it ---- */
 
-/* Looks where the tile's points are on average. false: it has none. */
-static inline bool set_frame(tile *t, const struct tile_job *job)
+/* Adds up the directions of one cell in so many; gives how long they are together. */
+static inline double look_around(
+	const struct tile_job *job, uint32_t rows, uint32_t columns, double ahead[3])
 {
 	const range_grid *g = job->grid;
-	double ahead[3] = { 0 };
-	for (uint32_t r = 0; r < job->rows; r += 3)
-		for (uint32_t c = r % FRAME_STEP; c < job->columns; c += FRAME_STEP) {
+	for (uint32_t r = 0; r < job->rows; r += rows)
+		for (uint32_t c = r % columns; c < job->columns; c += columns) {
 			size_t i = (size_t)(job->row + r) * g->columns + job->column + c;
 			if (!(g->range_m[i] > 0))
 				continue;
@@ -77,7 +78,15 @@ static inline bool set_frame(tile *t, const struct tile_job *job)
 			ahead[1] += g->y_m[i] * nearness;
 			ahead[2] += g->z_m[i] * nearness;
 		}
-	double length = sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1] + ahead[2] * ahead[2]);
+	return sqrt(ahead[0] * ahead[0] + ahead[1] * ahead[1] + ahead[2] * ahead[2]);
+}
+
+/* Looks where the tile's points are on average. false: it has none. */
+static inline bool set_frame(tile *t, const struct tile_job *job)
+{
+	double ahead[3] = { 0 }, length = look_around(job, FRAME_ROWS, FRAME_COLUMNS, ahead);
+	if (!(length > 0)) /* a sparse one */
+		length = look_around(job, 1, 1, ahead);
 	if (!(length > 0))
 		return false;
 	for (int k = 0; k < 3; k++)

@@ -84,7 +84,6 @@ INLINE void fit_rows(tile *t, const struct tile_job *job, int y, int group)
 		fit_cells(t, job, y + below, group);
 }
 
-/* Two rows after the other: what their windows take in stays in the nearer caches. */
 INLINE void fit_tile(tile *t, const struct tile_job *job)
 {
 	memset(t->sum_row, -1, sizeof t->sum_row);
