@@ -5,7 +5,7 @@ seconds=$1 cflags=$2 cxxflags=$3 libs=$4
 shift 4
 rm -rf build-fuzz/objects
 mkdir -p build-fuzz/objects
-common="-I. -D_GNU_SOURCE -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -Wno-unknown-pragmas"
+common="-I. -D_GNU_SOURCE -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -Wno-unknown-pragmas -Wno-psabi"
 # PCL itself is as Debian built it; its bridges are instrumented like all else. One object each, in a library: a target takes what it needs. File names differ by their folders.
 jobs=$(nproc)
 for source in $(ls firmware-io/*.c acquire/*.c process/*.c process/*.cpp 2>/dev/null | grep -v '/pleinair'); do
