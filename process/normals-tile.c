@@ -44,8 +44,7 @@ INLINE struct plane plane_at(
 INLINE void fit_blocks(tile *t, const struct tile_job *job, int y, int group)
 {
 	int c = MARGIN + TILE_REACH + group * GROUP;
-	struct sums s;
-	sum_block_window(t, job, y, c, &s);
+	struct sums s = sum_window(t, job, y, c, 2);
 	struct fit f = fit_lanes(t, job, y, c, &s);
 	struct plane p = plane_at(t, job, y, c, &f);
 	put_planes(job->planes, place_of(job, y, group, true), &p, &p);
@@ -57,8 +56,7 @@ INLINE void fit_cells(tile *t, const struct tile_job *job, int y, int group)
 	struct fit f[2];
 	struct plane p[2];
 	for (int odd = 0; odd < 2; odd++) {
-		struct sums s;
-		sum_window(t, job, y, c + odd, &s);
+		struct sums s = sum_window(t, job, y, c + odd, 1);
 		f[odd] = fit_lanes(t, job, y, c + odd, &s);
 		p[odd] = plane_at(t, job, y, c + odd, &f[odd]);
 	}

@@ -139,43 +139,6 @@ INLINE void add_row(struct sums *s, const struct sums *other, vf dw, vi in)
 	s->ww += where(in, other->ww) + dw * away;
 }
 
-/* How many rows below (side 1) or above (-1) the arms and the links reach; their sums are made. */
-INLINE int find_rows(tile *t, const struct tile_job *job, int y, int c, int side, vf arm)
-{
-	const int far = (int)largest(arm);
-	vi in = { 0 };
-	in = ~in;
-	for (int k = 1; k <= far; k++) {
-		const int i = y + side * k;
-		in &= (arm >= (float)k) & link_at(t->down[kept(side > 0 ? i - 1 : i)], c);
-		if (!any(in))
-			return k - 1;
-		make_row(t, job, i, c);
-	}
-	return far;
-}
-
-INLINE void add_rows(struct sums *s, tile *t, int y, int c, int side, vf arm, int rows)
-{
-	vf here = load(cell(t->w[kept(y)], c));
-	vi in = here > 0;
-	for (int k = 1; k <= rows; k++) {
-		const int i = y + side * k;
-		in &= (arm >= (float)k) & link_at(t->down[kept(side > 0 ? i - 1 : i)], c);
-		add_row(s, sums_of(t, i, c), load(cell(t->w[kept(i)], c)) - here, in);
-	}
-}
-
-INLINE void sum_window(tile *t, const struct tile_job *job, int y, int c, struct sums *s)
-{
-	vf arm = arm_down(t, job, y, c);
-	make_row(t, job, y, c);
-	int below = find_rows(t, job, y, c, 1, arm), above = find_rows(t, job, y, c, -1, arm);
-	*s = *sums_of(t, y, c);
-	add_rows(s, t, y, c, 1, arm, below);
-	add_rows(s, t, y, c, -1, arm, above);
-}
-
 /* ---- of four cells ---- */
 
 /* Cells of rows y and y + 1, columns c and c + 1, share a window when three of the four links around hold, so that each is linked
@@ -232,47 +195,68 @@ INLINE void make_blocks(tile *t, const struct tile_job *job, int y, int c)
 	*blocks_of(t, y, c) = sum;
 }
 
-/* As find_rows and add_rows, two rows a step; an arm ends before what is no block. */
-INLINE vi goes_on(const tile *t, int y, int c, int side, vf arm, int k)
+/* ---- the rows of a window ---- */
+
+/* `rows` is how many a step takes: 1, of a cell's own window, or 2, of a block's. It is known where this is inlined. */
+INLINE void make_sums(tile *t, const struct tile_job *job, int y, int c, int rows)
 {
-	const int i = y + 2 * side * k;
-	return (arm >= 2 * (float)k - PAIR_SLACK) &
-	       link_at(t->down[kept(side > 0 ? i - 1 : i + 1)], c) & is_block(t, i, c);
+	if (rows == 1)
+		make_row(t, job, y, c);
+	else
+		make_blocks(t, job, y, c);
 }
 
-INLINE int find_blocks(tile *t, const struct tile_job *job, int y, int c, int side, vf arm)
+INLINE struct sums *made_sums(tile *t, int y, int c, int rows)
 {
-	const int far = (int)((largest(arm) + PAIR_SLACK) * 0.5f);
+	return rows == 1 ? sums_of(t, y, c) : blocks_of(t, y, c);
+}
+
+/* Whether the arms and the links go on to the k-th step below (side 1) or above (-1); of blocks, they end before what is none. */
+INLINE vi goes_on(const tile *t, int y, int c, int side, vf arm, int k, int rows)
+{
+	const int i = y + rows * side * k;
+	vi linked = link_at(t->down[kept(side > 0 ? i - 1 : i + rows - 1)], c);
+	if (rows == 1)
+		return (arm >= (float)k) & linked;
+	return (arm >= 2 * (float)k - PAIR_SLACK) & linked & is_block(t, i, c);
+}
+
+/* How many steps some lane goes; the sums there are made. */
+INLINE int find_steps(tile *t, const struct tile_job *job, int y, int c, int side, vf arm, int rows)
+{
+	const int far = rows == 1 ? (int)largest(arm) : (int)((largest(arm) + PAIR_SLACK) * 0.5f);
 	vi in = { 0 };
 	in = ~in;
 	for (int k = 1; k <= far; k++) {
-		in &= goes_on(t, y, c, side, arm, k);
+		in &= goes_on(t, y, c, side, arm, k, rows);
 		if (!any(in))
 			return k - 1;
-		make_blocks(t, job, y + 2 * side * k, c);
+		make_sums(t, job, y + rows * side * k, c, rows);
 	}
 	return far;
 }
 
-INLINE void add_blocks(struct sums *s, tile *t, int y, int c, int side, vf arm, int blocks)
+INLINE void add_steps(struct sums *s, tile *t, int y, int c, int side, vf arm, int steps, int rows)
 {
 	vf here = load(cell(t->w[kept(y)], c));
 	vi in = here > 0;
-	for (int k = 1; k <= blocks; k++) {
-		const int i = y + 2 * side * k;
-		in &= goes_on(t, y, c, side, arm, k);
-		add_row(s, blocks_of(t, i, c), load(cell(t->w[kept(i)], c)) - here, in);
+	for (int k = 1; k <= steps; k++) {
+		const int i = y + rows * side * k;
+		in &= goes_on(t, y, c, side, arm, k, rows);
+		add_row(s, made_sums(t, i, c, rows), load(cell(t->w[kept(i)], c)) - here, in);
 	}
 }
 
-INLINE void sum_block_window(tile *t, const struct tile_job *job, int y, int c, struct sums *s)
+INLINE struct sums sum_window(tile *t, const struct tile_job *job, int y, int c, int rows)
 {
 	vf arm = arm_down(t, job, y, c);
-	make_blocks(t, job, y, c);
-	int below = find_blocks(t, job, y, c, 1, arm), above = find_blocks(t, job, y, c, -1, arm);
-	*s = *blocks_of(t, y, c);
-	add_blocks(s, t, y, c, 1, arm, below);
-	add_blocks(s, t, y, c, -1, arm, above);
+	make_sums(t, job, y, c, rows);
+	int below = find_steps(t, job, y, c, 1, arm, rows),
+	    above = find_steps(t, job, y, c, -1, arm, rows);
+	struct sums s = *made_sums(t, y, c, rows);
+	add_steps(&s, t, y, c, 1, arm, below, rows);
+	add_steps(&s, t, y, c, -1, arm, above, rows);
+	return s;
 }
 
 /* Whether all cells of the group in rows y and y + 1 are in blocks, or not there. */
