@@ -15,7 +15,8 @@
 #define MARGIN        16 /* columns of nothing left and right */
 #define PITCH         (WIDTH + 2 * MARGIN)
 #define LINK_REACH    3  /* rows, columns that a link looks ahead */
-#define KEPT_ROWS     64 /* at least what STRIP_ROWS and their windows and links touch */
+#define ROWS_AHEAD    3  /* are fetched from memory */
+#define KEPT_ROWS     64 /* at least what TILE_STEP and their windows and links touch */
 
 _Static_assert(TILE_COLUMNS % GROUP == 0 && TILE_REACH % GROUP == 0, "whole groups");
 
@@ -28,6 +29,15 @@ struct sums {
 typedef float row_cells[2][PITCH / 2];
 typedef int32_t row_links[2][PITCH / 2];
 
+/* Sums of four cells side by side, from each even column on, w relative to the first one's; and whether from the four before,
+ * or behind, one comes to these on links in both rows. */
+typedef float quad_cells[PITCH / 2];
+struct quads {
+	quad_cells u, v, w, uu, uv, vv, uw, vw, ww;
+	int32_t from_left[PITCH / 2], from_right[PITCH / 2];
+	int32_t block[PITCH / 2]; /* each of the four is linked with all others */
+};
+
 /* Only the rows that windows may touch are kept: row y is at kept(y). */
 struct tile {
 	/* Direction and inverse depth in the frame of the tile: point = (u, v, 1) / w; w 0: none. With columns of nothing around. */
@@ -35,13 +45,15 @@ struct tile {
 	row_links right[KEPT_ROWS],
 		down[KEPT_ROWS];      /* -1: to the next cell in the row, or column, is a link */
 	row_cells segment[KEPT_ROWS]; /* bits of numbers */
-	float level[KEPT_ROWS];
+	float level[KEPT_ROWS], beam_rad[KEPT_ROWS];
+	struct quads quads[KEPT_ROWS / 2]; /* of rows y and y + 1, y even */
 	/* Made when asked for. Of row y, the even or odd columns of a group; or the blocks of rows y and y + 1, y even. */
 	struct sums sum[GROUPS][KEPT_ROWS][2], block[GROUPS][KEPT_ROWS / 2];
 	int sum_row[GROUPS][KEPT_ROWS][2], block_row[GROUPS][KEPT_ROWS / 2]; /* whose they are */
 	float axis[3][3];  /* of the frame: right, up, ahead */
 	int height, width; /* with the reach */
-	bool has_segments;
+	int taken;         /* rows before this one were */
+	bool has_segments, is_empty;
 };
 
 /* y may be as low as -KEPT_ROWS. */
@@ -152,8 +164,8 @@ INLINE void place_cells(tile *t, unsigned r, int c, const vf p[4])
 	const float(*axis)[3] = (const float(*)[3])t->axis;
 	vf range = p[3];
 	vf depth = axis[2][0] * p[0] + axis[2][1] * p[1] + axis[2][2] * p[2];
-	vi good = (range > 0) & (depth > 0.2f * range);
-	vf w = where(good, 1 / choose(good, depth, all(1)));
+	vi good = depth > 0.2f * range; /* of nothing it is not */
+	vf w = where(good, 1 / depth);
 	store((float *)cell(t->u[r], c),
 		(axis[0][0] * p[0] + axis[0][1] * p[1] + axis[0][2] * p[2]) * w);
 	store((float *)cell(t->v[r], c),
@@ -187,28 +199,31 @@ INLINE void place_row(tile *t, const struct tile_job *job, int y)
 		find_row(job, y, g->y_m, buffer[1]), find_row(job, y, g->z_m, buffer[2]),
 		find_row(job, y, g->range_m, buffer[3]) };
 	const unsigned r = kept(y);
-	vf level = { 0 }, away = { 0 };
+	const size_t ahead = line[0] == buffer[0] ? 0 : ROWS_AHEAD * (size_t)g->columns;
+	vf up = { 0 }, away = { 0 };
 	if (t->has_segments)
 		place_segments(t, job, y);
 	for (int x = 0; x < t->width; x += GROUP) {
 		vf even[4], odd[4];
 		for (int k = 0; k < 4; k++) {
+			__builtin_prefetch(line[k] + x + ahead);
 			vf a = load(line[k] + x), b = load(line[k] + x + LANES);
 			even[k] = evens(a, b);
 			odd[k] = odds(a, b);
 		}
 		place_cells(t, r, MARGIN + x, even);
-		vi there = even[3] > 0;
-		level += where(there, root(even[0] * even[0] + even[1] * even[1]));
-		away += where(there, even[3]);
+		up += magnitude(even[2]);
+		away += even[3];
 		place_cells(t, r, MARGIN + x + 1, odd);
 	}
 	for (int odd = 0; odd < 2; odd++) {
 		store((float *)cell(t->w[r], MARGIN + t->width + odd), (vf){ 0 });
 		store((float *)cell(t->range[r], MARGIN + t->width + odd), (vf){ 0 });
 	}
-	float sum = total(away);
-	t->level[r] = sum > 0 ? total(level) / sum : 1; /* half of the cells tell it well enough */
+	/* Half of the cells tell it well enough; beams of a row go up alike. */
+	float slope = total(up) / fmaxf(total(away), 1e-9f);
+	t->level[r] = __builtin_sqrtf(fmaxf(1 - slope * slope, 1e-6f));
+	t->beam_rad[r] = __builtin_sqrtf((float)(g->column_rad * g->row_rad) * t->level[r]);
 }
 
 /* ---- links ---- */
@@ -229,12 +244,12 @@ INLINE vi is_foretold(vf from, vf behind, vf run, vf step, vf to, vf noise)
 
 INLINE vi is_linked(const struct line *l, float noise_m, float step_rad)
 {
-	vf b = load(l->w[1]), c = load(l->w[2]), noise = noise_m * (b * c);
-	vf difference = magnitude(c - b), size = step_rad * most(b, c);
-	vi there = (b > 0) & (c > 0);
-	vi gentle = there & (difference <= 5 * noise + size);
-	if (!any(there & ~gentle)) /* mostly */
+	vf b = load(l->w[1]), c = load(l->w[2]), product = b * c, difference = magnitude(c - b);
+	vi there = product > 0;
+	vi gentle = difference < 5 * noise_m * product + 0.5f * step_rad * (b + c);
+	if (!any(there & ~gentle)) /* mostly; of two that are not there, none is less */
 		return gentle;
+	vf noise = noise_m * product, size = step_rad * most(b, c);
 	vf a = load(l->w[0]), d = load(l->w[3]), at = load(l->at[1]), step = load(l->at[2]) - at;
 	vi before = (a > 0) & is_foretold(b, a, at - load(l->at[0]), step, c, noise);
 	vi after = (d > 0) & is_foretold(c, d, load(l->at[2]) - load(l->at[3]), -step, b, noise);
@@ -274,6 +289,49 @@ INLINE vi link_down(const tile *t, int y, int c, const struct tile_job *job)
 	return t->has_segments ? linked & same_segment(t, y, c, 1, 0) : linked;
 }
 
+/* Of rows y and y + 1. */
+INLINE void make_quads(tile *t, int y)
+{
+	const unsigned a = kept(y), b = kept(y + 1);
+	struct quads *q = &t->quads[a / 2];
+	for (int i = MARGIN / 2; i < (MARGIN + t->width) / 2; i += LANES) {
+		vf here = load(&t->w[a][0][i]);
+		vf u[4] = { load(&t->u[a][0][i]), load(&t->u[a][1][i]), load(&t->u[b][0][i]),
+			load(&t->u[b][1][i]) };
+		vf v[4] = { load(&t->v[a][0][i]), load(&t->v[a][1][i]), load(&t->v[b][0][i]),
+			load(&t->v[b][1][i]) };
+		vf w[4] = { { 0 }, load(&t->w[a][1][i]) - here, load(&t->w[b][0][i]) - here,
+			load(&t->w[b][1][i]) - here };
+		store(q->u + i, u[0] + u[1] + (u[2] + u[3]));
+		store(q->v + i, v[0] + v[1] + (v[2] + v[3]));
+		store(q->w + i, w[1] + (w[2] + w[3]));
+		store(q->uu + i, u[0] * u[0] + u[1] * u[1] + (u[2] * u[2] + u[3] * u[3]));
+		store(q->uv + i, u[0] * v[0] + u[1] * v[1] + (u[2] * v[2] + u[3] * v[3]));
+		store(q->vv + i, v[0] * v[0] + v[1] * v[1] + (v[2] * v[2] + v[3] * v[3]));
+		store(q->uw + i, u[1] * w[1] + u[2] * w[2] + u[3] * w[3]);
+		store(q->vw + i, v[1] * w[1] + v[2] * w[2] + v[3] * w[3]);
+		store(q->ww + i, w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
+		vi within = load_mask(&t->right[a][0][i]) & load_mask(&t->right[b][0][i]);
+		store_mask(q->from_right + i,
+			within & load_mask(&t->right[a][1][i]) & load_mask(&t->right[b][1][i]));
+		store_mask(q->from_left + i, within & load_mask(&t->right[a][1][i - 1]) &
+						     load_mask(&t->right[b][1][i - 1]));
+	}
+}
+
+/* Of rows y and y + 1: three of the four links around hold. */
+INLINE void mark_blocks(tile *t, int y)
+{
+	const unsigned a = kept(y), b = kept(y + 1);
+	for (int i = (MARGIN + TILE_REACH) / 2; i < (MARGIN + t->width - TILE_REACH) / 2;
+		i += LANES) {
+		vi above = load_mask(&t->right[a][0][i]), below = load_mask(&t->right[b][0][i]),
+		   left = load_mask(&t->down[a][0][i]), right = load_mask(&t->down[a][1][i]);
+		store_mask(t->quads[a / 2].block + i,
+			(above & below & (left | right)) | (left & right & (above | below)));
+	}
+}
+
 /* Row y comes in: its cells, the links along it, and those down from the row that is far enough before it. */
 INLINE void take_row(tile *t, const struct tile_job *job, int y)
 {
@@ -294,6 +352,11 @@ INLINE void take_row(tile *t, const struct tile_job *job, int y)
 		for (int odd = 0; odd < 2; odd++)
 			store_mask(&t->down[kept(above)][odd][c >> 1],
 				link_down(t, above, c + odd, job));
+	if (y % 2 != 0 && y > 0) {
+		make_quads(t, y - 1);
+		if (above >= 0)
+			mark_blocks(t, above);
+	}
 }
 
 #endif

@@ -2,8 +2,12 @@
 #define PROCESS_NORMALS_LANES_H
 /* Eight cells side by side, in GCC's and clang's vectors: AVX2 in functions that are built for it, whatever the processor has
  * elsewhere. Internal to normals*.c. All is inlined, so that it takes on the caller's target. */
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
+#if defined __SSE2__
+#include <xmmintrin.h>
+#endif
 
 #define LANES 8
 
@@ -101,10 +105,30 @@ INLINE float largest(vf x)
 	return x[0] > x[1] ? x[0] : x[1];
 }
 
-INLINE int any(vi mask)
+/* A bit for each lane; masks are all ones or all zeros. */
+INLINE unsigned bits(vi mask)
 {
+#if defined __SSE2__
+	__m128 low = (__m128)__builtin_shufflevector(mask, mask, 0, 1, 2, 3),
+	       high = (__m128)__builtin_shufflevector(mask, mask, 4, 5, 6, 7);
+	return (unsigned)_mm_movemask_ps(low) | (unsigned)_mm_movemask_ps(high) << 4;
+#else
+	unsigned ret = 0;
+	for (int k = 0; k < LANES; k++)
+		ret |= (unsigned)(mask[k] & 1) << k;
+	return ret;
+#endif
+}
+
+INLINE bool any(vi mask)
+{
+#if defined __SSE2__
+	return _mm_movemask_ps((__m128)(__builtin_shufflevector(mask, mask, 0, 1, 2, 3) |
+					__builtin_shufflevector(mask, mask, 4, 5, 6, 7))) != 0;
+#else
 	vl x = (vl)mask;
 	return (x[0] | x[1] | x[2] | x[3]) != 0;
+#endif
 }
 
 #endif

@@ -143,8 +143,9 @@ INLINE void put_planes(const struct normals_planes *p, struct place at, const st
 	for (int k = 0; k < 3; k++)
 		put(p->normal[k], at, even->normal[k], odd->normal[k]);
 	put(p->error_m, at, even->error_m, odd->error_m);
-	put(p->offset_m, at, even->offset_m, odd->offset_m);
 	put(p->curvature, at, even->curvature, odd->curvature);
+	at.at -= p->offset_from;
+	put(p->offset_m, at, even->offset_m, odd->offset_m);
 }
 
 INLINE void put_windows(const struct normals_planes *p, struct place at, const struct window *even,

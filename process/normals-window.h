@@ -14,27 +14,30 @@
 
 /* ---- of a cell ---- */
 
-/* How far the range changes from a cell to the next, beyond what noise does: the lesser of both sides, 0 where a side is
- * missing. */
-INLINE vf slope_m(vf before, vf here, vf after, float noise_m)
+INLINE float square(float x)
 {
-	vf a = where(before > 0, here - before), b = where(after > 0, after - here);
-	vf both = (vf)((vi)magnitude(a) & (before > 0) & (after > 0));
-	vf least_m = choose((before > 0) & (after > 0), least(both, magnitude(b)),
-		most(magnitude(a), magnitude(b)));
+	return x * x;
+}
+
+/* How far the range changes from a cell to the next, beyond what noise does: the lesser of both sides. */
+INLINE vf slope_m2(vf before, vf here, vf after, float noise_m)
+{
+	const vf steep = all(1e9f);
+	vf a = choose(before > 0, magnitude(here - before), steep),
+	   b = choose(after > 0, magnitude(after - here), steep), least_m = least(a, b);
 	return most(least_m * least_m * 0.25f - 0.5f * noise_m * noise_m, all(0));
 }
 
-/* Cells each way that the window holds; spacing_m2: square of the distance of neighbours on the surface along it. */
-INLINE vf arm_cells(vf range, float across_rad, float along_rad, vf slope_m2,
+/* Square of the cells each way that the window holds; slope_m2: square of the distance of neighbours on the surface along it. */
+INLINE vf arm_cells2(vf range, float beam_rad, float along_rad, vf slope_m2,
 	const struct normals_options *o, float most_cells)
 {
 	vf along = along_rad * range;
-	vf beam = range * __builtin_sqrtf(along_rad * across_rad);
-	vf wide_m2 =
-		most(all(o->radius_m * o->radius_m), 0.87f / AIM_RAD * o->range_noise_m * beam);
-	vf cells = root(wide_m2 / most(along * along + slope_m2, all(1e-12f)));
-	return where(range > 0, least(most(cells, all(ARM_MIN)), all(most_cells)));
+	vf wide_m2 = most(all(o->radius_m * o->radius_m),
+		0.87f / AIM_RAD * o->range_noise_m * beam_rad * range);
+	vf cells2 = wide_m2 / most(along * along + slope_m2, all(1e-12f));
+	return where(range > 0,
+		least(most(cells2, all(ARM_MIN * ARM_MIN)), all(most_cells * most_cells)));
 }
 
 INLINE void add_cell(struct sums *s, vf u, vf v, vf w)
@@ -51,14 +54,14 @@ INLINE void add_cell(struct sums *s, vf u, vf v, vf w)
 }
 
 /* Cells to the right (side 1) or left (-1) as far as the arm and the links reach; gives minus how many. */
-INLINE vi add_run(struct sums *sum, const tile *t, int y, int c, int side, vf arm)
+INLINE vi add_run(struct sums *sum, const tile *t, int y, int c, int side, vf arm2)
 {
-	const int far = (int)largest(arm);
+	const int far = (int)__builtin_sqrtf(largest(arm2));
 	vf here = load(cell(t->w[kept(y)], c));
 	vi in = here > 0, count = { 0 };
 	for (int k = 1; k <= far; k++) {
 		const int i = c + side * k;
-		in &= (arm >= (float)k) & link_at(t->right[kept(y)], side > 0 ? i - 1 : i);
+		in &= (arm2 >= square((float)k)) & link_at(t->right[kept(y)], side > 0 ? i - 1 : i);
 		if (k % NO_LINKS_EACH == 0 && !any(in))
 			break;
 		count += in;
@@ -69,23 +72,24 @@ INLINE vi add_run(struct sums *sum, const tile *t, int y, int c, int side, vf ar
 	return count;
 }
 
-INLINE vf arm_across(const tile *t, const struct tile_job *job, int y, int c)
+INLINE vf arm2_across(const tile *t, const struct tile_job *job, int y, int c)
 {
-	vf range = load(cell(t->range[kept(y)], c));
-	vf slope = slope_m(load(cell(t->range[kept(y)], c - 2)), range,
-		load(cell(t->range[kept(y)], c + 2)), job->options->range_noise_m);
-	return arm_cells(range, (float)job->grid->row_rad,
-		(float)job->grid->column_rad * t->level[kept(y)], slope, job->options,
-		(float)job->reach_columns);
+	const unsigned r = kept(y);
+	vf range = load(cell(t->range[r], c));
+	vf slope = slope_m2(load(cell(t->range[r], c - 2)), range, load(cell(t->range[r], c + 2)),
+		job->options->range_noise_m);
+	return arm_cells2(range, t->beam_rad[r], (float)job->grid->column_rad * t->level[r], slope,
+		job->options, (float)job->reach_columns);
 }
 
-INLINE vf arm_down(const tile *t, const struct tile_job *job, int y, int c)
+INLINE vf arm2_down(const tile *t, const struct tile_job *job, int y, int c)
 {
-	vf range = load(cell(t->range[kept(y)], c));
-	vf slope = slope_m(load(cell(t->range[kept(y - 2)], c)), range,
+	const unsigned r = kept(y);
+	vf range = load(cell(t->range[r], c));
+	vf slope = slope_m2(load(cell(t->range[kept(y - 2)], c)), range,
 		load(cell(t->range[kept(y + 2)], c)), job->options->range_noise_m);
-	return arm_cells(range, (float)job->grid->column_rad * t->level[kept(y)],
-		(float)job->grid->row_rad, slope, job->options, TILE_REACH);
+	return arm_cells2(
+		range, t->beam_rad[r], (float)job->grid->row_rad, slope, job->options, TILE_REACH);
 }
 
 INLINE int group_of(int c)
@@ -113,10 +117,10 @@ INLINE void make_row(tile *t, const struct tile_job *job, int y, int c)
 	struct sums sum = { 0 };
 	vi is = load(cell(t->w[kept(y)], c)) > 0;
 	if (any(is)) {
-		vf arm = arm_across(t, job, y, c);
+		vf arm2 = arm2_across(t, job, y, c);
 		add_cell(&sum, where(is, load(cell(t->u[kept(y)], c))),
 			load(cell(t->v[kept(y)], c)), (vf){ 0 });
-		vi count = is + add_run(&sum, t, y, c, 1, arm) + add_run(&sum, t, y, c, -1, arm);
+		vi count = is + add_run(&sum, t, y, c, 1, arm2) + add_run(&sum, t, y, c, -1, arm2);
 		sum.n = __builtin_convertvector(-count, vf);
 	}
 	*sums_of(t, y, c) = sum;
@@ -141,33 +145,44 @@ INLINE void add_row(struct sums *s, const struct sums *other, vf dw, vi in)
 
 /* ---- of four cells ---- */
 
-/* Cells of rows y and y + 1, columns c and c + 1, share a window when three of the four links around hold, so that each is linked
- * with all others; c even. */
 INLINE vi is_block(const tile *t, int y, int c)
 {
-	vi above = link_at(t->right[kept(y)], c), below = link_at(t->right[kept(y + 1)], c),
-	   left = link_at(t->down[kept(y)], c), right = link_at(t->down[kept(y)], c + 1);
-	return (above & below & (left | right)) | (left & right & (above | below));
+	return load_mask(&t->quads[kept(y) / 2].block[c >> 1]);
 }
 
-/* As add_run, two columns a step, w relative to `here`; gives minus how many steps. */
-INLINE vi add_block_run(
-	struct sums *sum, const tile *t, int y, int c, int side, vi in, vf arm, vf here)
+/* Adds four cells, which begin at column 2 * i. */
+INLINE void add_quad(struct sums *s, const tile *t, int y, int i, vf here, vi in)
 {
-	const int far = (int)((largest(arm) + PAIR_SLACK) * 0.5f);
+	const struct quads *q = &t->quads[kept(y) / 2];
+	vf u = where(in, load(q->u + i)), v = where(in, load(q->v + i)),
+	   w = where(in, load(q->w + i)), dw = where(in, load(&t->w[kept(y)][0][i]) - here);
+	vf moved = 4 * dw + w;
+	s->u += u;
+	s->v += v;
+	s->w += moved;
+	s->uu += where(in, load(q->uu + i));
+	s->uv += where(in, load(q->uv + i));
+	s->vv += where(in, load(q->vv + i));
+	s->uw += where(in, load(q->uw + i)) + dw * u;
+	s->vw += where(in, load(q->vw + i)) + dw * v;
+	s->ww += where(in, load(q->ww + i)) + dw * (w + moved);
+}
+
+/* As add_run, four cells a step, w relative to `here`; gives minus how many steps. */
+INLINE vi add_block_run(
+	struct sums *sum, const tile *t, int y, int c, int side, vi in, vf arm2, vf here)
+{
+	const int32_t *linked =
+		side > 0 ? t->quads[kept(y) / 2].from_left : t->quads[kept(y) / 2].from_right;
+	const int far = (int)((__builtin_sqrtf(largest(arm2)) + PAIR_SLACK) * 0.5f);
 	vi count = { 0 };
 	for (int k = 1; k <= far; k++) {
-		const int i = c + 2 * side * k;
-		in &= (arm >= 2 * (float)k - PAIR_SLACK) &
-		      link_at(t->right[kept(y)], side > 0 ? i - 1 : i + 1) &
-		      link_at(t->right[kept(y)], i);
+		const int i = (c >> 1) + side * k;
+		in &= (arm2 >= square(2 * (float)k - PAIR_SLACK)) & load_mask(linked + i);
 		if (k % (NO_LINKS_EACH / 2) == 0 && !any(in))
 			break;
 		count += in;
-		for (int odd = 0; odd < 2; odd++)
-			add_cell(sum, where(in, load(cell(t->u[kept(y)], i + odd))),
-				where(in, load(cell(t->v[kept(y)], i + odd))),
-				where(in, load(cell(t->w[kept(y)], i + odd)) - here));
+		add_quad(sum, t, y, i, here, in);
 	}
 	return count;
 }
@@ -180,18 +195,12 @@ INLINE void make_blocks(tile *t, const struct tile_job *job, int y, int c)
 		return;
 	*made = y;
 	struct sums sum = { 0 };
-	vi is = is_block(t, y, c), count = is + is;
-	vf here = load(cell(t->w[kept(y)], c)), arm = arm_across(t, job, y, c);
-	for (int below = 0; below < 2; below++) {
-		const unsigned r = kept(y + below);
-		for (int odd = 0; odd < 2; odd++)
-			add_cell(&sum, where(is, load(cell(t->u[r], c + odd))),
-				where(is, load(cell(t->v[r], c + odd))),
-				where(is, load(cell(t->w[r], c + odd)) - here));
-		count += add_block_run(&sum, t, y + below, c, 1, is, arm, here) +
-			 add_block_run(&sum, t, y + below, c, -1, is, arm, here);
-	}
-	sum.n = __builtin_convertvector(-2 * count, vf);
+	vi is = is_block(t, y, c), count = is;
+	vf here = load(cell(t->w[kept(y)], c)), arm2 = arm2_across(t, job, y, c);
+	add_quad(&sum, t, y, c >> 1, here, is);
+	count += add_block_run(&sum, t, y, c, 1, is, arm2, here) +
+		 add_block_run(&sum, t, y, c, -1, is, arm2, here);
+	sum.n = __builtin_convertvector(-4 * count, vf);
 	*blocks_of(t, y, c) = sum;
 }
 
@@ -211,52 +220,84 @@ INLINE struct sums *made_sums(tile *t, int y, int c, int rows)
 	return rows == 1 ? sums_of(t, y, c) : blocks_of(t, y, c);
 }
 
-/* Whether the arms and the links go on to the k-th step below (side 1) or above (-1); of blocks, they end before what is none. */
-INLINE vi goes_on(const tile *t, int y, int c, int side, vf arm, int k, int rows)
-{
-	const int i = y + rows * side * k;
-	vi linked = link_at(t->down[kept(side > 0 ? i - 1 : i + rows - 1)], c);
-	if (rows == 1)
-		return (arm >= (float)k) & linked;
-	return (arm >= 2 * (float)k - PAIR_SLACK) & linked & is_block(t, i, c);
-}
+/* How far the rows of a window go on to one side, lane by lane. */
+struct walk {
+	int steps;
+	vi in[TILE_REACH];
+};
 
-/* How many steps some lane goes; the sums there are made. */
-INLINE int find_steps(tile *t, const struct tile_job *job, int y, int c, int side, vf arm, int rows)
+/* Below (side 1) or above (-1), as far as the arm and the links reach; of blocks, until what is none. The sums there are made. */
+INLINE void find_steps(struct walk *ret, tile *t, const struct tile_job *job, int y, int c,
+	int side, vf arm2, int rows)
 {
-	const int far = rows == 1 ? (int)largest(arm) : (int)((largest(arm) + PAIR_SLACK) * 0.5f);
-	vi in = { 0 };
-	in = ~in;
-	for (int k = 1; k <= far; k++) {
-		in &= goes_on(t, y, c, side, arm, k, rows);
+	vi in = arm2 > 0;
+	int k = 1;
+	for (; k <= TILE_REACH / rows; k++) {
+		const int i = y + rows * side * k;
+		in &= link_at(t->down[kept(side > 0 ? i - 1 : i + rows - 1)], c) &
+		      (arm2 >= square((float)(rows * k) - (rows == 2 ? PAIR_SLACK : 0)));
+		if (rows == 2)
+			in &= is_block(t, i, c);
 		if (!any(in))
-			return k - 1;
-		make_sums(t, job, y + rows * side * k, c, rows);
+			break;
+		ret->in[k - 1] = in;
+		make_sums(t, job, i, c, rows);
 	}
-	return far;
+	ret->steps = k - 1;
 }
 
-INLINE void add_steps(struct sums *s, tile *t, int y, int c, int side, vf arm, int steps, int rows)
+INLINE void add_steps(
+	struct sums *s, tile *t, int y, int c, int side, const struct walk *walk, int rows)
 {
 	vf here = load(cell(t->w[kept(y)], c));
-	vi in = here > 0;
-	for (int k = 1; k <= steps; k++) {
+	for (int k = 1; k <= walk->steps; k++) {
 		const int i = y + rows * side * k;
-		in &= goes_on(t, y, c, side, arm, k, rows);
-		add_row(s, made_sums(t, i, c, rows), load(cell(t->w[kept(i)], c)) - here, in);
+		add_row(s, made_sums(t, i, c, rows), load(cell(t->w[kept(i)], c)) - here,
+			walk->in[k - 1]);
 	}
 }
 
-INLINE struct sums sum_window(tile *t, const struct tile_job *job, int y, int c, int rows)
+/* Of the blocks of rows y and y + 1. */
+INLINE struct sums sum_blocks(tile *t, const struct tile_job *job, int y, int c)
 {
-	vf arm = arm_down(t, job, y, c);
-	make_sums(t, job, y, c, rows);
-	int below = find_steps(t, job, y, c, 1, arm, rows),
-	    above = find_steps(t, job, y, c, -1, arm, rows);
-	struct sums s = *made_sums(t, y, c, rows);
-	add_steps(&s, t, y, c, 1, arm, below, rows);
-	add_steps(&s, t, y, c, -1, arm, above, rows);
+	vf arm2 = arm2_down(t, job, y, c);
+	struct walk below, above;
+	make_blocks(t, job, y, c);
+	find_steps(&below, t, job, y, c, 1, arm2, 2);
+	find_steps(&above, t, job, y, c, -1, arm2, 2);
+	struct sums s = *blocks_of(t, y, c);
+	add_steps(&s, t, y, c, 1, &below, 2);
+	add_steps(&s, t, y, c, -1, &above, 2);
 	return s;
+}
+
+/* Of the cells of row y and, when both, of row y + 1. Where they are linked they share what is above and what is below, so that
+ * each is walked once. */
+INLINE void sum_cells(
+	tile *t, const struct tile_job *job, int y, int c, bool both, struct sums ret[2])
+{
+	const int low = y + both;
+	struct walk below, above;
+	make_row(t, job, y, c);
+	if (both)
+		make_row(t, job, low, c);
+	find_steps(&above, t, job, y, c, -1, arm2_down(t, job, y, c), 1);
+	find_steps(&below, t, job, low, c, 1, arm2_down(t, job, low, c), 1);
+	struct sums s = *sums_of(t, y, c);
+	add_steps(&s, t, y, c, -1, &above, 1);
+	if (both) {
+		struct sums rest = *sums_of(t, low, c);
+		add_steps(&rest, t, low, c, 1, &below, 1);
+		vf dw = load(cell(t->w[kept(low)], c)) - load(cell(t->w[kept(y)], c));
+		vi linked = link_at(t->down[kept(y)], c);
+		ret[0] = s;
+		ret[1] = rest;
+		add_row(&ret[0], &rest, dw, linked);
+		add_row(&ret[1], &s, -dw, linked);
+	} else {
+		add_steps(&s, t, y, c, 1, &below, 1);
+		ret[0] = s;
+	}
 }
 
 /* Whether all cells of the group in rows y and y + 1 are in blocks, or not there. */

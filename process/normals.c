@@ -1,4 +1,5 @@
 #include "process/normals-tile.h"
+#include <string.h>
 
 /* No tile with its reach looks wider than this: far from its middle the frame would be squeezed. */
 #define TILE_WIDEST_RAD 1.4
@@ -15,58 +16,186 @@ static uint32_t columns_within(const range_grid *g, double angle_rad, uint32_t m
 	return columns < most ? MAX((uint32_t)columns, 1) : most;
 }
 
-/* Rows first to end. */
-static void fit_rows(const range_grid *g, const struct normals_options *options,
-	const struct normals_planes *planes, uint32_t first, uint32_t end)
+/* A grid's planes are made band of rows by band, and each strip of columns by strip: what they need of each other is in the cache.
+ * (Strips from top to bottom would need less of each other, but memory that is new would be out of the cache again.) */
+struct band {
+	const range_grid *grid;
+	const struct normals_options *options;
+	const struct normals_planes *planes;
+	uint32_t width, count, reach_columns; /* of strips */
+	uint32_t row, rows_end;
+};
+
+static struct band first_band(const range_grid *g, const struct normals_options *options,
+	const struct normals_planes *planes)
 {
-	uint32_t reach = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH);
 	uint32_t width = columns_within(g, TILE_WIDEST_RAD / 2, TILE_COLUMNS);
 	width = width > 16 ? width / 16 * 16 : width;
-	uint32_t across = (g->columns + width - 1) / width;
-#pragma omp parallel if (!options->single_thread)
-	{
-		tile *t = tile_new();
-#pragma omp for schedule(dynamic, 1)
-		for (uint32_t i = 0; i < across; i++) {
-			struct tile_job job = { g, options, planes, .column = i * width,
-				.row = first, .rows = end - first, .reach_columns = reach };
-			job.columns = MIN(width, g->columns - job.column);
-			job.first = (size_t)first * g->columns + job.column;
-			job.pitch = g->columns;
-			tile_fit(t, &job);
-		}
-		tile_free(t);
+	return (struct band){ g, options, planes, .width = width,
+		.count = (g->columns + width - 1) / width,
+		.reach_columns = columns_within(g, TILE_WIDEST_RAD / 4, TILE_REACH),
+		.rows_end = MIN(TILE_ROWS, g->rows) };
+}
+
+static void to_next_band(struct band *b)
+{
+	b->row = b->rows_end;
+	b->rows_end = MIN(b->row + TILE_ROWS, b->grid->rows);
+}
+
+static struct area strip_area(const struct band *b, uint32_t strip)
+{
+	return (struct area){ b->row, b->rows_end, strip * b->width,
+		MIN((strip + 1) * b->width, b->grid->columns) };
+}
+
+/* Rows that can be sharpened when those before the given one are fitted. */
+static uint32_t sharp_rows(const struct band *b, uint32_t fitted)
+{
+	return fitted == b->grid->rows ? fitted : MAX(fitted, SHARPEN_REACH) - SHARPEN_REACH;
+}
+
+/* The columns whose neighbours are all in the strip. */
+static struct area inner_area(const struct band *b, uint32_t strip)
+{
+	struct area a = strip_area(b, strip);
+	a.row = sharp_rows(b, b->row);
+	a.rows_end = sharp_rows(b, b->rows_end);
+	a.column = MIN(a.column + SHARPEN_REACH, a.columns_end);
+	a.columns_end = MAX(a.column, a.columns_end - MIN(a.columns_end, SHARPEN_REACH));
+	return a;
+}
+
+/* The fits; what is behind them is mended on the way, if it is to be. */
+static void fit_strip(const struct band *b, uint32_t strip, tile *t, bool mend)
+{
+	const range_grid *g = b->grid;
+	struct area all = strip_area(b, strip), sharp = inner_area(b, strip);
+	struct tile_job job = { g, b->options, b->planes, .column = all.column, .row = all.row,
+		.columns = all.columns_end - all.column, .rows = all.rows_end - all.row,
+		.reach_columns = b->reach_columns,
+		.first = (size_t)all.row * g->columns + all.column, .pitch = g->columns };
+	tile_start(t, &job);
+	for (uint32_t first = 0, end; first < job.rows; first = end) {
+		end = MIN(first + TILE_STEP, job.rows);
+		tile_fit(t, &job, first, end);
+		if (!mend)
+			continue;
+		all.row = b->row + first;
+		all.rows_end = b->row + end;
+		fill_area(g, b->options, b->planes, all);
+		sharp.rows_end = sharp_rows(b, all.rows_end);
+		sharpen_area(g, b->options, b->planes, sharp);
+		sharp.row = MAX(sharp.row, sharp.rows_end);
 	}
 }
 
 void normals_fit(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *planes)
 {
-	for (uint32_t row = 0; row < g->rows; row += TILE_ROWS)
-		fit_rows(g, options, planes, row, MIN(row + TILE_ROWS, g->rows));
+#pragma omp parallel if (!options->single_thread)
+	{
+		tile *t = tile_new();
+		for (struct band b = first_band(g, options, planes); b.row < g->rows;
+			to_next_band(&b)) {
+#pragma omp for schedule(dynamic, 1)
+			for (uint32_t i = 0; i < b.count; i++)
+				fit_strip(&b, i, t, false);
+		}
+		tile_free(t);
+	}
 }
 
 void normals_mend(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *planes)
 {
-	sharpen_rows(g, options, planes, 0, g->rows);
-	fill_rows(g, options, planes, 0, g->rows);
+	for (struct band b = first_band(g, options, planes); b.row < g->rows; to_next_band(&b)) {
+#pragma omp parallel for schedule(dynamic, 1) if (!options->single_thread)
+		for (uint32_t i = 0; i < b.count; i++) {
+			sharpen_area(g, options, planes, strip_area(&b, i));
+			fill_area(g, options, planes, strip_area(&b, i));
+		}
+	}
 }
 
-/* The three look at the same planes; a band of rows after the other, they find them in the cache. */
+/* Around where the strip begins; and at the very end. */
+static void sharpen_border(const struct band *b, uint32_t strip)
+{
+	struct area a = inner_area(b, strip), before = a;
+	before.columns_end = a.column;
+	before.column = strip ? inner_area(b, strip - 1).columns_end : 0;
+	sharpen_area(b->grid, b->options, b->planes, before);
+	if (strip + 1 == b->count) {
+		a.column = a.columns_end;
+		a.columns_end = b->grid->columns;
+		sharpen_area(b->grid, b->options, b->planes, a);
+	}
+}
+
+/* All threads come here. A border is sharpened at once where the strip before it is this thread's, for it is still near by; else
+ * when all are fitted. */
+static void estimate_band(const struct band *b, tile *t, bool *late)
+{
+	uint32_t last = b->count;
+#pragma omp for schedule(dynamic, 2)
+	for (uint32_t i = 0; i < b->count; i++) {
+		fit_strip(b, i, t, true);
+		late[i] = last + 1 != i || i + 1 == b->count;
+		if (!late[i])
+			sharpen_border(b, i);
+		last = i;
+	}
+#pragma omp for schedule(dynamic, 1)
+	for (uint32_t i = 0; i < b->count; i++)
+		if (late[i])
+			sharpen_border(b, i);
+}
+
+/* The offsets are only looked at near by: kept are those of a band and of as many rows before it as are. */
+static size_t offset_rows(const range_grid *g)
+{
+	return MIN(TILE_ROWS + 2 * SHARPEN_REACH, g->rows);
+}
+
+/* One thread does it, the others wait. */
+static void keep_offsets(const struct band *b, struct normals_planes *planes)
+{
+	size_t columns = b->grid->columns,
+	       first = b->row > 2 * SHARPEN_REACH ? b->row - 2 * SHARPEN_REACH : 0,
+	       gone = first * columns - planes->offset_from;
+	memmove(planes->offset_m, planes->offset_m + gone,
+		(b->row - first) * columns * sizeof(float));
+	planes->offset_from += gone;
+}
+
 void normals_estimate(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *planes)
 {
-	uint32_t sharp = 0, full = 0;
-	for (uint32_t row = 0, end; row < g->rows; row = end) {
-		end = MIN(row + TILE_ROWS, g->rows);
-		fit_rows(g, options, planes, row, end);
-		uint32_t back = end < g->rows ? SHARPEN_REACH : 0;
-		sharpen_rows(g, options, planes, sharp, end - back);
-		fill_rows(g, options, planes, full, end - 2 * back);
-		sharp = end - back;
-		full = end - 2 * back;
+	struct normals_planes p = *planes;
+	const struct band first = first_band(g, options, &p);
+	const bool narrow = first.width < 2 * SHARPEN_REACH; /* strips have no inner columns */
+	p.offset_m =
+		g_aligned_alloc((narrow ? range_grid_cells(g) : offset_rows(g) * g->columns) + 64,
+			sizeof(float), 64); /* vectors may read past the end */
+	p.offset_from = 0;
+	g_autofree bool *late = g_new(bool, first.count);
+	if (narrow) {
+		normals_fit(g, options, &p);
+		normals_mend(g, options, &p);
+		g_aligned_free(p.offset_m);
+		return;
 	}
+#pragma omp parallel if (!options->single_thread)
+	{
+		tile *t = tile_new();
+		for (struct band b = first; b.row < g->rows; to_next_band(&b)) {
+#pragma omp single
+			keep_offsets(&b, &p);
+			estimate_band(&b, t, late);
+		}
+		tile_free(t);
+	}
+	g_aligned_free(p.offset_m);
 }
 
 /* What would stand there if the values were sorted (Hoare's find: sorting them all takes longer than the fits). */
@@ -131,7 +260,8 @@ static float noise_left_m(const range_grid *g, const struct normals_options *o,
 		/* The golden ratio spreads them evenly, whatever repeats in the scan. */
 		job.column = (uint32_t)(fmod(k * 0.6180339887, 1) * (g->columns - job.columns));
 		job.row = (uint32_t)((k + 0.5) / NOISE_TILES * (g->rows - job.rows));
-		tile_fit(t, &job);
+		tile_start(t, &job);
+		tile_fit(t, &job, 0, job.rows);
 		for (uint32_t i = 0; i < job.columns * job.rows; i++) {
 			uint32_t row = i / job.columns, column = i % job.columns,
 				 at = row * NOISE_TILE + column;

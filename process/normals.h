@@ -10,7 +10,7 @@
  * goes left and right as far as the window and the links let it; the window of a cell is the arms of all cells on its own arms
  * up and down (the cross-based windows of stereo matching, Zhang, Lu and Lafruit 2009). So nothing beyond an edge comes in, and
  * two passes over rows and columns sum it all up: relative to the cell's own depth, so that floats hold the sums. Four cells
- * side by side that are linked share a window. */
+ * side by side that are linked share a window; two of a column that are, what is above and below them. */
 #include "process/range-grid.h"
 
 /* A surface is tilted by about this much against the ray, if nothing is known: the slope that holds what the neighbours leave
@@ -32,6 +32,7 @@ struct normals_planes {
 	/* Distance of the fitted plane from the scanner, 0: none; negative where the fit leaves more than noise, for it reaches
 	 * over a crease or takes in clutter. */
 	float *offset_m;
+	size_t offset_from; /* the cell that offset_m begins with; the others begin with the first */
 	/* The neighbours, as they lie on the plane: how many, their centre, and the covariance xx xy xz yy yz zz. */
 	float *count, *centre_m[3], *covariance_m2[6];
 };
@@ -43,7 +44,7 @@ void normals_fit(const range_grid *g, const struct normals_options *options,
  * fit left out, for they have no neighbours beside them, one of what is near in space. */
 void normals_mend(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *planes);
-/* Both: the same planes, sooner. */
+/* Both: the same planes, sooner. Needs no offset_m, and fills none. */
 void normals_estimate(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *ret);
 /* 1 sigma of the ranges, from how they vary over smooth runs. */

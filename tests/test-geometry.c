@@ -260,6 +260,58 @@ static void test_portable(void)
 	seen_clear(&s);
 }
 
+/* Bands and strips, with several threads or one, are the same as one step after the other: whatever the grid's size. */
+static void assert_estimate_is_fit_and_mend(uint32_t columns, uint32_t rows)
+{
+	static const double eye[3] = { 1, 1, 0 };
+	struct room r = hall;
+	r.panel_y_m = 5;
+	r.panel_x_m[0] = r.panel_z_m[0] = -1;
+	r.panel_x_m[1] = r.panel_z_m[1] = 1;
+	struct seen s = look(&r, eye, 0, columns, rows, 0.012);
+	size_t n = range_grid_cells(s.grid), differ = 0, mended = 0;
+	g_autofree float *plane = g_new0(float, 7 * (5 * n + 64));
+	struct normals_planes p[4];
+	for (int k = 0; k < 4; k++) {
+		float *at = plane + (size_t)k * (5 * n + 64);
+		p[k] = (struct normals_planes){ .normal = { at, at + n, at + 2 * n },
+			.error_m = at + 3 * n,
+			.curvature = at + 4 * n,
+			.offset_m = plane + (size_t)(4 + k % 2) * (5 * n + 64) };
+		struct normals_options o = {
+			.radius_m = 0.06f, .range_noise_m = 0.012f, .single_thread = k == 2
+		};
+		if (k >= 2) {
+			p[k].offset_m = NULL;
+			normals_estimate(s.grid, &o, &p[k]);
+			continue;
+		}
+		normals_fit(s.grid, &o, &p[k]);
+		if (k == 1)
+			normals_mend(s.grid, &o, &p[k]);
+	}
+	for (size_t i = 0; i < 5 * n; i++) {
+		const float *fitted = p[0].normal[0] + i, *one = p[1].normal[0] + i;
+		mended += memcmp(fitted, one, sizeof *one) != 0;
+		for (int k = 2; k < 4; k++)
+			differ += memcmp(one, p[k].normal[0] + i, sizeof *one) != 0;
+	}
+	g_test_message("%u x %u: %zu mended, %zu differ", columns, rows, mended, differ);
+	g_assert_cmpuint(mended, >, 0);
+	g_assert_cmpuint(differ, ==, 0);
+	seen_clear(&s);
+}
+
+static void test_bands(void)
+{
+	assert_estimate_is_fit_and_mend(750, 198);
+	assert_estimate_is_fit_and_mend(1024, 300);
+	assert_estimate_is_fit_and_mend(771, 133); /* the last band is one row */
+	assert_estimate_is_fit_and_mend(401, 31);
+	assert_estimate_is_fit_and_mend(129, 140); /* no strip has inner columns */
+	assert_estimate_is_fit_and_mend(37, 20);
+}
+
 /* ---- several scans ---- */
 
 static void test_union(void)
@@ -429,6 +481,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/geometry/noise", test_noise_is_found);
 	g_test_add_func("/geometry/depth-edge", test_depth_edge);
 	g_test_add_func("/geometry/portable", test_portable);
+	g_test_add_func("/geometry/bands", test_bands);
 	g_test_add_func("/geometry/union", test_union);
 	g_test_add_func("/geometry/union-gives", test_union_gives);
 	g_test_add_func("/geometry/segments", test_segments);
