@@ -16,7 +16,6 @@ typedef int32_t vi __attribute__((vector_size(32)));
 typedef float vf_loose __attribute__((vector_size(32), aligned(4), may_alias));
 typedef int32_t vi_loose __attribute__((vector_size(32), aligned(4), may_alias));
 typedef int64_t vl __attribute__((vector_size(32)));
-typedef uint32_t vu_loose __attribute__((vector_size(32), aligned(4), may_alias));
 
 #define INLINE static inline __attribute__((always_inline))
 
