@@ -1,0 +1,24 @@
+#ifndef PROCESS_CLASSIFY_H
+#define PROCESS_CLASSIFY_H
+/* Rules that tell what things are, from the shape of surfaces and where they stand above the ground (after Richter et al. 2015; as
+ * Wegen et al. 2024, section 4.1, use it). Voxels are those of all points that are not ground.
+ *
+ * Large smooth regions that rise above the ground are walls and roofs; those with ground on top of them, behind them, hold that
+ * ground up: bridges, retaining walls. What is rough all through is foliage, and what is thin and stands under it, its trunks.
+ * What lies against a wall is part of it. What remains stands alone, and its size tells. */
+#include "process/ground.h"
+#include "process/segment-class.h"
+#include "process/smooth-regions.h"
+#include "process/voxel-shape.h"
+
+struct classify_input {
+	const voxels *voxels; /* linked */
+	const struct voxel_shape *shape;
+	const smooth_regions *regions;
+	const ground *ground;
+	const float *height_m; /* above the ground, of each voxel */
+};
+/* enum segment_class of each voxel; caller frees. */
+uint8_t *classify(const struct classify_input *in);
+
+#endif
