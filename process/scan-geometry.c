@@ -3,7 +3,7 @@
 #include "process/cloud.h"
 #include "process/geometry.h"
 #include "process/model.h"
-#include "process/scan-data.h"
+#include "process/scan-cache.h"
 #include <string.h>
 
 /* Grids that stay in memory: the scan itself and the neighbours of the scans next to it are mostly the same. */
@@ -173,31 +173,10 @@ struct maker {
 	site *site;
 	GArray *sources;
 	const struct geometry_site_options *options;
-	GPtrArray *cache; /* of scan_data, the last used last */
+	scan_cache *cache;
 	uint32_t due, made;
 	uint32_t number;
 };
-
-static void free_data(gpointer data)
-{
-	scan_data_free(data);
-}
-
-/* Owned by the cache, until CACHED others were asked for. */
-static scan_data *load(struct maker *m, uint32_t number, GError **error)
-{
-	scan_data *d = NULL;
-	for (guint i = 0; i < m->cache->len && !d; i++)
-		if (((scan_data *)m->cache->pdata[i])->number == number)
-			d = g_ptr_array_steal_index(m->cache, i);
-	if (!d && m->cache->len == CACHED)
-		g_ptr_array_remove_index(m->cache, 0);
-	if (!d)
-		d = scan_data_load(m->site, number, error);
-	if (d)
-		g_ptr_array_add(m->cache, d);
-	return d;
-}
 
 /* Where its points are, in the site; every 16th is enough for that. */
 static struct box box_of(const range_grid *g, const struct pose *pose)
@@ -249,8 +228,9 @@ static geometry *fit_grid(
 		const struct source *other = source_at(m->sources, s->neighbours[i]);
 		if (!go_on(m, (i + 1.0) / (s->neighbour_count + 2.0), error))
 			return NULL;
-		const scan_data *d = load(m, other->number, error);
-		if (!d || !load(m, s->number, error)) /* which keeps the scan itself in the cache */
+		const scan_data *d = scan_cache_load(m->cache, other->number, error);
+		if (!d || !scan_cache_load(m->cache, s->number,
+				  error)) /* which keeps the scan itself in the cache */
 			return NULL;
 		struct box there = box_of(d->grid, &other->pose);
 		struct posed_grid scan = { .grid = d->grid, .pose = other->pose };
@@ -354,7 +334,7 @@ static bool make(struct maker *m, const struct source *s, GError **error)
 	m->number = s->number;
 	if (!go_on(m, 0, error))
 		return false;
-	const scan_data *d = load(m, s->number, error);
+	const scan_data *d = scan_cache_load(m->cache, s->number, error);
 	return d && (d->kind == SCAN_CLOUD ? make_cloud(m, s, d->points, error)
 					   : make_grid(m, s, d->grid, error));
 }
@@ -363,7 +343,7 @@ bool geometry_site(site *s, const scan_graph *graph, const struct geometry_site_
 	uint32_t *ret_made, GError **error)
 {
 	g_autoptr(GArray) sources = find_sources(s, graph, error);
-	g_autoptr(GPtrArray) cache = g_ptr_array_new_with_free_func(free_data);
+	g_autoptr(scan_cache) cache = scan_cache_new(s, CACHED);
 	g_autofree char *folder = g_build_filename(site_path(s), "geometry", NULL);
 	if (ret_made)
 		*ret_made = 0;
