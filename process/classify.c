@@ -4,30 +4,30 @@
 #include <string.h>
 
 /* Walls and roofs. */
-#define WALL_UP_MOST   0.4  /* z of the normal */
-#define WALL_AREA_M2   3.0
-#define WALL_HEIGHT_M  1.8
-#define TOP_LEAST_M    2.2  /* above the ground */
-#define ROUGH_MOST     0.35f
+#define WALL_UP_MOST  0.4 /* z of the normal */
+#define WALL_AREA_M2  3.0
+#define WALL_HEIGHT_M 1.8
+#define TOP_LEAST_M   2.2 /* above the ground */
+#define ROUGH_MOST    0.35f
 /* What holds up ground. */
-#define BEHIND_M       1.6
-#define HOLDS_SHARE    0.25
-#define HOLDS_AREA_M2  45.0
+#define BEHIND_M      1.6
+#define HOLDS_SHARE   0.25
+#define HOLDS_AREA_M2 45.0
 /* Foliage. */
-#define FOLIAGE        0.5f
-#define FOLIAGE_SURE   0.6f
-#define GREEN_ZERO     0.05f
-#define GREEN_WEIGHT   1.6f
-#define CROWN_VOXELS   60u
-#define ERROR_FROM_M   0.010f
-#define ERROR_FULL_M   0.030f
-#define TRUNK_M        1.3
+#define FOLIAGE      0.5f
+#define FOLIAGE_SURE 0.6f
+#define GREEN_ZERO   0.05f
+#define GREEN_WEIGHT 1.6f
+#define CROWN_VOXELS 60u
+#define ERROR_FROM_M 0.010f
+#define ERROR_FULL_M 0.030f
+#define TRUNK_M      1.3
 /* What is seen through an opening. */
 #define THROUGH_M      4.0
 #define THROUGH_FACING 0.35f
 /* What lies against something. */
-#define AGAINST_LINKS  2
-#define BENCH_M        1.3f /* up to here things may stand against it that are none of it */
+#define AGAINST_LINKS 2
+#define BENCH_M       1.3f /* up to here things may stand against it that are none of it */
 
 /* A porch, outside stairs, a dormer. */
 #define PART_LINKS 40u
@@ -35,15 +35,15 @@
 #define FLOATS_M   2.8f /* nothing but a part of a house is so far above the ground */
 #define TALL_M     5.5f
 /* Kerbs and edgings lie; what stands goes on above this. */
-#define LYING_M    0.3f
+#define LYING_M 0.3f
 
 #define UNKNOWN 255
 
 struct rules {
 	const struct classify_input *in;
 	const voxels *v;
-	uint8_t *class;   /* UNKNOWN: not yet */
-	float *foliage;   /* evidence of it, about 0..1 */
+	uint8_t *class; /* UNKNOWN: not yet */
+	float *foliage; /* evidence of it, about 0..1 */
 };
 
 /* ---- walls, roofs, and what holds up ground ---- */
@@ -57,7 +57,8 @@ static bool ground_is_behind(const struct rules *r, uint32_t i)
 	double at[3];
 	voxel_point_m(r->v, i, at);
 	for (int k = 0; k < 9; k++) {
-		double beside[3] = { at[0] + BEHIND_M * (k % 3 - 1), at[1] + BEHIND_M * (k / 3 - 1), at[2] };
+		double beside[3] = { at[0] + BEHIND_M * (k % 3 - 1), at[1] + BEHIND_M * (k / 3 - 1),
+			at[2] };
 		float above = ground_above_m(r->in->ground, beside);
 		if (above > 0.5f && above < 15)
 			return true;
@@ -71,8 +72,11 @@ static double height_over_all_m(const struct rules *r, uint32_t i)
 	double at[3], least = r->in->height_m[i];
 	voxel_point_m(r->v, i, at);
 	for (int k = 0; k < 9; k++) {
-		double beside[3] = { at[0] + BEHIND_M * (k % 3 - 1), at[1] + BEHIND_M * (k / 3 - 1), at[2] };
-		float height = ground_is_seen(r->in->ground, beside) ? ground_height_m(r->in->ground, beside) : NAN;
+		double beside[3] = { at[0] + BEHIND_M * (k % 3 - 1), at[1] + BEHIND_M * (k / 3 - 1),
+			at[2] };
+		float height = ground_is_seen(r->in->ground, beside)
+				       ? ground_height_m(r->in->ground, beside)
+				       : NAN;
 		if (height > -0.5f)
 			least = fmin(least, height);
 	}
@@ -108,7 +112,8 @@ static struct surface *measure_regions(const struct rules *r, uint32_t **ret_hol
 	return s;
 }
 
-static int class_of_region(const struct surface *s, const struct smooth_region *region, double holding)
+static int class_of_region(
+	const struct surface *s, const struct smooth_region *region, double holding)
 {
 	if (s->area_m2 < WALL_AREA_M2 || s->rough > ROUGH_MOST)
 		return UNKNOWN;
@@ -141,7 +146,8 @@ static void weigh_foliage(struct rules *r)
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		const struct voxel *v = &r->v->voxel[i];
 		float green = v->rgb[1] - 0.5f * (v->rgb[0] + v->rgb[2]) - GREEN_ZERO;
-		float error = (r->in->shape[i].error_m - ERROR_FROM_M) / (ERROR_FULL_M - ERROR_FROM_M);
+		float error =
+			(r->in->shape[i].error_m - ERROR_FROM_M) / (ERROR_FULL_M - ERROR_FROM_M);
 		r->foliage[i] = 0.55f * r->in->shape[i].rough + 0.45f * fminf(fmaxf(error, 0), 1) +
 				v->coloured * GREEN_WEIGHT * fminf(fmaxf(green, -0.08f), 0.2f) +
 				0.3f * v->late;
@@ -163,7 +169,8 @@ static uint32_t *wall_contacts(const struct rules *r, const components *c)
 {
 	uint32_t *contacts = g_new0(uint32_t, c->count + 1);
 	for (uint32_t i = 0; i < r->v->count; i++)
-		for (uint32_t l = r->v->first_link[i]; c->of[i] != VOXEL_NONE && l < r->v->first_link[i + 1]; l++)
+		for (uint32_t l = r->v->first_link[i];
+			c->of[i] != VOXEL_NONE && l < r->v->first_link[i + 1]; l++)
 			contacts[c->of[i]] += r->class[r->v->link[l]] == CLASS_BUILDING;
 	return contacts;
 }
@@ -200,8 +207,7 @@ static void take_what_lies_against(struct rules *r, uint8_t class, int links)
 			uint32_t i = g_array_index(queue, uint32_t, from);
 			for (uint32_t l = r->v->first_link[i]; l < r->v->first_link[i + 1]; l++) {
 				uint32_t j = r->v->link[l];
-				if (r->class[j] != UNKNOWN ||
-					r->in->height_m[j] < BENCH_M)
+				if (r->class[j] != UNKNOWN || r->in->height_m[j] < BENCH_M)
 					continue;
 				r->class[j] = class;
 				g_array_append_val(queue, j);
@@ -214,8 +220,8 @@ static void take_what_lies_against(struct rules *r, uint8_t class, int links)
 
 struct thing {
 	float foliage;
-	float low_m, high_m;             /* above the ground */
-	double length_m, width_m;        /* upright box along its longer side */
+	float low_m, high_m;                /* above the ground */
+	double length_m, width_m;           /* upright box along its longer side */
 	uint32_t contacts[SEGMENT_CLASSES]; /* links to voxels of a class */
 	bool near_building;
 };
@@ -248,7 +254,8 @@ static voxels *building_blocks(const struct rules *r)
 static bool is_near(const voxels *blocks, const double at_m[3])
 {
 	for (int k = 0; k < 125; k++) {
-		double at[3] = { at_m[0] + k % 5 - 2, at_m[1] + k / 5 % 5 - 2, at_m[2] + k / 25 - 2 };
+		double at[3] = { at_m[0] + k % 5 - 2, at_m[1] + k / 5 % 5 - 2,
+			at_m[2] + k / 25 - 2 };
 		if (voxels_find_point(blocks, at) != VOXEL_NONE)
 			return true;
 	}
@@ -256,7 +263,8 @@ static bool is_near(const voxels *blocks, const double at_m[3])
 }
 
 /* Whether the scanner saw it past a wall that faces the scanner: it lies behind a window or in a doorway. */
-static bool is_behind(const voxels *blocks, const double at_m[3], const double on_m[3], const float towards[3])
+static bool is_behind(
+	const voxels *blocks, const double at_m[3], const double on_m[3], const float towards[3])
 {
 	uint32_t b = voxels_find_point(blocks, on_m);
 	if (b == VOXEL_NONE)
@@ -274,7 +282,8 @@ static bool is_behind(const voxels *blocks, const double at_m[3], const double o
 static bool is_seen_through(const struct rules *r, const voxels *blocks, uint32_t i)
 {
 	/* the middle of a large window is further from the wall */
-	static const double aside[5][2] = { { 0, 0 }, { 0.7, 0 }, { -0.7, 0 }, { 0, 0.7 }, { 0, -0.7 } };
+	static const double aside[5][2] = { { 0, 0 }, { 0.7, 0 }, { -0.7, 0 }, { 0, 0.7 },
+		{ 0, -0.7 } };
 	const float *towards = r->v->voxel[i].towards;
 	int ways = r->in->height_m[i] > 0.6f ? 5 : 1;
 	double at[3];
@@ -341,10 +350,12 @@ static bool is_part_of_house(const struct thing *t, const struct component *c)
 		return true;
 	if (t->foliage >= FOLIAGE)
 		return t->near_building && t->low_m > 0.6f;
-	bool is_thin = t->width_m < 0.3 || (t->width_m < 0.4 && (t->length_m > PART_M || t->high_m > BENCH_M));
+	bool is_thin = t->width_m < 0.3 ||
+		       (t->width_m < 0.4 && (t->length_m > PART_M || t->high_m > BENCH_M));
 	bool is_bench = t->low_m < 0.6f && t->high_m < BENCH_M && t->length_m > 0.8 &&
 			t->length_m < PART_M && t->width_m > 0.15;
-	return (contacts[CLASS_BUILDING] > c->voxels / 2 && !is_bench && (t->low_m > 0.4f || is_thin)) ||
+	return (contacts[CLASS_BUILDING] > c->voxels / 2 && !is_bench &&
+		       (t->low_m > 0.4f || is_thin)) ||
 	       (t->near_building && t->low_m > 0.6f) || t->low_m > FLOATS_M ||
 	       (t->high_m > TALL_M && t->length_m > 1.2);
 }
@@ -353,7 +364,8 @@ static bool is_plant(const struct thing *t)
 {
 	const uint32_t *contacts = t->contacts;
 	bool is_trunk = contacts[CLASS_VEGETATION] > contacts[CLASS_BUILDING] &&
-			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] && t->length_m < TRUNK_M;
+			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] &&
+			t->length_m < TRUNK_M;
 	return is_trunk || t->foliage >= FOLIAGE;
 }
 

@@ -34,8 +34,8 @@ static void finish(struct component *c)
 		c->centre_m[k] /= c->voxels;
 	for (int k = 0, p = 0; k < 3; k++)
 		for (int j = k; j < 3; j++, p++)
-			c->covariance_m2[p] = c->covariance_m2[p] / c->voxels -
-					      c->centre_m[k] * c->centre_m[j];
+			c->covariance_m2[p] =
+				c->covariance_m2[p] / c->voxels - c->centre_m[k] * c->centre_m[j];
 }
 
 /* All that is tied to the first of queue; they are marked as component `as`. */

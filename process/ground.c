@@ -3,17 +3,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define UP              0.7f  /* least z of a normal */
-#define FLOOR_SHARE     0.5f
-#define STEP_M          0.2   /* a kerb, a stair */
-#define SLOPE_MOST      0.75  /* of a bank */
-#define WANDER          0.08  /* how far the ground may leave its slope, per metre */
-#define REACH_CELLS     5     /* over what hides the ground */
-#define SEED_RADIUS_M   3.5
-#define SEED_WINDOW_M   40.0
-#define PATCH_AREA_M2   3.0
-#define PATCH_FAR_M     30.0
-#define CELLS_MAX       (32u << 20)
+#define UP            0.7f /* least z of a normal */
+#define FLOOR_SHARE   0.5f
+#define STEP_M        0.2  /* a kerb, a stair */
+#define SLOPE_MOST    0.75 /* of a bank */
+#define WANDER        0.08 /* how far the ground may leave its slope, per metre */
+#define REACH_CELLS   5    /* over what hides the ground */
+#define SEED_RADIUS_M 3.5
+#define SEED_WINDOW_M 40.0
+#define PATCH_AREA_M2 3.0
+#define PATCH_FAR_M   30.0
+#define CELLS_MAX     (32u << 20)
 
 /* GROUND was walked to; ADDED is a patch that goes on from it. */
 enum surfel_state { SURFEL_OPEN, SURFEL_GROUND, SURFEL_ADDED, SURFEL_NO_FLOOR, SURFEL_PATCH };
@@ -27,7 +27,7 @@ struct layer {
 struct ground {
 	voxels *surfels; /* of points that face up */
 	voxels *rest;    /* of the others, on the same lattice: leaves face anywhere */
-	uint8_t *state; /* enum surfel_state */
+	uint8_t *state;  /* enum surfel_state */
 	/* columns */
 	int32_t low[2];
 	uint32_t columns, rows;
@@ -92,7 +92,8 @@ static bool goes_on(const ground *g, uint32_t a, uint32_t b)
 	slope_of(&g->surfels->voxel[a], slope_a);
 	slope_of(&g->surfels->voxel[b], slope_b);
 	double dx = to[0] - from[0], dy = to[1] - from[1], dz = to[2] - from[2];
-	double rise_a = slope_a[0] * dx + slope_a[1] * dy, rise_b = slope_b[0] * dx + slope_b[1] * dy;
+	double rise_a = slope_a[0] * dx + slope_a[1] * dy,
+	       rise_b = slope_b[0] * dx + slope_b[1] * dy;
 	double most = STEP_M + WANDER * hypot(dx, dy);
 	return fabs(dz - rise_a) <= most && fabs(dz - rise_b) <= most;
 }
@@ -107,9 +108,11 @@ static void around(const ground *g, uint32_t s, int reach, visit_func visit, voi
 		unsigned found = 0;
 		int up = 1 + (int)ceil(SLOPE_MOST * ring);
 		for (int y = -ring; y <= ring; y++)
-			for (int x = -ring; x <= ring; x += abs(y) == ring || x == ring ? 1 : 2 * ring)
+			for (int x = -ring; x <= ring;
+				x += abs(y) == ring || x == ring ? 1 : 2 * ring)
 				for (int z = -up; z <= up; z++) {
-					int32_t at[3] = { v->at[0] + x, v->at[1] + y, v->at[2] + z };
+					int32_t at[3] = { v->at[0] + x, v->at[1] + y,
+						v->at[2] + z };
 					uint32_t other = voxels_find(g->surfels, at);
 					if (other == VOXEL_NONE || other == s)
 						continue;
@@ -310,8 +313,8 @@ static void fill_layers(ground *g)
 		slope_of(&g->surfels->voxel[i], slope);
 		g->layer[g->first[column + 1]++] =
 			(struct layer){ (float)(at[2] + slope[0] * dx + slope[1] * dy),
-				{ (float)slope[0], (float)slope[1] },
-				g->state[i] == SURFEL_GROUND, i };
+				{ (float)slope[0], (float)slope[1] }, g->state[i] == SURFEL_GROUND,
+				i };
 	}
 	for (size_t c = 0; c < cells; c++)
 		qsort(g->layer + g->first[c], g->first[c + 1] - g->first[c], sizeof *g->layer,
@@ -348,7 +351,8 @@ static void fill_nearest(ground *g)
 	}
 }
 
-static float layer_height_m(const ground *g, const struct layer *l, uint32_t column, const double at_m[3])
+static float layer_height_m(
+	const ground *g, const struct layer *l, uint32_t column, const double at_m[3])
 {
 	double middle[2], reach = 2 * column_m(g);
 	middle_of(g, column, middle);

@@ -14,7 +14,8 @@ typedef struct ground ground;
 /* cell_m: of its columns, two patches at least. */
 ground *ground_new(double cell_m);
 void ground_free(ground *g); /* NULL is fine */
-void ground_add(ground *g, const struct voxel_point *p); /* those that do not face up are passed over */
+void ground_add(
+	ground *g, const struct voxel_point *p); /* those that do not face up are passed over */
 /* stations: where scanners stood; 0: not known. */
 void ground_find(ground *g, const double (*station_m)[3], size_t stations);
 

@@ -7,6 +7,8 @@ static void clear_input(gpointer data)
 	g_free(input->fingerprint);
 	g_free(input->geometry);
 	g_free(input->key);
+	g_free(input->segments);
+	g_free(input->part_key);
 }
 
 void model_inputs_free(model_inputs *m)
@@ -44,6 +46,24 @@ static bool geometry_checksum(const site *s, uint32_t number, char **ret, GError
 	return true;
 }
 
+static bool segments_checksum(const site *s, uint32_t number, char **ret, GError **error)
+{
+	g_autoptr(GError) missing = NULL;
+	g_autoptr(scan_segments) g = scan_segments_open(s, number, &missing);
+	if (!g && !g_error_matches(missing, G_IO_ERROR, G_IO_ERROR_NOT_FOUND)) {
+		g_propagate_error(error, g_steal_pointer(&missing));
+		return false;
+	}
+	*ret = g ? g_strdup_printf("%08x", product_checksum(g->file)) : g_strdup("");
+	return true;
+}
+
+static char *part_key_of(const struct model_input *input)
+{
+	g_autofree char *text = g_strdup_printf("%s %s", input->key, input->segments);
+	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
+}
+
 static bool read_input(const site *s, const struct placed_scan *placed, struct model_input *ret,
 	bool *ret_given, GError **error)
 {
@@ -55,9 +75,11 @@ static bool read_input(const site *s, const struct placed_scan *placed, struct m
 		.kind = d->kind,
 		.pose = placed->pose,
 		.fingerprint = g_strdup(d->fingerprint) };
-	if (!geometry_checksum(s, placed->number, &ret->geometry, error))
+	if (!geometry_checksum(s, placed->number, &ret->geometry, error) ||
+		!segments_checksum(s, placed->number, &ret->segments, error))
 		return clear_input(ret), false;
 	ret->key = key_of(ret);
+	ret->part_key = part_key_of(ret);
 	return true;
 }
 
@@ -118,6 +140,17 @@ model_inputs *model_inputs_new(const site *s, const scan_graph *graph, GError **
 	return g_steal_pointer(&m);
 }
 
+static bool check_count(const product *file, uint64_t has, const scan_data *data, GError **error)
+{
+	uint64_t count = data->grid ? range_grid_cells(data->grid) : data->points->count;
+	if (has == count)
+		return true;
+	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
+		"%s: is of %" G_GUINT64_FORMAT " points, but the scan has %" G_GUINT64_FORMAT,
+		product_path(file), has, count);
+	return false;
+}
+
 bool model_input_geometry(const site *s, const struct model_input *input, const scan_data *data,
 	scan_geometry **ret, GError **error)
 {
@@ -127,14 +160,21 @@ bool model_input_geometry(const site *s, const struct model_input *input, const 
 	g_autoptr(scan_geometry) g = scan_geometry_open(s, input->number, error);
 	if (!g)
 		return false;
-	uint64_t count = data->grid ? range_grid_cells(data->grid) : data->points->count;
-	if (g->count != count) {
-		g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
-			"%s: is of %" G_GUINT64_FORMAT
-			" points, but the scan has %" G_GUINT64_FORMAT,
-			product_path(g->file), g->count, count);
+	if (!check_count(g->file, g->count, data, error))
 		return false;
-	}
+	*ret = g_steal_pointer(&g);
+	return true;
+}
+
+bool model_input_segments(const site *s, const struct model_input *input, const scan_data *data,
+	scan_segments **ret, GError **error)
+{
+	*ret = NULL;
+	if (!input->segments[0])
+		return true;
+	g_autoptr(scan_segments) g = scan_segments_open(s, input->number, error);
+	if (!g || !check_count(g->file, g->count, data, error))
+		return false;
 	*ret = g_steal_pointer(&g);
 	return true;
 }
@@ -161,8 +201,9 @@ JsonNode *model_inputs_to_json(const model_inputs *m)
 		json_object_set_int_member(o, "scan", input->number);
 		json_object_set_string_member(o, "points", input->fingerprint);
 		json_object_set_string_member(o, "geometry", input->geometry);
+		json_object_set_string_member(o, "segments", input->segments);
 		json_object_set_array_member(o, "pose", pose_to_json(&input->pose));
-		json_object_set_string_member(o, "key", input->key);
+		json_object_set_string_member(o, "key", input->part_key);
 		json_array_add_object_element(scans, o);
 	}
 	JsonNode *node = json_node_new(JSON_NODE_ARRAY);
@@ -195,12 +236,14 @@ static char *scan_difference(const struct model_input *input, JsonObject *was)
 {
 	if (!was)
 		return g_strdup_printf("scan %u is new", input->number);
-	if (g_strcmp0(string_in(was, "key"), input->key) == 0)
+	if (g_strcmp0(string_in(was, "key"), input->part_key) == 0)
 		return NULL;
 	if (g_strcmp0(string_in(was, "points"), input->fingerprint))
 		return g_strdup_printf("scan %u has other points", input->number);
 	if (g_strcmp0(string_in(was, "geometry"), input->geometry))
 		return g_strdup_printf("scan %u has new geometry", input->number);
+	if (g_strcmp0(string_in(was, "segments"), input->segments))
+		return g_strdup_printf("scan %u has new segments", input->number);
 	JsonNode *then = json_object_get_member(was, "pose");
 	g_autoptr(JsonNode) now = json_node_new(JSON_NODE_ARRAY);
 	json_node_take_array(now, pose_to_json(&input->pose));

@@ -3,9 +3,10 @@
 /* What a model is made from: the scans that stand in one frame, where they stand, and the state of their points and geometry. */
 #include "process/scan-data.h"
 #include "process/scan-geometry.h"
+#include "process/scan-segments.h"
 
 /* Rises when the same inputs give another model. */
-#define MODEL_METHOD 2
+#define MODEL_METHOD 3
 
 struct model_input {
 	uint32_t number;
@@ -14,6 +15,8 @@ struct model_input {
 	char *fingerprint; /* of the points (scan-data.h) */
 	char *geometry;    /* checksum of the geometry's file; "" without one */
 	char *key;         /* SHA-256 over all these */
+	char *segments;    /* checksum of the file of its segments; "" without one */
+	char *part_key;    /* over key and segments: of all that its points in the model have */
 };
 
 typedef struct model_inputs model_inputs;
@@ -36,8 +39,11 @@ static inline const struct model_input *model_inputs_at(const model_inputs *m, g
 JsonNode *model_inputs_to_json(const model_inputs *m);
 char *model_inputs_difference(const model_inputs *m, JsonNode *json);
 
-/* NULL without error when the scan has no geometry. */
+/* NULL without error when the scan has none. */
 bool model_input_geometry(const site *s, const struct model_input *input, const scan_data *data,
 	scan_geometry **ret, GError **error);
+
+bool model_input_segments(const site *s, const struct model_input *input, const scan_data *data,
+	scan_segments **ret, GError **error);
 
 #endif

@@ -2,6 +2,7 @@
 #include "firmware-io/crc32c.h"
 #include "process/model-overlaps.h"
 #include "process/model.h"
+#include "process/scan-points.h"
 #include <string.h>
 
 #define RUN_MIN       65536u
@@ -18,81 +19,39 @@ void model_part_free(model_part *p)
 
 /* ---- one point ---- */
 
-/* Where the points of a scan are and what is known of them; one of grid and records, or both. */
+/* The points of a scan and what is known of them. */
 struct source {
-	const scan_data *data;
-	const scan_geometry *geometry; /* NULL: none */
-	const struct model_input *input;
-	uint64_t count;
+	struct scan_points points;
+	const scan_segments *segments; /* NULL: none */
 };
-
-static bool has_point(const struct source *s, uint64_t i)
-{
-	if (s->data->grid)
-		return s->data->grid->range_m[i] > 0;
-	return s->data->points->record[i].cell == CELL_MEASURED;
-}
-
-static void position_of(const struct source *s, uint64_t i, double ret_m[3])
-{
-	const range_grid *g = s->data->grid;
-	if (s->data->points) {
-		const struct point_record *r = &s->data->points->record[i];
-		double at[3] = { r->x_m, r->y_m, r->z_m };
-		memcpy(ret_m, at, sizeof at);
-	} else {
-		double at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
-		memcpy(ret_m, at, sizeof at);
-	}
-	pose_apply(&s->input->pose, ret_m, ret_m);
-}
 
 static uint16_t tenth_mm(float length_m, uint16_t max)
 {
 	return length_m > 0 ? (uint16_t)fminf(roundf(length_m * 1e4f), max) : 0;
 }
 
-static void take_normal(const struct source *s, uint64_t i, int16_t ret[2])
+static void take_geometry(const struct scan_points *s, uint64_t i, struct part_point *p)
 {
-	float n[3];
-	model_unpack_normal(s->geometry->normal[i], n);
-	double turned[3] = { n[0], n[1], n[2] };
-	pose_rotate(&s->input->pose, turned, turned);
-	model_pack_normal((float[3]){ (float)turned[0], (float)turned[1], (float)turned[2] }, ret);
-}
-
-static void take_geometry(const struct source *s, uint64_t i, struct part_point *p)
-{
+	double n[3];
 	p->normal[0] = p->normal[1] = MODEL_NORMAL_NONE;
 	p->plane_error = MODEL_ERROR_NONE;
-	if (s->data->grid)
-		p->size = tenth_mm(range_grid_point_size_m(s->data->grid, i), UINT16_MAX);
+	p->size = tenth_mm(scan_points_size_m(s, i), UINT16_MAX);
 	if (!s->geometry)
 		return;
-	take_normal(s, i, p->normal);
+	scan_points_normal(s, i, n);
+	model_pack_normal((float[3]){ (float)n[0], (float)n[1], (float)n[2] }, p->normal);
 	if (isfinite(s->geometry->plane_error_m[i]))
 		p->plane_error = tenth_mm(s->geometry->plane_error_m[i], MODEL_ERROR_NONE - 1);
-	if (isfinite(s->geometry->point_size_m[i]))
-		p->size = tenth_mm(s->geometry->point_size_m[i], UINT16_MAX);
 }
 
-static void take_look_of_record(const points *all, uint64_t i, struct part_point *p)
+static void take_look(const struct scan_points *s, uint64_t i, struct part_point *p)
 {
-	const struct point_record *r = &all->record[i];
-	p->classification = r->classification;
-	p->intensity = r->intensity;
-	if (!(all->have & POINTS_HAVE_COLOUR))
+	const uint8_t *rgb = scan_points_rgb(s, i);
+	p->intensity = scan_points_intensity(s, i);
+	p->classification = scan_points_classification(s, i);
+	if (!rgb)
 		return;
-	memcpy(p->rgba, r->rgb, 3);
-	p->rgba[3] = 255;
-}
-
-static void take_look_of_cell(const range_grid *g, uint64_t i, struct part_point *p)
-{
-	p->intensity = g->intensity ? g->intensity[i] : 0;
-	if (!g->rgb)
-		return;
-	memcpy(p->rgba, g->rgb + 3 * i, 3);
+	memcpy(p->rgba, rgb, 3);
 	p->rgba[3] = 255;
 }
 
@@ -102,18 +61,16 @@ static bool take_point(
 {
 	double at[3];
 	struct morton_place place;
-	position_of(s, i, at);
+	scan_points_position(&s->points, i, at);
 	for (int k = 0; k < 3; k++)
 		*reach_m = fmax(*reach_m, fabs(at[k]));
 	if (!morton_from_point(at, cell_m, &place))
 		return false;
-	*ret = (struct part_point){ .code = place.code };
+	*ret = (struct part_point){ .code = place.code,
+		.leaf = s->segments ? s->segments->leaf[i] : 0 };
 	memcpy(ret->within, place.within, sizeof ret->within);
-	take_geometry(s, i, ret);
-	if (s->data->points)
-		take_look_of_record(s->data->points, i, ret);
-	else
-		take_look_of_cell(s->data->grid, i, ret);
+	take_geometry(&s->points, i, ret);
+	take_look(&s->points, i, ret);
 	return true;
 }
 
@@ -162,8 +119,8 @@ static bool write_run(struct maker *m, product_writer *w, GError **error)
 
 static bool write_points(struct maker *m, product_writer *w, GError **error)
 {
-	for (uint64_t i = 0; i < m->source.count; i++) {
-		if (!has_point(&m->source, i))
+	for (uint64_t i = 0; i < m->source.points.count; i++) {
+		if (!scan_points_has(&m->source.points, i))
 			continue;
 		if (!take_point(&m->source, i, m->cell_m, &m->run[m->run_points], &m->reach_m))
 			continue;
@@ -209,17 +166,17 @@ static bool write_part(struct maker *m, const char *path, const char *key, GErro
 /* Of all that decides about the bytes of the part. */
 static char *key_of(const struct model_input *input, unsigned level)
 {
-	g_autofree char *text = g_strdup_printf("%s %u", input->key, level);
+	g_autofree char *text = g_strdup_printf("%s %u", input->part_key, level);
 	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
 }
 
 static void maker_init(struct maker *m, uint64_t memory_bytes, unsigned level)
 {
 	m->cell_m = morton_cell_m(level);
-	m->run_max =
-		CLAMP(memory_bytes / 2 / BYTES_A_POINT, RUN_MIN, MAX(m->source.count, RUN_MIN));
+	m->run_max = CLAMP(
+		memory_bytes / 2 / BYTES_A_POINT, RUN_MIN, MAX(m->source.points.count, RUN_MIN));
 	m->run = g_new(struct part_point, m->run_max);
-	m->run_cell = m->source.data->grid ? g_new(uint32_t, m->run_max) : NULL;
+	m->run_cell = m->source.points.data->grid ? g_new(uint32_t, m->run_max) : NULL;
 	m->run_end = g_array_new(FALSE, FALSE, sizeof(uint64_t));
 	m->cell = g_array_new(FALSE, FALSE, sizeof(uint32_t));
 	m->sum = g_array_new(FALSE, TRUE, sizeof(struct part_sum));
@@ -240,10 +197,11 @@ static bool make_part(const site *s, const struct model_input *input, unsigned l
 	g_autofree char *path = model_part_path(s, input->number, "part");
 	g_autoptr(scan_data) d = scan_data_load(s, input->number, error);
 	g_autoptr(scan_geometry) geometry = NULL;
-	if (!d || !model_input_geometry(s, input, d, &geometry, error))
+	g_autoptr(scan_segments) labels = NULL;
+	if (!d || !model_input_geometry(s, input, d, &geometry, error) ||
+		!model_input_segments(s, input, d, &labels, error))
 		return false;
-	uint64_t count = d->grid ? range_grid_cells(d->grid) : d->points->count;
-	struct maker m = { .source = { d, geometry, input, count } };
+	struct maker m = { .source = { scan_points_of(d, geometry, &input->pose), labels } };
 	maker_init(&m, memory_bytes, level);
 	bool ok = write_part(&m, path, key, error);
 	maker_clear(&m);

@@ -168,7 +168,7 @@ static bool mark_all(model_stale *s, const model_inputs *inputs, model_part *con
 	uint64_t found = 0;
 	for (guint i = 0; i < inputs->scans->len; i++) {
 		const model_part *p = part[i];
-		int64_t k = find_before(b, model_inputs_at(inputs, i)->key);
+		int64_t k = find_before(b, model_inputs_at(inputs, i)->part_key);
 		uint64_t from = k > 0 ? b->end[k - 1] : 0;
 		const uint64_t *was = k >= 0 ? b->word + from : NULL;
 		found += k >= 0;

@@ -23,16 +23,12 @@ int segment_class_from_las(uint8_t classification)
 	switch (classification) {
 	case 2: /* ground */
 	case 8: /* key point of the ground, before LAS 1.4 */
-	case 11: /* road */
-		return CLASS_TERRAIN;
+	case 11: /* road */ return CLASS_TERRAIN;
 	case 3: /* low, middle, high vegetation */
 	case 4:
-	case 5:
-		return CLASS_VEGETATION;
-	case 6:
-		return CLASS_BUILDING;
-	case 9:
-		return CLASS_WATER;
+	case 5: return CLASS_VEGETATION;
+	case 6: return CLASS_BUILDING;
+	case 9: return CLASS_WATER;
 	case 10: /* rail */
 	case 13: /* wires */
 	case 14:
@@ -43,9 +39,7 @@ int segment_class_from_las(uint8_t classification)
 	case 26: /* civil structure, as the Dutch elevation model numbers it */
 		return CLASS_STRUCTURE;
 	case 7:
-	case 18: /* noise */
-		return CLASS_OTHER;
-	default:
-		return -1;
+	case 18: /* noise */ return CLASS_OTHER;
+	default: return -1;
 	}
 }

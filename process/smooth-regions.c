@@ -121,7 +121,8 @@ smooth_regions *smooth_regions_grow(
 		if (1 - agreement(&v->voxel[i]) > residual)
 			break;
 		if (r->of[i] == VOXEL_NONE && !(skip && skip[i]))
-			grow_one(v, skip, i, cosf(angle_deg * (float)G_PI / 180), residual, r, queue);
+			grow_one(v, skip, i, cosf(angle_deg * (float)G_PI / 180), residual, r,
+				queue);
 	}
 	sum_up(v, r);
 	return r;

@@ -8,7 +8,7 @@
 
 struct smooth_options {
 	float angle_deg; /* 0: 12; between neighbours */
-	float residual;  /* 0: 0.1; of voxels that it goes on from: 1 - how far the normals in them agree */
+	float residual; /* 0: 0.1; of voxels that it goes on from: 1 - how far the normals in them agree */
 };
 
 struct smooth_region {

@@ -2,6 +2,7 @@
 #include "process/build-model.h"
 #include "process/register-site.h"
 #include "process/scan-geometry.h"
+#include "process/segment-site.h"
 #include <string.h>
 
 static bool set_stopped(GError **error)
@@ -74,6 +75,37 @@ static bool run_geometry(site *s, const struct stage_progress *progress, char **
 	return true;
 }
 
+/* ---- segments ---- */
+
+static bool segments_are_due(const site *s, bool *ret_due, char **ret_why, GError **error)
+{
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	return g && segment_site_is_due(s, g, ret_due, ret_why, error);
+}
+
+static bool run_segments(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct segment_site_options options = { .progress = progress->update,
+		.user_data = progress->user_data };
+	struct segment_site_result result = { 0 };
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	if (!g || !segment_site(s, g, &options, &result, error))
+		return false;
+	g_autoptr(GString) shares = g_string_new(NULL);
+	json_object_set_int_member(figures, "segments", result.things);
+	for (int c = 0; c < SEGMENT_CLASSES; c++) {
+		double share = (double)result.class_points[c] / (double)MAX(result.points, 1);
+		json_object_set_int_member(
+			figures, segment_classes[c].name, (gint64)result.class_points[c]);
+		if (result.class_points[c])
+			g_string_append_printf(shares, ", %.*f %% %s", share < 0.1, 100 * share,
+				segment_classes[c].name);
+	}
+	*ret_summary = g_strdup_printf("%u segments%s", result.things, shares->str);
+	return true;
+}
+
 /* ---- model ---- */
 
 static bool model_is_due(const site *s, bool *ret_due, char **ret_why, GError **error)
@@ -105,6 +137,7 @@ static bool run_model(site *s, const struct stage_progress *progress, char **ret
 const struct stage stages[] = {
 	{ "register", "registration", register_site_is_due, run_register },
 	{ "geometry", "geometry", geometry_is_due, run_geometry },
+	{ "segments", "segments", segments_are_due, run_segments },
 	{ "model", "model", model_is_due, run_model },
 	{ NULL },
 };

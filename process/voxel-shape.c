@@ -60,8 +60,8 @@ static struct voxel_shape shape_of(const voxels *v, uint32_t i)
 			s.products[p] = s.products[p] / s.n - s.mean[k] * s.mean[j] / (s.n * s.n);
 	symmetric_eigenvalues(s.products, e);
 	double sum = e[0] + e[1] + e[2];
-	double mean = sqrt(s.normal[0] * s.normal[0] + s.normal[1] * s.normal[1] +
-			   s.normal[2] * s.normal[2]);
+	double mean = sqrt(
+		s.normal[0] * s.normal[0] + s.normal[1] * s.normal[1] + s.normal[2] * s.normal[2]);
 	struct voxel_shape shape = { .spread = s.normals > 0 ? (float)(1 - mean / s.normals) : 1,
 		.error_m = (float)(s.error_m / s.n) };
 	if (s.n < NEIGHBOURS_MIN || !(sum > 0))
@@ -73,7 +73,8 @@ static struct voxel_shape shape_of(const voxels *v, uint32_t i)
 
 static float own_rough(const struct voxel_shape *s)
 {
-	return 0.5f * fminf(s->scatter / SCATTER_FULL, 1) + 0.5f * fminf(s->spread / SPREAD_FULL, 1);
+	return 0.5f * fminf(s->scatter / SCATTER_FULL, 1) +
+	       0.5f * fminf(s->spread / SPREAD_FULL, 1);
 }
 
 struct voxel_shape *voxel_shapes(const voxels *v)

@@ -8,7 +8,7 @@ struct voxel_shape {
 	float linear;  /* (largest - middle) / largest, 0..1 */
 	float spread;  /* of the normals: 1 - the length of their mean, 0..1 */
 	float error_m; /* of the plane fits, mean over the links */
-	float rough;   /* 0..1, of scatter and spread, smoothed over the links: foliage is above a half */
+	float rough; /* 0..1, of scatter and spread, smoothed over the links: foliage is above a half */
 };
 /* Of all voxels; caller frees. Voxels must be linked. */
 struct voxel_shape *voxel_shapes(const voxels *v);

@@ -16,12 +16,14 @@ struct voxel {
 	uint32_t points;
 	float place[3];  /* in the voxel, 0..1 */
 	float normal[3]; /* mean of unit normals: as long as they agree */
-	float towards[3]; /* the scanners, mean of unit vectors; 0 0 0: nobody knows where they stood */
-	float error_m;   /* of the plane fits */
-	float size_m;    /* the least diameter of a patch: how far apart points are */
-	float area_m2;   /* of the surface in it, by the scan that shows the most of it; a sum */
-	float rgb[3];    /* 0..1, sRGB */
-	float coloured, intensity, late; /* shares: points with colour; 0..65535; points that are not the first return */
+	float towards
+		[3]; /* the scanners, mean of unit vectors; 0 0 0: nobody knows where they stood */
+	float error_m; /* of the plane fits */
+	float size_m;  /* the least diameter of a patch: how far apart points are */
+	float area_m2; /* of the surface in it, by the scan that shows the most of it; a sum */
+	float rgb[3];  /* 0..1, sRGB */
+	float coloured, intensity,
+		late; /* shares: points with colour; 0..65535; points that are not the first return */
 };
 
 /* A point to be added; what is left 0 is not known. */
@@ -30,8 +32,8 @@ struct voxel_point {
 	float normal[3];  /* 0 0 0: none */
 	float towards[3]; /* the scanner, unit; 0 0 0: not known */
 	float error_m, size_m;
-	float area_m2; /* of the patch that it stands for */
-	uint32_t scan; /* points come scan by scan */
+	float area_m2;      /* of the patch that it stands for */
+	uint32_t scan;      /* points come scan by scan */
 	const uint8_t *rgb; /* NULL: none */
 	uint16_t intensity;
 	bool is_late;

@@ -1,0 +1,31 @@
+#ifndef PROCESS_SEGMENT_SITE_H
+#define PROCESS_SEGMENT_SITE_H
+/* The segments of a whole site: the tree (segments.h) and the labels of each scan (scan-segments.h). Scans that stand in one frame
+ * are segmented together, those that are not placed each alone; all share one tree. Then what a person changed is done to them
+ * once more (segment-edits.h).
+ *
+ * Made from the scans, where they stand, their geometry, and the site's own parameters, which stand in site.json:
+ *
+ *     "segmentation": { "gap_m": 0.15, "points_min": 60, "labels": true, "model": "trees.onnx", "confidence": 0.6 }
+ *
+ * all of which may be missing. labels: whether classes that came with imported points count; true unless it says false. */
+#include "process/scan-segments.h"
+
+struct segment_site_options {
+	bool (*progress)(
+		double fraction, const char *doing, gpointer user_data); /* returns false to stop */
+	gpointer user_data;
+};
+
+struct segment_site_result {
+	uint32_t things; /* leaves with points */
+	uint64_t points, class_points[SEGMENT_CLASSES];
+};
+
+/* Labels are written scan by scan, the tree last: it tells that all is there. */
+bool segment_site(site *s, const scan_graph *g, const struct segment_site_options *options,
+	struct segment_site_result *ret, GError **error);
+bool segment_site_is_due(
+	const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
+
+#endif

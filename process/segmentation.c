@@ -1,0 +1,286 @@
+#include "process/segmentation.h"
+#include "process/classify.h"
+#include "process/ground.h"
+#include "process/segment-things.h"
+#include "process/voxel-shape.h"
+#include <string.h>
+
+#define GAP_LEAST_M 0.15
+/* Of clouds: this many patches. */
+#define GAP_PATCHES 3.5
+#define GAP_POINTS  1.6 /* between voxels, where points are sparser than these */
+#define POINTS_MIN  60u
+/* What lies so near the ground and faces up is ground. */
+#define GROUND_M     0.12f
+#define GROUND_GAPS  0.3f
+#define GROUND_UP    0.6f
+#define COSINE_LEAST 0.15f
+
+struct segmentation {
+	double gap_m;
+	float ground_m;
+	ground *ground;
+	voxels *voxels;
+	struct segment_things things;
+};
+
+void segmentation_free(segmentation *s)
+{
+	if (!s)
+		return;
+	ground_free(s->ground);
+	voxels_free(s->voxels);
+	segment_things_clear(&s->things);
+	g_free(s);
+}
+
+double segmentation_gap_m(const segmentation *s)
+{
+	return s->gap_m;
+}
+
+/* ---- points ---- */
+
+static void take_point(
+	const struct segmentation_scan *scan, uint32_t number, uint64_t i, struct voxel_point *ret)
+{
+	const struct scan_points *p = &scan->points;
+	double normal[3], away[3], far = 0, facing = 0;
+	*ret = (struct voxel_point){ .scan = number,
+		.size_m = scan_points_size_m(p, i),
+		.rgb = scan_points_rgb(p, i),
+		.intensity = scan_points_intensity(p, i),
+		.is_late = p->data->points && p->data->points->record[i].return_number > 1 };
+	scan_points_position(p, i, ret->at_m);
+	scan_points_normal(p, i, normal);
+	ret->error_m = p->geometry && isfinite(p->geometry->plane_error_m[i])
+			       ? p->geometry->plane_error_m[i]
+			       : ret->size_m;
+	ret->area_m2 = ret->size_m * ret->size_m;
+	for (int k = 0; k < 3; k++) {
+		ret->normal[k] = (float)normal[k];
+		away[k] = scan->station_m[k] - ret->at_m[k];
+		far += away[k] * away[k];
+	}
+	if (!scan->has_station || !(far > 0))
+		return;
+	for (int k = 0; k < 3; k++) {
+		ret->towards[k] = (float)(away[k] / sqrt(far));
+		facing += ret->normal[k] * ret->towards[k];
+	}
+	ret->area_m2 =
+		scan_points_solid_angle_sr(p, i) * (float)far / fmaxf((float)facing, COSINE_LEAST);
+}
+
+static bool is_ground(const segmentation *s, const struct voxel_point *p)
+{
+	float height = ground_height_m(s->ground, p->at_m);
+	return p->normal[2] > GROUND_UP && fabsf(height) < s->ground_m;
+}
+
+struct passes {
+	segmentation *s;
+	const struct segmentation_source *source;
+	const struct segmentation_options *options;
+	double done, of; /* points, about */
+};
+
+static bool go_on(const struct passes *p, double fraction, const char *doing, GError **error)
+{
+	if (!p->options || !p->options->progress ||
+		p->options->progress(fraction, doing, p->options->user_data))
+		return true;
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped while %s", doing);
+	return false;
+}
+
+typedef void (*pass_func)(segmentation *s, const struct voxel_point *p);
+
+static bool pass(const struct passes *p, pass_func each, double from, double to, const char *doing,
+	GError **error)
+{
+	for (size_t k = 0; k < p->source->scans; k++) {
+		struct segmentation_scan scan = { 0 };
+		if (!go_on(p, from + (to - from) * (double)k / (double)p->source->scans, doing,
+			    error) ||
+			!p->source->open(p->source->user_data, k, &scan, error))
+			return false;
+		for (uint64_t i = 0; i < scan.points.count; i++) {
+			struct voxel_point point;
+			if (!scan_points_has(&scan.points, i))
+				continue;
+			take_point(&scan, (uint32_t)k, i, &point);
+			each(p->s, &point);
+		}
+	}
+	return true;
+}
+
+static void add_to_ground(segmentation *s, const struct voxel_point *p)
+{
+	ground_add(s->ground, p);
+}
+
+static void add_to_voxels(segmentation *s, const struct voxel_point *p)
+{
+	if (!is_ground(s, p))
+		voxels_add(s->voxels, p);
+}
+
+/* ---- how far apart points are ---- */
+
+static int by_value(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+/* Scans with a grid are dense where it matters; of clouds, the median patch of the finest counts. */
+static bool choose_gap(const struct passes *p, double *ret_gap_m, GError **error)
+{
+	double gap = INFINITY;
+	*ret_gap_m = p->options && p->options->gap_m > 0 ? p->options->gap_m : 0;
+	for (size_t k = 0; k < p->source->scans && !*ret_gap_m; k++) {
+		struct segmentation_scan scan = { 0 };
+		g_autoptr(GArray) sizes = g_array_new(FALSE, FALSE, sizeof(float));
+		if (!p->source->open(p->source->user_data, k, &scan, error))
+			return false;
+		if (scan.points.data->grid) {
+			gap = 0;
+			continue;
+		}
+		uint64_t step = MAX(scan.points.count / 20000, 1);
+		for (uint64_t i = 0; i < scan.points.count; i += step) {
+			float size = scan_points_size_m(&scan.points, i);
+			if (size > 0)
+				g_array_append_val(sizes, size);
+		}
+		qsort(sizes->data, sizes->len, sizeof(float), by_value);
+		if (sizes->len)
+			gap = fmin(gap, GAP_PATCHES * g_array_index(sizes, float, sizes->len / 2));
+	}
+	if (!*ret_gap_m)
+		*ret_gap_m = isfinite(gap) ? fmax(gap, GAP_LEAST_M) : GAP_LEAST_M;
+	return true;
+}
+
+static bool find_stations(const struct passes *p, GArray *stations, GError **error)
+{
+	for (size_t k = 0; k < p->source->scans; k++) {
+		struct segmentation_scan scan = { 0 };
+		if (!p->source->open(p->source->user_data, k, &scan, error))
+			return false;
+		if (scan.has_station)
+			g_array_append_vals(stations, scan.station_m, 1);
+	}
+	return true;
+}
+
+/* ---- the whole ---- */
+
+/* What files or a model tell of voxels: the class that most of its points have. */
+static bool count_labels(const struct passes *p, uint8_t *class, GError **error)
+{
+	const voxels *v = p->s->voxels;
+	g_autofree uint16_t(*votes)[SEGMENT_CLASSES] = NULL;
+	for (size_t k = 0; k < p->source->scans; k++) {
+		struct segmentation_scan scan = { 0 };
+		if (!p->source->open(p->source->user_data, k, &scan, error))
+			return false;
+		if (scan.label && !votes)
+			votes = g_malloc0_n(v->count + 1, sizeof *votes);
+		for (uint64_t i = 0; scan.label && i < scan.points.count; i++) {
+			double at[3];
+			if (scan.label[i] >= SEGMENT_CLASSES || !scan_points_has(&scan.points, i))
+				continue;
+			scan_points_position(&scan.points, i, at);
+			uint32_t voxel = voxels_find_point(v, at);
+			if (voxel != VOXEL_NONE && votes[voxel][scan.label[i]] < G_MAXUINT16)
+				votes[voxel][scan.label[i]]++;
+		}
+	}
+	for (uint32_t i = 0; votes && i < v->count; i++) {
+		int best = 0;
+		for (int c = 1; c < SEGMENT_CLASSES; c++)
+			best = votes[i][c] > votes[i][best] ? c : best;
+		if (votes[i][best])
+			class[i] = (uint8_t)best;
+	}
+	return true;
+}
+
+static bool find_things(const struct passes *p, segments *into, GError **error)
+{
+	segmentation *s = p->s;
+	voxels_finish(s->voxels);
+	voxels_link(s->voxels, GAP_POINTS);
+	if (!go_on(p, 0.6, "telling things apart", error))
+		return false;
+	g_autofree struct voxel_shape *shape = voxel_shapes(s->voxels);
+	g_autoptr(smooth_regions) regions = smooth_regions_grow(s->voxels, NULL, NULL);
+	g_autofree float *height_m = g_new(float, s->voxels->count + 1);
+#pragma omp parallel for schedule(static)
+	for (uint32_t i = 0; i < s->voxels->count; i++) {
+		double at[3];
+		voxel_point_m(s->voxels, i, at);
+		float height = ground_height_m(s->ground, at);
+		height_m[i] = isfinite(height) ? height : 0;
+	}
+	struct classify_input in = { s->voxels, shape, regions, s->ground, height_m };
+	g_autofree uint8_t *class = classify(&in);
+	if (!count_labels(p, class, error))
+		return false;
+	uint32_t points_min =
+		p->options && p->options->points_min ? p->options->points_min : POINTS_MIN;
+	return segment_things_find(&s->things, &in, class, points_min, into, error);
+}
+
+static bool run(const struct passes *p, segments *into, GError **error)
+{
+	segmentation *s = p->s;
+	g_autoptr(GArray) stations = g_array_new(FALSE, FALSE, 3 * sizeof(double));
+	if (!choose_gap(p, &s->gap_m, error) || !find_stations(p, stations, error))
+		return false;
+	s->ground_m = fmaxf(GROUND_M, GROUND_GAPS * (float)s->gap_m);
+	s->ground = ground_new(2 * s->gap_m);
+	s->voxels = voxels_new(s->gap_m);
+	if (!pass(p, add_to_ground, 0, 0.3, "looking for the ground", error))
+		return false;
+	ground_find(s->ground, (const double(*)[3])stations->data, stations->len);
+	return pass(p, add_to_voxels, 0.3, 0.6, "looking at what stands on it", error) &&
+	       find_things(p, into, error);
+}
+
+segmentation *segmentation_new(const struct segmentation_source *source,
+	const struct segmentation_options *options, segments *into, GError **error)
+{
+	g_autoptr(segmentation) s = g_new0(segmentation, 1);
+	struct passes p = { .s = s, .source = source, .options = options };
+	return run(&p, into, error) ? g_steal_pointer(&s) : NULL;
+}
+
+/* ---- leaves ---- */
+
+static uint16_t leaf_of(const segmentation *s, const struct segmentation_scan *scan, uint64_t i)
+{
+	struct voxel_point p;
+	take_point(scan, 0, i, &p);
+	uint8_t label = scan->label ? scan->label[i] : LABEL_NONE;
+	uint32_t voxel = voxels_find_point(s->voxels, p.at_m),
+		 surfel = ground_surfel(s->ground, p.at_m);
+	if (surfel != VOXEL_NONE && (is_ground(s, &p) || voxel == VOXEL_NONE))
+		return segment_things_leaf(&s->things, s->things.leaf_of_surfel[surfel], label);
+	return segment_things_leaf(&s->things,
+		voxel == VOXEL_NONE ? (uint16_t)s->things.rest[CLASS_OTHER]
+				    : s->things.leaf_of_voxel[voxel],
+		label);
+}
+
+void segmentation_label(
+	const segmentation *s, const struct segmentation_scan *scan, uint16_t *ret_leaf)
+{
+#pragma omp parallel for schedule(dynamic, 8192)
+	for (uint64_t i = 0; i < scan->points.count; i++)
+		ret_leaf[i] =
+			scan_points_has(&scan->points, i) ? leaf_of(s, scan, i) : SEGMENT_NONE;
+}

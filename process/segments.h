@@ -1,0 +1,72 @@
+#ifndef PROCESS_SEGMENTS_H
+#define PROCESS_SEGMENTS_H
+/* The tree of segments of a site (Wegen et al. 2024, section 4.2; Xu & Chen 2004, section 3): the site, its classes, the things of a
+ * class, their parts, and what a person has made of them. Points belong to leaves, each to exactly one. Numbers below
+ * SEGMENT_FIRST are the site and its classes; a node keeps its number as long as it is.
+ *
+ * On disk: SITE/segments/segments.json, a product like the labels beside it (scan-segments.h):
+ *
+ *     "schema": 1, "key": "...", "edits": 3
+ *     "segments": [ { "id": 12, "parent": 2, "class": "vegetation", "name": "Tree 4", "made_by": "rules",
+ *                     "points": 81234, "low_m": [x,y,z], "high_m": [x,y,z], "area_m2": 41.2 }, ... ]
+ *
+ * One owner. Errors are those of manifest.h. */
+#include "process/segment-class.h"
+#include <gio/gio.h>
+#include <stdbool.h>
+
+#define SEGMENT_NONE  0u /* of a cell: it has no point */
+#define SEGMENT_SITE  1u
+#define SEGMENT_FIRST 16u
+#define SEGMENTS_MAX  65535u
+
+/* The node of a class. */
+static inline uint32_t segment_of_class(enum segment_class class)
+{
+	return 2 + (uint32_t) class;
+}
+
+struct segment {
+	uint32_t id, parent; /* parent 0: the site */
+	enum segment_class class;
+	char *name;                 /* "Tree 4" */
+	char *made_by;              /* "rules", "labels", "model", "user" */
+	uint64_t points;            /* with those of its children, as all that follows */
+	double low_m[3], high_m[3]; /* box in the site; low > high: no point */
+	double area_m2;             /* of surface, each counted once however many scans saw it */
+};
+
+typedef struct segments segments;
+struct segments {
+	GArray *nodes;  /* of struct segment, by id */
+	char *key;      /* what it was made from */
+	uint32_t edits; /* that are in it (segment-edits.h) */
+};
+
+/* With the site and all classes, and nothing in them. */
+segments *segments_new(void);
+segments *segments_copy(const segments *s);
+void segments_free(segments *s); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(segments, segments_free)
+char *segments_path(const char *site_path); /* caller frees */
+/* Refuses a tree that is none: unknown parents, circles, equal numbers. */
+segments *segments_load(const char *site_path, GError **error);
+bool segments_save(const segments *s, const char *site_path, GError **error);
+
+/* NULL: none of this number. Pointers hold until a node is added or removed. */
+struct segment *segments_find(const segments *s, uint32_t id);
+/* The next free number; 0 when there are too many. Copies name. */
+uint32_t segments_add(segments *s, uint32_t parent, const char *name, const char *made_by);
+void segments_remove(segments *s, uint32_t id); /* one without children */
+bool segments_is_leaf(const segments *s, uint32_t id);
+/* Whether a is b or stands above it. */
+bool segments_is_above(const segments *s, uint32_t a, uint32_t b);
+/* "Vegetation / Tree 4"; caller frees. */
+char *segments_name(const segments *s, uint32_t id);
+
+/* A point of a leaf: counts for all above it too. */
+void segments_clear_sums(segments *s);
+void segments_count(segments *s, uint32_t leaf, uint64_t points, const double low_m[3],
+	const double high_m[3], double area_m2);
+
+#endif
