@@ -21,7 +21,7 @@
 #define CROWN_VOXELS 60u
 #define ERROR_FROM_M 0.010f
 #define ERROR_FULL_M 0.030f
-#define TRUNK_M      1.3
+#define TRUNK_M      2.0
 /* What is seen through an opening. */
 #define THROUGH_M      4.0
 #define THROUGH_FACING 0.35f
@@ -323,22 +323,33 @@ static struct thing *measure_things(const struct rules *r, const components *c)
 	return thing;
 }
 
+/* Seen from one side, it has no depth. */
 static bool is_person(const struct thing *t)
 {
-	return t->high_m > 1.0f && t->high_m < 2.1f && t->length_m > 0.25 && t->length_m < 1.3 &&
-	       t->width_m > 0.2 && t->width_m < 0.9 && t->low_m < 0.6f;
+	return t->high_m > 1.0f && t->high_m < 2.1f && t->length_m > 0.3 && t->length_m < 1.3 &&
+	       t->width_m > 0.1 && t->width_m < 0.9 && t->low_m < 0.6f;
 }
 
+/* Of one that stands behind others, the roof alone may be seen. */
 static bool is_car(const struct thing *t)
 {
 	return t->high_m > 1.1f && t->high_m < 2.6f && t->length_m > 1.7 && t->length_m < 6.5 &&
-	       t->width_m > 0.9 && t->width_m < 2.6 && t->low_m < 0.6f;
+	       t->width_m > 0.7 && t->width_m < 2.6 && t->low_m < 1.3f;
 }
 
 /* A parasol, an awning that stands free: its legs are too thin to tie it to the ground. */
 static bool is_canopy(const struct thing *t)
 {
 	return t->low_m > 1.6f && t->high_m < 3.3f && t->length_m > 1.2 && t->length_m < 5;
+}
+
+/* One that was seen in few points, or from far aside. */
+static bool is_wall(const struct thing *t)
+{
+	bool is_sheet = t->high_m > TOP_LEAST_M && t->width_m < 0.1 && t->length_m > 0.6;
+	bool is_long = t->near_building && t->high_m > 3.5f && t->length_m > PART_M;
+	return (t->high_m > TALL_M && t->length_m > 1.2) ||
+	       ((is_sheet || is_long) && !t->contacts[CLASS_STRUCTURE] && t->foliage < FOLIAGE);
 }
 
 static bool is_part_of_house(const struct thing *t, const struct component *c)
@@ -357,7 +368,7 @@ static bool is_part_of_house(const struct thing *t, const struct component *c)
 	return (contacts[CLASS_BUILDING] > c->voxels / 2 && !is_bench &&
 		       (t->low_m > 0.4f || is_thin)) ||
 	       (t->near_building && t->low_m > 0.6f) || t->low_m > FLOATS_M ||
-	       (t->high_m > TALL_M && t->length_m > 1.2);
+	       is_wall(t);
 }
 
 static bool is_plant(const struct thing *t)
@@ -365,7 +376,7 @@ static bool is_plant(const struct thing *t)
 	const uint32_t *contacts = t->contacts;
 	bool is_trunk = contacts[CLASS_VEGETATION] > contacts[CLASS_BUILDING] &&
 			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] &&
-			t->length_m < TRUNK_M;
+			t->length_m < TRUNK_M && t->width_m < TRUNK_M / 2;
 	return is_trunk || t->foliage >= FOLIAGE;
 }
 
