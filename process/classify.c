@@ -20,6 +20,7 @@
 #define GREEN_WEIGHT 1.6f
 #define CROWN_VOXELS 60u
 #define ERROR_FROM_M 0.010f
+#define ERROR_VOXEL_M 0.15f
 #define ERROR_FULL_M 0.030f
 #define TRUNK_M      2.0
 /* What is seen through an opening. */
@@ -49,7 +50,7 @@ struct rules {
 /* ---- walls, roofs, and what holds up ground ---- */
 
 struct surface {
-	double area_m2, up, height_high_m, height_mean_m, rough;
+	double area_m2, up, height_high_m, height_mean_m, rough, foliage;
 };
 
 static bool ground_is_behind(const struct rules *r, uint32_t i)
@@ -103,6 +104,7 @@ static struct surface *measure_regions(const struct rules *r, uint32_t **ret_hol
 		double each = 1.0 / regions->region[k].voxels;
 		s[k].height_mean_m += r->in->height_m[i] * each;
 		s[k].rough += r->in->shape[i].rough * each;
+		s[k].foliage += r->foliage[i] * each;
 		if (s[k].area_m2 < WALL_AREA_M2)
 			continue;
 		s[k].height_high_m = fmax(s[k].height_high_m, height_over_all_m(r, i));
@@ -115,7 +117,7 @@ static struct surface *measure_regions(const struct rules *r, uint32_t **ret_hol
 static int class_of_region(
 	const struct surface *s, const struct smooth_region *region, double holding)
 {
-	if (s->area_m2 < WALL_AREA_M2 || s->rough > ROUGH_MOST)
+	if (s->area_m2 < WALL_AREA_M2 || s->rough > ROUGH_MOST || s->foliage > FOLIAGE)
 		return UNKNOWN;
 	if (holding > HOLDS_SHARE)
 		return s->area_m2 >= HOLDS_AREA_M2 ? CLASS_STRUCTURE : UNKNOWN;
@@ -143,11 +145,13 @@ static void find_walls(struct rules *r)
 
 static void weigh_foliage(struct rules *r)
 {
+	/* planes are fitted over more where points are sparser, and leave more */
+	float scale = sqrtf(fmaxf((float)r->v->size_m / ERROR_VOXEL_M, 1));
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		const struct voxel *v = &r->v->voxel[i];
 		float green = v->rgb[1] - 0.5f * (v->rgb[0] + v->rgb[2]) - GREEN_ZERO;
 		float error =
-			(r->in->shape[i].error_m - ERROR_FROM_M) / (ERROR_FULL_M - ERROR_FROM_M);
+			(r->in->shape[i].error_m / scale - ERROR_FROM_M) / (ERROR_FULL_M - ERROR_FROM_M);
 		r->foliage[i] = 0.55f * r->in->shape[i].rough + 0.45f * fminf(fmaxf(error, 0), 1) +
 				v->coloured * GREEN_WEIGHT * fminf(fmaxf(green, -0.08f), 0.2f) +
 				0.3f * v->late;

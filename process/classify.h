@@ -17,6 +17,7 @@ struct classify_input {
 	const smooth_regions *regions;
 	const ground *ground;
 	const float *height_m; /* above the ground, of each voxel */
+	const uint8_t *ground_class; /* enum segment_class of each surfel of the ground (water.h) */
 };
 /* enum segment_class of each voxel; caller frees. */
 uint8_t *classify(const struct classify_input *in);

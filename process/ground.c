@@ -4,11 +4,12 @@
 #include <string.h>
 
 #define UP            0.7f /* least z of a normal */
+#define FLOOR_ERROR_M 0.05f
 #define FLOOR_SHARE   0.5f
 #define STEP_M        0.2  /* a kerb, a stair */
 #define SLOPE_MOST    0.75 /* of a bank */
 #define WANDER        0.08 /* how far the ground may leave its slope, per metre */
-#define REACH_CELLS   5    /* over what hides the ground */
+#define REACH_M       1.5 /* over what hides the ground, and two columns at least */
 #define SEED_RADIUS_M 3.5
 #define SEED_WINDOW_M 40.0
 #define PATCH_AREA_M2 3.0
@@ -156,13 +157,13 @@ static void set_out(struct walk *w, uint32_t from)
 	g_array_append_val(w->queue, from);
 }
 
-/* Most points of a floor face up; of a shrub, few. */
+/* Most points of a floor face up; of a shrub, few. A crown seen from above faces up too, but fits no plane. */
 static bool is_floor(const ground *g, uint32_t s)
 {
 	const struct voxel *v = &g->surfels->voxel[s];
 	uint32_t other = voxels_find(g->rest, v->at);
 	uint32_t rest = other == VOXEL_NONE ? 0 : g->rest->voxel[other].points;
-	return v->points > FLOOR_SHARE * (float)(v->points + rest);
+	return v->points > FLOOR_SHARE * (float)(v->points + rest) && v->error_m < FLOOR_ERROR_M;
 }
 
 /* ---- where it begins ---- */
@@ -207,21 +208,54 @@ static bool count_neighbour(const ground *g, uint32_t from, uint32_t to, void *u
 	return true;
 }
 
+/* Windows of equal size all over the plan: one that stands over its edge might hold a roof alone. */
+struct windows {
+	double low_m[2], size_m[2];
+	gint64 count[2];
+};
+
+static struct windows lay_windows(const ground *g)
+{
+	struct windows w = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } };
+	for (uint32_t i = 0; i < g->surfels->count; i++) {
+		double at[3];
+		voxel_point_m(g->surfels, i, at);
+		for (int k = 0; k < 2; k++) {
+			w.low_m[k] = fmin(w.low_m[k], at[k]);
+			w.size_m[k] = fmax(w.size_m[k], at[k]);
+		}
+	}
+	for (int k = 0; k < 2; k++) {
+		double extent = w.size_m[k] - w.low_m[k];
+		w.count[k] = (gint64)fmax(round(extent / SEED_WINDOW_M), 1);
+		w.size_m[k] = extent > 0 ? extent / (double)w.count[k] : 1;
+	}
+	return w;
+}
+
+static gint64 window_of(const struct windows *w, const double at_m[3])
+{
+	gint64 at[2];
+	for (int k = 0; k < 2; k++)
+		at[k] = MIN((gint64)((at_m[k] - w->low_m[k]) / w->size_m[k]), w->count[k] - 1);
+	return at[1] * w->count[0] + at[0];
+}
+
 /* The lowest place of each window that others lie beside. */
 static void seed_windows(const ground *g, struct walk *w)
 {
+	struct windows box = lay_windows(g);
 	g_autoptr(GHashTable) lowest = g_hash_table_new(g_int64_hash, g_int64_equal);
 	g_autofree gint64 *window = g_new(gint64, g->surfels->count + 1);
 	for (uint32_t i = 0; i < g->surfels->count; i++) {
 		double at[3], was[3] = { 0 };
 		unsigned beside = 0;
 		voxel_point_m(g->surfels, i, at);
-		window[i] = (gint64)floor(at[0] / SEED_WINDOW_M) * 1000003 +
-			    (gint64)floor(at[1] / SEED_WINDOW_M);
+		window[i] = window_of(&box, at);
 		gpointer known = g_hash_table_lookup(lowest, &window[i]);
 		if (known)
 			voxel_point_m(g->surfels, GPOINTER_TO_UINT(known) - 1, was);
-		if (known && was[2] <= at[2])
+		if (g->state[i] != SURFEL_OPEN || (known && was[2] <= at[2]))
 			continue;
 		around(g, i, 1, count_neighbour, &beside);
 		if (beside >= 5)
@@ -413,6 +447,15 @@ float ground_above_m(const ground *g, const double at_m[3])
 	return INFINITY;
 }
 
+uint32_t ground_top(const ground *g, const double at_m[2])
+{
+	double at[3] = { at_m[0], at_m[1], 0 };
+	uint32_t column;
+	if (!g->columns || !column_of(g, at, &column) || g->first[column] == g->first[column + 1])
+		return VOXEL_NONE;
+	return g->layer[g->first[column + 1] - 1].surfel;
+}
+
 bool ground_is_seen(const ground *g, const double at_m[3])
 {
 	uint32_t column;
@@ -504,7 +547,7 @@ void ground_find(ground *g, const double (*station_m)[3], size_t stations)
 		seed_station(g, station_m[i], &w);
 	if (!queue->len)
 		seed_windows(g, &w);
-	walk_on(g, &w, REACH_CELLS);
+	walk_on(g, &w, (int)fmax(round(REACH_M / g->surfels->size_m), 2));
 	find_box(g);
 	fill_layers(g);
 	fill_nearest(g);

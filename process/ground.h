@@ -26,6 +26,8 @@ float ground_height_m(const ground *g, const double at_m[3]);
 bool ground_is_seen(const ground *g, const double at_m[3]);
 /* The surfel that ground_height_m is told from; VOXEL_NONE: there is no ground at all. */
 uint32_t ground_surfel(const ground *g, const double at_m[3]);
+/* The highest surfel of the ground in a column; VOXEL_NONE: none was seen there. */
+uint32_t ground_top(const ground *g, const double at_m[2]);
 /* How far above the point the next layer is that one can walk to, INFINITY: none. */
 float ground_above_m(const ground *g, const double at_m[3]);
 /* The surfels, for whoever goes on from the ground: VOXEL_NONE where none of the ground is at that place. */

@@ -233,7 +233,7 @@ static bool add_rests(struct maker *m)
 	for (uint32_t i = 0; i < m->v->count; i++)
 		m->t->leaf_of_voxel[i] = m->t->rest[m->class[i]];
 	for (uint32_t i = 0; i < ground_surfels(m->in->ground)->count; i++)
-		m->t->leaf_of_surfel[i] = m->t->rest[CLASS_TERRAIN];
+		m->t->leaf_of_surfel[i] = m->t->rest[m->in->ground_class[i]];
 	return true;
 }
 

@@ -3,6 +3,7 @@
 #include "process/ground.h"
 #include "process/segment-things.h"
 #include "process/voxel-shape.h"
+#include "process/water.h"
 #include <string.h>
 
 #define GAP_LEAST_M 0.15
@@ -209,7 +210,8 @@ static bool count_labels(const struct passes *p, uint8_t *class, GError **error)
 	return true;
 }
 
-static bool find_things(const struct passes *p, segments *into, GError **error)
+static bool find_things(
+	const struct passes *p, const GArray *stations, segments *into, GError **error)
 {
 	segmentation *s = p->s;
 	voxels_finish(s->voxels);
@@ -226,7 +228,9 @@ static bool find_things(const struct passes *p, segments *into, GError **error)
 		float height = ground_height_m(s->ground, at);
 		height_m[i] = isfinite(height) ? height : 0;
 	}
-	struct classify_input in = { s->voxels, shape, regions, s->ground, height_m };
+	g_autofree uint8_t *ground_class =
+		water_find(s->ground, (const double(*)[3])stations->data, stations->len);
+	struct classify_input in = { s->voxels, shape, regions, s->ground, height_m, ground_class };
 	g_autofree uint8_t *class = classify(&in);
 	if (!count_labels(p, class, error))
 		return false;
@@ -248,7 +252,7 @@ static bool run(const struct passes *p, segments *into, GError **error)
 		return false;
 	ground_find(s->ground, (const double(*)[3])stations->data, stations->len);
 	return pass(p, add_to_voxels, 0.3, 0.6, "looking at what stands on it", error) &&
-	       find_things(p, into, error);
+	       find_things(p, stations, into, error);
 }
 
 segmentation *segmentation_new(const struct segmentation_source *source,
