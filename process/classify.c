@@ -14,15 +14,15 @@
 #define HOLDS_SHARE   0.25
 #define HOLDS_AREA_M2 45.0
 /* Foliage. */
-#define FOLIAGE      0.5f
-#define FOLIAGE_SURE 0.6f
-#define GREEN_ZERO   0.05f
-#define GREEN_WEIGHT 1.6f
-#define CROWN_VOXELS 60u
-#define ERROR_FROM_M 0.010f
+#define FOLIAGE       0.5f
+#define FOLIAGE_SURE  0.6f
+#define GREEN_ZERO    0.05f
+#define GREEN_WEIGHT  1.6f
+#define CROWN_VOXELS  60u
+#define ERROR_FROM_M  0.010f
 #define ERROR_VOXEL_M 0.15f
-#define ERROR_FULL_M 0.030f
-#define TRUNK_M      2.0
+#define ERROR_FULL_M  0.030f
+#define TRUNK_M       2.0
 /* What is seen through an opening. */
 #define THROUGH_M      4.0
 #define THROUGH_FACING 0.35f
@@ -150,8 +150,8 @@ static void weigh_foliage(struct rules *r)
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		const struct voxel *v = &r->v->voxel[i];
 		float green = v->rgb[1] - 0.5f * (v->rgb[0] + v->rgb[2]) - GREEN_ZERO;
-		float error =
-			(r->in->shape[i].error_m / scale - ERROR_FROM_M) / (ERROR_FULL_M - ERROR_FROM_M);
+		float error = (r->in->shape[i].error_m / scale - ERROR_FROM_M) /
+			      (ERROR_FULL_M - ERROR_FROM_M);
 		r->foliage[i] = 0.55f * r->in->shape[i].rough + 0.45f * fminf(fmaxf(error, 0), 1) +
 				v->coloured * GREEN_WEIGHT * fminf(fmaxf(green, -0.08f), 0.2f) +
 				0.3f * v->late;
@@ -371,8 +371,7 @@ static bool is_part_of_house(const struct thing *t, const struct component *c)
 			t->length_m < PART_M && t->width_m > 0.15;
 	return (contacts[CLASS_BUILDING] > c->voxels / 2 && !is_bench &&
 		       (t->low_m > 0.4f || is_thin)) ||
-	       (t->near_building && t->low_m > 0.6f) || t->low_m > FLOATS_M ||
-	       is_wall(t);
+	       (t->near_building && t->low_m > 0.6f) || t->low_m > FLOATS_M || is_wall(t);
 }
 
 static bool is_plant(const struct thing *t)

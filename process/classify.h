@@ -16,7 +16,7 @@ struct classify_input {
 	const struct voxel_shape *shape;
 	const smooth_regions *regions;
 	const ground *ground;
-	const float *height_m; /* above the ground, of each voxel */
+	const float *height_m;       /* above the ground, of each voxel */
 	const uint8_t *ground_class; /* enum segment_class of each surfel of the ground (water.h) */
 };
 /* enum segment_class of each voxel; caller frees. */

@@ -9,7 +9,7 @@
 #define STEP_M        0.2  /* a kerb, a stair */
 #define SLOPE_MOST    0.75 /* of a bank */
 #define WANDER        0.08 /* how far the ground may leave its slope, per metre */
-#define REACH_M       1.5 /* over what hides the ground, and two columns at least */
+#define REACH_M       1.5  /* over what hides the ground, and two columns at least */
 #define SEED_RADIUS_M 3.5
 #define SEED_WINDOW_M 40.0
 #define PATCH_AREA_M2 3.0

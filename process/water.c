@@ -1,8 +1,8 @@
 #include "process/water.h"
 #include <glib.h>
 #include <math.h>
-#include <string.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define STEP_M       0.07 /* from one surfel to the next */
 #define REACH        3    /* columns; far out, little comes back */
@@ -10,11 +10,11 @@
 #define SPREAD_M     0.07 /* standard deviation of the level */
 #define SHORE_M      0.15 /* what is so much higher is its shore, so much lower: it is no water */
 #define SHORE_LEAST  12u
-#define LOWER_MOST   0.1
+#define LOWER_MOST   0.6 /* of the side of a square of its size: strays in the water */
 #define LOCK_M       1.5
 #define STATION_M    4.0
 #define DECK_DROP_M  1.5
-#define DECK_WIDTH_M 45.0
+#define DECK_WIDTH_M 60.0
 #define DECK_GAP     2 /* columns between the deck's edge and the first of the water */
 
 struct basin {
@@ -108,7 +108,8 @@ static void look_at_shores(struct finder *f, uint32_t of)
 				continue;
 			double up = level_of(f->v, other) - level_of(f->v, i);
 			b->higher += up > SHORE_M;
-			b->lower += up < -SHORE_M && !(basin_at(f, other)->is_water && up > -LOCK_M);
+			b->lower +=
+				up < -SHORE_M && !(basin_at(f, other)->is_water && up > -LOCK_M);
 		}
 	}
 }
@@ -131,7 +132,7 @@ static void tell_water(struct finder *f)
 	for (guint k = 0; k < level->len; k++) {
 		struct basin *b = level->pdata[k];
 		look_at_shores(f, b->index);
-		b->is_water = b->higher >= SHORE_LEAST && b->lower <= LOWER_MOST * (b->higher + b->lower);
+		b->is_water = b->higher >= SHORE_LEAST && b->lower <= LOWER_MOST * sqrt(b->surfels);
 	}
 }
 
