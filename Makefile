@@ -18,13 +18,14 @@ packages :=
 pkgs :=
 cxx_pkgs :=
 cxx_libs :=
+cxx_flags :=
 programs :=
 pages :=
 include $(addsuffix /module.mk,$(modules)) tests/module.mk
 PKG_CFLAGS := $(shell pkg-config --cflags $(pkgs) 2>/dev/null)
 PKG_LIBS := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
 # The C++ libraries are named by the bridges alone (*_pcl.cpp, *_cv.cpp); their headers are not held to our warnings.
-CXX_PKG_CFLAGS = $(shell pkg-config --cflags $(cxx_pkgs) 2>/dev/null | sed 's/-I/-isystem /g')
+CXX_PKG_CFLAGS = $(shell pkg-config --cflags $(cxx_pkgs) 2>/dev/null | sed 's/-I/-isystem /g') $(cxx_flags)
 CXX_PKG_LIBS := $(shell pkg-config --libs $(cxx_pkgs) 2>/dev/null)
 
 house_cflags := -std=gnu17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -Wno-missing-field-initializers \

@@ -1,7 +1,9 @@
 # Import, registration, geometry, model; PCL behind C headers.
 programs += process/pleinair-import process/pleinair-process process/pleinair-align process/pleinair-report
-packages += g++ libpcl-dev libeigen3-dev
+packages += g++ libpcl-dev libeigen3-dev libopencv-core-dev libopencv-dnn-dev
 cxx_pkgs += eigen3 pcl_common pcl_io pcl_features pcl_filters pcl_registration pcl_search pcl_kdtree pcl_sample_consensus
-cxx_libs += -lpcl_io_ply
+cxx_libs += -lpcl_io_ply -lopencv_dnn -lopencv_core
+# Named here, for opencv4's own flags link all that it has.
+cxx_flags += -isystem /usr/include/opencv4
 # Vectors as arguments of functions that are all inlined.
 $(BUILD)/process/normals-%.o: house_cflags += -Wno-psabi
