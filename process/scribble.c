@@ -1,7 +1,7 @@
 #include "process/scribble.h"
 #include "process/scribble-edges.h"
 #include "process/scribble-floor.h"
-#include "process/watershed.h"
+#include "process/scribble-window.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +32,8 @@ struct mark {
 	struct anchor anchor[ANCHORS];
 	uint32_t anchors;
 	float reach_m;
+	struct anchor middle;
+	float all_m;    /* around it, along each axis: nothing beyond is within reach */
 	uint16_t floor; /* that it is on; 0: none */
 };
 
@@ -188,15 +190,34 @@ static void place_anchors(const range_grid *g, struct mark *m, float length_rad,
 {
 	float range = median_range_m(g, m), extent = fmaxf(range * length_rad, EXTENT_LEAST_M);
 	m->reach_m = reach * extent;
-	size_t stride = m->cells / ANCHORS + 1;
+	size_t stride = m->cells / ANCHORS + 1, met = 0;
 	for (size_t k = 0; k < m->cells; k++) {
 		size_t i = m->cell[k];
 		if (!(g->range_m[i] > 0) || fabsf(g->range_m[i] - range) > extent)
 			continue;
-		if (k % stride == 0 && m->anchors < ANCHORS)
+		if (met++ % stride == 0)
 			m->anchor[m->anchors++] =
 				(struct anchor){ g->x_m[i], g->y_m[i], g->z_m[i] };
 	}
+}
+
+static void surround_anchors(struct mark *m)
+{
+	struct anchor low = { INFINITY, INFINITY, INFINITY },
+		      high = { -INFINITY, -INFINITY, -INFINITY };
+	for (uint32_t k = 0; k < m->anchors; k++) {
+		const struct anchor *a = &m->anchor[k];
+		low = (struct anchor){ fminf(low.x_m, a->x_m), fminf(low.y_m, a->y_m),
+			fminf(low.z_m, a->z_m) };
+		high = (struct anchor){ fmaxf(high.x_m, a->x_m), fmaxf(high.y_m, a->y_m),
+			fmaxf(high.z_m, a->z_m) };
+	}
+	if (!m->anchors)
+		return;
+	m->middle = (struct anchor){ (low.x_m + high.x_m) / 2, (low.y_m + high.y_m) / 2,
+		(low.z_m + high.z_m) / 2 };
+	m->all_m = m->reach_m +
+		   fmaxf(high.x_m - low.x_m, fmaxf(high.y_m - low.y_m, high.z_m - low.z_m)) / 2;
 }
 
 static float length_rad_of(const range_grid *g, const struct scribble_stroke *stroke)
@@ -235,6 +256,9 @@ static uint16_t floor_under(const scribble *s, const struct mark *m)
 
 static bool within_reach(const struct mark *m, float x, float y, float z)
 {
+	if (!(fmaxf(fabsf(x - m->middle.x_m),
+		      fmaxf(fabsf(y - m->middle.y_m), fabsf(z - m->middle.z_m))) < m->all_m))
+		return false;
 	float least = INFINITY;
 	for (uint32_t k = 0; k < m->anchors; k++) {
 		float dx = x - m->anchor[k].x_m, dy = y - m->anchor[k].y_m,
@@ -252,7 +276,7 @@ static int32_t first_label(const scribble *s, size_t i)
 	const range_grid *g = s->grid;
 	uint16_t floor = s->floor[source];
 	bool near = false, meant = floor == 0;
-	for (guint k = 0; k < s->mark->len; k++) {
+	for (guint k = 0; k < s->mark->len && !(near && meant); k++) {
 		const struct mark *m = &g_array_index(s->mark, struct mark, k);
 		if (m->side != SCRIBBLE_INSIDE)
 			continue;
@@ -278,12 +302,8 @@ static void select_anew(scribble *s)
 	for (size_t i = 0; i < n; i++)
 		s->label[i] = first_label(s, i);
 	paint(s);
-	struct watershed_image image = { .columns = s->grid->columns,
-		.rows = s->grid->rows,
-		.wraps = s->grid->wraps,
-		.step_right = s->edges.step_right,
-		.step_down = s->edges.step_down };
-	watershed_flood(&image, s->label);
+	scribble_window_flood(s->grid, &s->edges, INSIDE, s->label);
+#pragma omp parallel for schedule(static)
 	for (size_t i = 0; i < n; i++)
 		s->selected[i] = s->label[i] == INSIDE && s->grid->range_m[i] > 0;
 }
@@ -293,6 +313,7 @@ void scribble_draw(scribble *s, const struct scribble_stroke *stroke)
 	struct mark m = { .side = stroke->side };
 	m.cell = cells_of(s->grid, stroke, &m.cells);
 	place_anchors(s->grid, &m, length_rad_of(s->grid, stroke), s->options.reach);
+	surround_anchors(&m);
 	m.floor = floor_under(s, &m);
 	g_array_append_val(s->mark, m);
 	select_anew(s);

@@ -10,7 +10,7 @@
  *
  * Cells without a point are never selected. Holes of a few cells, such as windows, do not hold up the flood, wider ones do.
  *
- * One owner, one thread; the grid must stay, what else is given to scribble_new need not. Beside it a session takes 33 bytes a
+ * One owner, one thread; the grid must stay, what else is given to scribble_new need not. Beside it a session takes 19 bytes a
  * cell, a stroke some more while it is worked on. */
 #include "process/geometry.h"
 
