@@ -21,7 +21,7 @@ template <typename Work> bool cv_guard(GError **error, const char *what, Work wo
 		cv::redirectError(cv_guard_silence);
 		return work();
 	} catch (const cv::Exception &e) {
-		g_autofree char *reason = g_strdup(e.err.c_str());
+		g_autofree char *reason = g_utf8_make_valid(e.err.c_str(), -1);
 		g_strdelimit(g_strstrip(reason), "\n", '\0');
 		if (e.code == cv::Error::StsNoMem)
 			g_set_error(error, G_IO_ERROR, G_IO_ERROR_FAILED, "%s: not enough memory",

@@ -1,4 +1,5 @@
 #include "process/semantic-model.h"
+#include "process/onnx-check.h"
 #include "process/semantic-net.h"
 #include <gio/gio.h>
 #include <math.h>
@@ -11,58 +12,6 @@ struct semantic_model {
 };
 
 /* ---- opening ---- */
-
-static bool read_varint(const uint8_t **at, const uint8_t *end, uint64_t *ret)
-{
-	*ret = 0;
-	for (unsigned shift = 0; *at < end && shift < 64; shift += 7) {
-		uint8_t byte = *(*at)++;
-		*ret |= (uint64_t)(byte & 0x7f) << shift;
-		if (!(byte & 0x80))
-			return true;
-	}
-	return false;
-}
-
-enum protobuf_wire { WIRE_VARINT, WIRE_64, WIRE_BYTES, WIRE_32 = 5 };
-
-/* One field of a protobuf message; false: it is none, or cut off. */
-static bool skip_field(const uint8_t **at, const uint8_t *end, uint64_t *ret_number)
-{
-	uint64_t tag, size;
-	if (!read_varint(at, end, &tag))
-		return false;
-	*ret_number = tag >> 3;
-	switch (tag & 7) {
-	case WIRE_VARINT: return read_varint(at, end, &size);
-	case WIRE_64: size = 8; break;
-	case WIRE_32: size = 4; break;
-	case WIRE_BYTES:
-		if (!read_varint(at, end, &size))
-			return false;
-		break;
-	default: return false;
-	}
-	if (size > (uint64_t)(end - *at))
-		return false;
-	*at += size;
-	return true;
-}
-
-/* The fields of ModelProto one after the other, with a graph among them (field 7). OpenCV's own parser says what is wrong on
- * stderr, and not well. */
-static bool is_onnx(const uint8_t *bytes, size_t length)
-{
-	const uint8_t *at = bytes, *end = bytes + length;
-	bool graph = false;
-	while (at < end) {
-		uint64_t number;
-		if (!skip_field(&at, end, &number) || number == 0)
-			return false;
-		graph = graph || number == 7;
-	}
-	return graph;
-}
 
 static char *manifest_path_of(const char *path)
 {
@@ -99,7 +48,7 @@ static bool open_net(semantic_model *m, GError **error)
 	gsize length;
 	if (!read_file(m->path, &bytes, &length, error))
 		return false;
-	if (!is_onnx((const uint8_t *)bytes, length)) {
+	if (!onnx_check((const uint8_t *)bytes, length)) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
 			"%s: this is no ONNX model, or it is cut off", m->path);
 		return false;

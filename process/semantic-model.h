@@ -5,8 +5,8 @@
  * MODEL.json beside it (semantic-manifest.h). It runs on the processor, in tiles that overlap; where the panorama wraps, tiles
  * go on over the seam, and the whole panorama as one tile gets as many columns of the other side as the overlap has at each end.
  *
- * A file that is no model, cut off, or beyond what OpenCV runs is refused. But a network is trusted as a program is: OpenCV's
- * reader can be crashed by one whose inside was tampered with.
+ * A file that is no model, cut off, or beyond what OpenCV runs is refused. But a network is trusted as a program is: what
+ * onnx-check.h finds wrong is refused, but OpenCV's reader was not made for files that mean harm.
  *
  * Errors are one sentence that names the file. One owner, one thread at a time. */
 #include "process/geometry.h"

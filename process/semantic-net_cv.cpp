@@ -16,7 +16,10 @@ static bool unknown_layer(const cv::Exception &e, const char *what, GError **err
 	if (e.err.find("Can't create layer") == std::string::npos || from == std::string::npos)
 		return false;
 	from += mark.size();
-	std::string name = e.err.substr(from, e.err.find('"', from) - from);
+	size_t to = from;
+	while (to < e.err.size() && e.err[to] != '"' && g_ascii_isprint(e.err[to]))
+		to++;
+	std::string name = e.err.substr(from, to - from);
 	g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_SUPPORTED,
 		"%s: it has a layer of the kind \"%s\", which OpenCV cannot run", what,
 		name.c_str());

@@ -358,6 +358,36 @@ static void test_cut(void)
 	}
 }
 
+/* With a few bytes changed, a model is refused in one line or answers something. */
+static void test_damaged(void)
+{
+	g_autoptr(made) m = made_new();
+	struct semantic_scan scan = { .grid = m->grid, .height_m = m->height_m };
+	g_autoptr(GRand) chance = g_rand_new_with_seed(11);
+	g_autoptr(GByteArray) whole = by_height(2, 3, 1);
+	size_t refused = 0, answered = 0;
+	for (int round = 0; round < 500; round++) {
+		g_autoptr(GByteArray) damaged = g_byte_array_new();
+		g_byte_array_append(damaged, whole->data, whole->len);
+		for (int k = 0; k <= round % 3; k++)
+			damaged->data[g_rand_int_range(chance, 0, (gint32)whole->len)] =
+				(uint8_t)g_rand_int(chance);
+		g_autofree char *path = write_model(damaged, BY_HEIGHT);
+		g_autoptr(GError) error = NULL;
+		g_autoptr(semantic_model) model = semantic_model_open(path, &error);
+		uint8_t class[CELLS];
+		float confidence[CELLS];
+		bool good = model && semantic_model_run(model, &scan, class, confidence, &error);
+		g_assert_true(good == !error);
+		g_assert_true(good || !strchr(error->message, '\n'));
+		refused += !good;
+		answered += good;
+	}
+	g_test_message("%zu refused, %zu answered", refused, answered);
+	g_assert_cmpuint(refused, >, 250);
+	g_assert_cmpuint(answered, >, 20);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -368,5 +398,6 @@ int main(int argc, char **argv)
 	g_test_add_func("/semantic-model/missing", test_missing);
 	g_test_add_func("/semantic-model/networks", test_networks);
 	g_test_add_func("/semantic-model/cut", test_cut);
+	g_test_add_func("/semantic-model/damaged", test_damaged);
 	return g_test_run();
 }
