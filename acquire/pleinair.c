@@ -17,6 +17,7 @@ static const struct {
 	{ "import", "import scans of other scanners into a site" },
 	{ "process", "register the scans of a site and build its point model" },
 	{ "align", "align two scans from picked pairs, or decide about a pair" },
+	{ "segments", "show the things of a site, and change them" },
 	{ "report", "write how well the scans of a site fit, as a page" },
 	{ "panoramas", "write a site's panoramas as pictures and a page" },
 	{ "bench", "measure speed and memory" },

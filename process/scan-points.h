@@ -17,9 +17,9 @@ struct scan_points {
 };
 
 static inline struct scan_points scan_points_of(
-	const scan_data *data, const scan_geometry *geometry, const struct pose *pose)
+	const scan_data *data, const scan_geometry *of_them, const struct pose *pose)
 {
-	return (struct scan_points){ data, geometry, *pose,
+	return (struct scan_points){ data, of_them, *pose,
 		data->grid ? range_grid_cells(data->grid) : data->points->count };
 }
 

@@ -6,7 +6,7 @@
  *
  * Made from the scans, where they stand, their geometry, and the site's own parameters, which stand in site.json:
  *
- *     "segmentation": { "gap_m": 0.15, "points_min": 60, "labels": true, "model": "trees.onnx", "confidence": 0.6 }
+ *     "segmentation": { "gap_m": 0.15, "points_min": 60, "labels": true }
  *
  * all of which may be missing. labels: whether classes that came with imported points count; true unless it says false. */
 #include "process/scan-segments.h"
@@ -20,9 +20,10 @@ struct segment_site_options {
 struct segment_site_result {
 	uint32_t things; /* leaves with points */
 	uint64_t points, class_points[SEGMENT_CLASSES];
+	uint32_t changes_left_out; /* that speak of what is not there any more */
 };
 
-/* Labels are written scan by scan, the tree last: it tells that all is there. */
+/* Finds what is out of date, makes the changes once more. Labels are written scan by scan, the tree last: it tells that all is there. */
 bool segment_site(site *s, const scan_graph *g, const struct segment_site_options *options,
 	struct segment_site_result *ret, GError **error);
 bool segment_site_is_due(

@@ -42,7 +42,7 @@ double segmentation_gap_m(const segmentation *s)
 
 /* ---- points ---- */
 
-static void take_point(
+void segmentation_point(
 	const struct segmentation_scan *scan, uint32_t number, uint64_t i, struct voxel_point *ret)
 {
 	const struct scan_points *p = &scan->points;
@@ -110,7 +110,7 @@ static bool pass(const struct passes *p, pass_func each, double from, double to,
 			struct voxel_point point;
 			if (!scan_points_has(&scan.points, i))
 				continue;
-			take_point(&scan, (uint32_t)k, i, &point);
+			segmentation_point(&scan, (uint32_t)k, i, &point);
 			each(p->s, &point);
 		}
 	}
@@ -268,7 +268,7 @@ segmentation *segmentation_new(const struct segmentation_source *source,
 static uint16_t leaf_of(const segmentation *s, const struct segmentation_scan *scan, uint64_t i)
 {
 	struct voxel_point p;
-	take_point(scan, 0, i, &p);
+	segmentation_point(scan, 0, i, &p);
 	uint8_t label = scan->label ? scan->label[i] : LABEL_NONE;
 	uint32_t voxel = voxels_find_point(s->voxels, p.at_m),
 		 surfel = ground_surfel(s->ground, p.at_m);

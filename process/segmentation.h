@@ -11,6 +11,7 @@
  * The same input gives the same segments, on any number of threads. */
 #include "process/scan-points.h"
 #include "process/segments.h"
+#include "process/voxels.h"
 #include <gio/gio.h>
 
 /* Of a person, or of the file that the scan came from. */
@@ -38,6 +39,10 @@ struct segmentation_source {
 	bool (*open)(gpointer user_data, size_t i, struct segmentation_scan *ret, GError **error);
 	gpointer user_data;
 };
+
+/* A point as voxels take it; number: which scan of several it is of. */
+void segmentation_point(
+	const struct segmentation_scan *scan, uint32_t number, uint64_t i, struct voxel_point *ret);
 
 typedef struct segmentation segmentation;
 /* Adds its segments to `into`. */

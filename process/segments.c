@@ -19,6 +19,7 @@ static segments *new_empty(void)
 	s->nodes = g_array_new(FALSE, TRUE, sizeof(struct segment));
 	g_array_set_clear_func(s->nodes, clear_segment);
 	s->key = g_strdup("");
+	s->edits = g_strdup("");
 	return s;
 }
 
@@ -62,7 +63,8 @@ segments *segments_copy(const segments *s)
 	segments *copy = new_empty();
 	g_free(copy->key);
 	copy->key = g_strdup(s->key);
-	copy->edits = s->edits;
+	g_free(copy->edits);
+	copy->edits = g_strdup(s->edits);
 	for (guint i = 0; i < s->nodes->len; i++) {
 		struct segment node = *node_at(s, i);
 		node.name = g_strdup(node.name);
@@ -78,6 +80,7 @@ void segments_free(segments *s)
 		return;
 	g_array_unref(s->nodes);
 	g_free(s->key);
+	g_free(s->edits);
 	g_free(s);
 }
 
@@ -204,16 +207,26 @@ static JsonObject *write_node(const struct segment *node)
 	return o;
 }
 
+char *segments_automatic_path(const char *site_path)
+{
+	return g_build_filename(site_path, "segments", "automatic.json", NULL);
+}
+
 bool segments_save(const segments *s, const char *site_path, GError **error)
 {
 	g_autofree char *path = segments_path(site_path);
+	return segments_save_file(s, path, error);
+}
+
+bool segments_save_file(const segments *s, const char *path, GError **error)
+{
 	g_autoptr(manifest) m = manifest_new(path);
 	JsonArray *nodes = json_array_new();
 	for (guint i = 0; i < s->nodes->len; i++)
 		json_array_add_object_element(nodes, write_node(node_at(s, i)));
 	manifest_set_int(m, "schema", SCHEMA);
 	manifest_set_string(m, "key", s->key);
-	manifest_set_int(m, "edits", s->edits);
+	manifest_set_string(m, "edits", s->edits);
 	manifest_set_node(m, "segments", json_node_init_array(json_node_alloc(), nodes));
 	json_array_unref(nodes);
 	return manifest_save(m, error);
@@ -316,15 +329,21 @@ static bool check_tree(const segments *s, const char *path, GError **error)
 segments *segments_load(const char *site_path, GError **error)
 {
 	g_autofree char *path = segments_path(site_path);
+	return segments_load_file(path, error);
+}
+
+segments *segments_load_file(const char *path, GError **error)
+{
 	g_autoptr(manifest) m = manifest_load(path, SCHEMA, error);
 	g_autoptr(segments) s = new_empty();
-	int64_t edits;
 	const char *key = m ? manifest_get_string(m, "key", error) : NULL;
-	if (!key || !manifest_get_int(m, "edits", 0, G_MAXUINT32, &edits, error))
+	const char *edits = key ? manifest_get_string(m, "edits", error) : NULL;
+	if (!edits)
 		return NULL;
 	g_free(s->key);
+	g_free(s->edits);
 	s->key = g_strdup(key);
-	s->edits = (uint32_t)edits;
+	s->edits = g_strdup(edits);
 	JsonNode *list = manifest_get_node(m, "segments");
 	if (!list || !JSON_NODE_HOLDS_ARRAY(list)) {
 		g_set_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE,

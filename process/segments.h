@@ -6,7 +6,7 @@
  *
  * On disk: SITE/segments/segments.json, a product like the labels beside it (scan-segments.h):
  *
- *     "schema": 1, "key": "...", "edits": 3
+ *     "schema": 1, "key": "...", "edits": "1 2 5"
  *     "segments": [ { "id": 12, "parent": 2, "class": "vegetation", "name": "Tree 4", "made_by": "rules",
  *                     "points": 81234, "low_m": [x,y,z], "high_m": [x,y,z], "area_m2": 41.2 }, ... ]
  *
@@ -38,9 +38,9 @@ struct segment {
 
 typedef struct segments segments;
 struct segments {
-	GArray *nodes;  /* of struct segment, by id */
-	char *key;      /* what it was made from */
-	uint32_t edits; /* that are in it (segment-edits.h) */
+	GArray *nodes; /* of struct segment, by id */
+	char *key;     /* what it was made from */
+	char *edits;   /* numbers of the changes that are in it (segment-edits.h) */
 };
 
 /* With the site and all classes, and nothing in them. */
@@ -49,9 +49,13 @@ segments *segments_copy(const segments *s);
 void segments_free(segments *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(segments, segments_free)
 char *segments_path(const char *site_path); /* caller frees */
+/* SITE/segments/automatic.json: as the computer found it, before people changed it; caller frees. */
+char *segments_automatic_path(const char *site_path);
 /* Refuses a tree that is none: unknown parents, circles, equal numbers. */
 segments *segments_load(const char *site_path, GError **error);
+segments *segments_load_file(const char *path, GError **error);
 bool segments_save(const segments *s, const char *site_path, GError **error);
+bool segments_save_file(const segments *s, const char *path, GError **error);
 
 /* NULL: none of this number. Pointers hold until a node is added or removed. */
 struct segment *segments_find(const segments *s, uint32_t id);
