@@ -51,7 +51,8 @@ static gboolean take_stroke(const char *option, const char *value, gpointer data
 	if (!read_stroke(value, d.points)) {
 		g_array_unref(d.points);
 		g_set_error(error, G_OPTION_ERROR, G_OPTION_ERROR_BAD_VALUE,
-			"%s takes places of the panorama as \"COLUMN,ROW COLUMN,ROW ...\", not %s", option, value);
+			"%s takes places of the panorama as \"COLUMN,ROW COLUMN,ROW ...\", not %s",
+			option, value);
 		return FALSE;
 	}
 	if (!strokes)
@@ -61,7 +62,8 @@ static gboolean take_stroke(const char *option, const char *value, gpointer data
 }
 
 static const GOptionEntry entries[] = {
-	{ "name", 'n', 0, G_OPTION_ARG_STRING, &name, "merge, draw: what the segment is called", "NAME" },
+	{ "name", 'n', 0, G_OPTION_ARG_STRING, &name, "merge, draw: what the segment is called",
+		"NAME" },
 	{ "gap", 'g', 0, G_OPTION_ARG_DOUBLE, &gap_m,
 		"split: the smallest gap that divides (default 0.3)", "M" },
 	{ "level", 'l', 0, G_OPTION_ARG_INT, &level,
@@ -72,8 +74,10 @@ static const GOptionEntry entries[] = {
 		"draw: a stroke over what is meant; any number of them", "\"C,R C,R ...\"" },
 	{ "outside", 'o', 0, G_OPTION_ARG_CALLBACK, (gpointer)take_stroke,
 		"draw: a stroke over what is not meant", "\"C,R C,R ...\"" },
-	{ "radius", 'r', 0, G_OPTION_ARG_DOUBLE, &radius, "draw: of the brush, in cells (default 1)", "R" },
-	{ "class", 'c', 0, G_OPTION_ARG_STRING, &class_name, "draw: a new segment of this class", "CLASS" },
+	{ "radius", 'r', 0, G_OPTION_ARG_DOUBLE, &radius,
+		"draw: of the brush, in cells (default 1)", "R" },
+	{ "class", 'c', 0, G_OPTION_ARG_STRING, &class_name, "draw: a new segment of this class",
+		"CLASS" },
 	{ "into", 0, 0, G_OPTION_ARG_INT, &into, "draw: into this segment", "ID" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the tree as JSON", NULL },
 	{ NULL },
@@ -87,8 +91,8 @@ static void print_node(const segments *tree, const struct segment *node, int dep
 	for (int k = 0; k < 3 && node->points; k++)
 		size[k] = node->high_m[k] - node->low_m[k];
 	g_autofree char *indented = g_strdup_printf("%*s%s", 2 * depth, "", node->name);
-	printf("%6u  %-36s %12" G_GUINT64_FORMAT " %11.1f   %.1f x %.1f x %.1f%s\n", node->id, indented,
-		node->points, node->area_m2, size[0], size[1], size[2],
+	printf("%6u  %-36s %12" G_GUINT64_FORMAT " %11.1f   %.1f x %.1f x %.1f%s\n", node->id,
+		indented, node->points, node->area_m2, size[0], size[1], size[2],
 		strcmp(node->made_by, "user") ? "" : "   by you");
 	for (guint i = 0; i < tree->nodes->len; i++) {
 		const struct segment *child = &g_array_index(tree->nodes, struct segment, i);
@@ -210,17 +214,20 @@ static bool do_log(struct editing *w, GError **error)
 	const segment_edits *edits = segment_editor_edits(w->editor);
 	for (guint i = 0; i < edits->done->len + edits->undone->len; i++) {
 		bool is_done = i < edits->done->len;
-		uint32_t number = is_done ? g_array_index(edits->done, uint32_t, i)
-					  : g_array_index(edits->undone, uint32_t,
-						    edits->undone->len - 1 - (i - edits->done->len));
+		uint32_t number =
+			is_done ? g_array_index(edits->done, uint32_t, i)
+				: g_array_index(edits->undone, uint32_t,
+					  edits->undone->len - 1 - (i - edits->done->len));
 		g_autoptr(segment_edit) e = segment_edits_read(w->site, number, error);
 		if (!e)
 			return false;
 		g_autoptr(GString) of = g_string_new(NULL);
 		for (guint k = 0; k < e->segments->len; k++)
-			g_string_append_printf(of, " %u", ((struct segment_ref *)e->segments->pdata[k])->id);
-		printf("%4u  %s  %s%s%s%s%s\n", number, e->time ? e->time : "-", segment_op_names[e->op],
-			of->str, e->name ? " " : "", e->name ? e->name : "", is_done ? "" : "  (undone)");
+			g_string_append_printf(
+				of, " %u", ((struct segment_ref *)e->segments->pdata[k])->id);
+		printf("%4u  %s  %s%s%s%s%s\n", number, e->time ? e->time : "-",
+			segment_op_names[e->op], of->str, e->name ? " " : "",
+			e->name ? e->name : "", is_done ? "" : "  (undone)");
 	}
 	return true;
 }
@@ -235,8 +242,8 @@ static bool draw_strokes(const scan_data *d, const uint16_t *leaf, GArray *runs,
 	for (guint i = 0; i < strokes->len; i++) {
 		const struct drawn *stroke = &g_array_index(strokes, struct drawn, i);
 		struct scribble_stroke line = { stroke->side,
-			(const struct scribble_point *)(void *)stroke->points->data, stroke->points->len,
-			(float)radius };
+			(const struct scribble_point *)(void *)stroke->points->data,
+			stroke->points->len, (float)radius };
 		began = g_get_monotonic_time();
 		scribble_draw(s, &line);
 		worst_ms = fmax(worst_ms, 1e-3 * (double)(g_get_monotonic_time() - began));
@@ -268,7 +275,8 @@ static bool do_draw(struct editing *w, GError **error)
 		return false;
 	const uint16_t *leaf = segment_editor_leaves(w->editor, e->scan, &count);
 	if (!leaf) {
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "there is no scan %u", e->scan);
+		g_set_error(
+			error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "there is no scan %u", e->scan);
 		return false;
 	}
 	g_autoptr(scan_data) d = scan_data_load(w->site, e->scan, error);
@@ -290,7 +298,7 @@ static bool do_draw(struct editing *w, GError **error)
 static const struct action {
 	const char *word;
 	int least, most; /* words behind it */
-	bool shows; /* the tree, afterwards */
+	bool shows;      /* the tree, afterwards */
 	bool (*run)(struct editing *w, GError **error);
 } actions[] = {
 	{ "rename", 2, 2, true, do_rename },
@@ -319,7 +327,8 @@ static int check_options(const struct action *a, int words)
 	if (class_name && segment_class_find(class_name) < 0)
 		return cli_misuse(COMMAND, "--class=%s: there is no such class", class_name);
 	if (!(gap_m > 0) || gap_m > 1000 || level < 0 || level > 21 || points_min < 1)
-		return cli_misuse(COMMAND, "gaps go to 1000 m, levels from 1 to 21, points from 1 on");
+		return cli_misuse(
+			COMMAND, "gaps go to 1000 m, levels from 1 to 21, points from 1 on");
 	if (!(radius >= 0 && radius <= 1000))
 		return cli_misuse(COMMAND, "the brush has a radius from 0 to 1000 cells");
 	if (a->run != do_draw)
@@ -327,7 +336,8 @@ static int check_options(const struct action *a, int words)
 	if (!strokes)
 		return cli_misuse(COMMAND, "draw takes strokes: --inside \"COLUMN,ROW ...\"");
 	if (!class_name == !into)
-		return cli_misuse(COMMAND, "draw makes a new segment (--class) or adds to one (--into)");
+		return cli_misuse(
+			COMMAND, "draw makes a new segment (--class) or adds to one (--into)");
 	return CLI_DONE;
 }
 
@@ -359,7 +369,8 @@ static int list(const char *path)
 int main(int argc, char **argv)
 {
 	int status;
-	if (!cli_parse(COMMAND, "SITE [WHAT ...]", "Shows the segments of a site, and changes them.",
+	if (!cli_parse(COMMAND, "SITE [WHAT ...]",
+		    "Shows the segments of a site, and changes them.",
 		    "What can be done:\n"
 		    "  rename ID NAME            merge ID ID...\n"
 		    "  split ID                  where there are gaps\n"

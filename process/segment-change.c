@@ -18,7 +18,8 @@ static bool do_rename(segment_state *s, const segment_edit *e, GError **error)
 	if (!segment_state_find(s, e, 0, &id, error))
 		return false;
 	if (id < SEGMENT_FIRST)
-		return segment_state_refuse(error, "segment %u is a class, which keeps its name", id);
+		return segment_state_refuse(
+			error, "segment %u is a class, which keeps its name", id);
 	set_text(&segments_find(s->tree, id)->name, e->name);
 	return true;
 }
@@ -26,14 +27,17 @@ static bool do_rename(segment_state *s, const segment_edit *e, GError **error)
 static bool do_move(segment_state *s, const segment_edit *e, GError **error)
 {
 	uint32_t id, to = e->class >= 0 ? segment_of_class((enum segment_class)e->class) : 0;
-	if (!segment_state_find(s, e, 0, &id, error) || (!to && !segment_state_find(s, e, 1, &to, error)))
+	if (!segment_state_find(s, e, 0, &id, error) ||
+		(!to && !segment_state_find(s, e, 1, &to, error)))
 		return false;
 	if (id < SEGMENT_FIRST)
-		return segment_state_refuse(error, "segment %u is a class, which stays where it is", id);
+		return segment_state_refuse(
+			error, "segment %u is a class, which stays where it is", id);
 	if (segments_is_above(s->tree, id, to))
 		return segment_state_refuse(error, "segment %u cannot be put into itself", id);
 	if (to >= SEGMENT_FIRST && segments_is_leaf(s->tree, to))
-		return segment_state_refuse(error, "segment %u has points of its own: merge the two instead", to);
+		return segment_state_refuse(
+			error, "segment %u has points of its own: merge the two instead", to);
 	g_autofree struct leaf_sum *sum = segment_sums_new(s->tree);
 	enum segment_class class = segments_find(s->tree, to)->class;
 	for (guint i = 0; i < s->tree->nodes->len; i++) {
@@ -50,7 +54,8 @@ static bool do_move(segment_state *s, const segment_edit *e, GError **error)
 /* ---- merge ---- */
 
 /* The leaves below id become id, which is a leaf then. */
-static void melt(segment_state *s, uint32_t id, uint32_t into, uint16_t *becomes, struct leaf_sum *sum)
+static void melt(
+	segment_state *s, uint32_t id, uint32_t into, uint16_t *becomes, struct leaf_sum *sum)
 {
 	g_autofree uint8_t *is = segment_state_below(s->tree, id);
 	for (uint32_t k = SEGMENT_FIRST; k <= SEGMENTS_MAX; k++) {
@@ -61,7 +66,8 @@ static void melt(segment_state *s, uint32_t id, uint32_t into, uint16_t *becomes
 		sum[k] = (struct leaf_sum){ 0 };
 	}
 	for (uint32_t k = SEGMENTS_MAX; k >= SEGMENT_FIRST; k--)
-		while (is[k] && k != into && segments_find(s->tree, k) && segments_is_leaf(s->tree, k))
+		while (is[k] && k != into && segments_find(s->tree, k) &&
+			segments_is_leaf(s->tree, k))
 			segments_remove(s->tree, k);
 }
 
@@ -78,10 +84,13 @@ static bool check_merge(segment_state *s, const segment_edit *e, uint32_t *id, G
 		if (!segment_state_find(s, e, i, &id[i], error))
 			return false;
 		if (id[i] < SEGMENT_FIRST)
-			return segment_state_refuse(error, "segment %u is a class, which cannot be merged", id[i]);
+			return segment_state_refuse(
+				error, "segment %u is a class, which cannot be merged", id[i]);
 		for (guint k = 0; k < i; k++)
-			if (segments_is_above(s->tree, id[k], id[i]) || segments_is_above(s->tree, id[i], id[k]))
-				return segment_state_refuse(error, "segment %u and segment %u are not apart", id[k], id[i]);
+			if (segments_is_above(s->tree, id[k], id[i]) ||
+				segments_is_above(s->tree, id[i], id[k]))
+				return segment_state_refuse(error,
+					"segment %u and segment %u are not apart", id[k], id[i]);
 	}
 	return true;
 }
@@ -170,7 +179,8 @@ static bool add_parts(segment_state *s, uint32_t leaf, const components *c, uint
 						     : g_strdup_printf("%s, the rest", name);
 		uint32_t id = segments_add(s->tree, leaf, part, "user");
 		if (!id)
-			return segment_state_refuse(error, "there are more than %u segments", SEGMENTS_MAX);
+			return segment_state_refuse(
+				error, "there are more than %u segments", SEGMENTS_MAX);
 		*(k < c->count ? &ret_part[order[k]] : ret_rest) = (uint16_t)id;
 	}
 	return true;
@@ -189,8 +199,8 @@ static bool do_split(segment_state *s, const segment_edit *e, GError **error)
 	g_autoptr(components) c = components_find(v, NULL, e->points_min);
 	if (c->count < 2)
 		return segment_state_refuse(error,
-			"no gap of %g m divides segment %u into parts of %u points or more", e->gap_m, id,
-			e->points_min);
+			"no gap of %g m divides segment %u into parts of %u points or more",
+			e->gap_m, id, e->points_min);
 	g_autoptr(segments) before = segments_copy(s->tree);
 	g_autofree struct leaf_sum *sum = segment_sums_new(s->tree);
 	g_autofree uint16_t *part = g_new0(uint16_t, c->count + 1);
@@ -205,7 +215,8 @@ static bool do_split(segment_state *s, const segment_edit *e, GError **error)
 		which[part[k]] = 1;
 	which[rest] = 1;
 	sum[id] = (struct leaf_sum){ 0 };
-	if (!label_parts(s, id, v, c, part, rest, error) || !segment_sums_measure(s, which, sum, error))
+	if (!label_parts(s, id, v, c, part, rest, error) ||
+		!segment_sums_measure(s, which, sum, error))
 		return false;
 	segment_sums_finish(s->tree, sum);
 	return true;
@@ -215,7 +226,8 @@ static bool do_split(segment_state *s, const segment_edit *e, GError **error)
 
 bool segment_state_apply(segment_state *s, const segment_edit *e, GError **error)
 {
-	static bool (*const doing[SEGMENT_OPS])(segment_state *, const segment_edit *, GError **) = {
+	static bool (*const doing[SEGMENT_OPS])(
+		segment_state *, const segment_edit *, GError **) = {
 		[EDIT_RENAME] = do_rename,
 		[EDIT_MERGE] = do_merge,
 		[EDIT_SPLIT] = do_split,

@@ -3,14 +3,14 @@
 
 #define DRAWN_VOXEL_M 0.12
 /* Of a leaf that was drawn in: with this much of what the scan shows of it, it is meant as a whole. */
-#define WHOLE_SHARE   0.7
+#define WHOLE_SHARE 0.7
 
 struct drawing {
 	segment_state *s;
-	guint scan; /* that was drawn in */
-	uint8_t *selected; /* of its cells */
+	guint scan;           /* that was drawn in */
+	uint8_t *selected;    /* of its cells */
 	voxels *inside, *all; /* where it has points that are selected, and any */
-	uint8_t *is_whole; /* of each leaf */
+	uint8_t *is_whole;    /* of each leaf */
 	uint16_t into;
 };
 
@@ -66,7 +66,8 @@ static bool draw_scan(struct drawing *d, guint i, uint8_t *which, GError **error
 {
 	struct segment_label *l = &d->s->label[i];
 	struct segmentation_scan scan;
-	if (segment_scans_at(d->s->scans, i)->frame != segment_scans_at(d->s->scans, d->scan)->frame)
+	if (segment_scans_at(d->s->scans, i)->frame !=
+		segment_scans_at(d->s->scans, d->scan)->frame)
 		return true;
 	if (!segment_scans_open(d->s->scans, i, &scan, error))
 		return false;
@@ -112,9 +113,11 @@ static bool find_target(segment_state *s, const segment_edit *e, uint16_t *ret, 
 			return false;
 		*ret = (uint16_t)id;
 		return (id >= SEGMENT_FIRST && segments_is_leaf(s->tree, id)) ||
-		       segment_state_refuse(error, "segment %u has parts: draw into one of these", id);
+		       segment_state_refuse(
+			       error, "segment %u has parts: draw into one of these", id);
 	}
-	g_autofree char *name = e->name ? g_strdup(e->name) : g_strdup_printf("Drawn %u", e->number);
+	g_autofree char *name =
+		e->name ? g_strdup(e->name) : g_strdup_printf("Drawn %u", e->number);
 	id = segments_add(s->tree, segment_of_class((enum segment_class)e->class), name, "user");
 	*ret = (uint16_t)id;
 	return id || segment_state_refuse(error, "there are more than %u segments", SEGMENTS_MAX);

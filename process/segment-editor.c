@@ -26,7 +26,8 @@ static bool check_due(site *s, const scan_graph *g, GError **error)
 		return false;
 	if (due)
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_INITIALIZED,
-			"%s: its segments are not up to date (%s); pleinair process brings them there",
+			"%s: its segments are not up to date (%s); pleinair process brings them "
+			"there",
 			site_path(s), why);
 	return !due;
 }
@@ -39,7 +40,8 @@ segment_editor *segment_editor_new(site *s, const scan_graph *g, GError **error)
 		!(e->edits = segment_edits_load(s, error)))
 		return NULL;
 	if (!e->scans->scans->len) {
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "%s: has no scans", site_path(s));
+		g_set_error(
+			error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "%s: has no scans", site_path(s));
 		return NULL;
 	}
 	e->state = segment_state_load(s, e->scans, error);
@@ -69,7 +71,8 @@ const uint16_t *segment_editor_leaves(const segment_editor *e, uint32_t scan, ui
 bool segment_editor_refer(segment_editor *e, segment_edit *edit, uint32_t id, GError **error)
 {
 	if (!segments_find(e->state->tree, id) || id == SEGMENT_SITE) {
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT, "there is no segment %u", id);
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
+			"there is no segment %u", id);
 		return false;
 	}
 	segment_state_refer(e->state, edit, id);

@@ -45,7 +45,8 @@ void segment_edit_free(segment_edit *e)
 struct segment_ref *segment_edit_add_ref(segment_edit *e, uint32_t id, uint32_t up)
 {
 	struct segment_ref *r = g_new(struct segment_ref, 1);
-	*r = (struct segment_ref){ id, up, g_array_new(FALSE, FALSE, sizeof(struct segment_anchor)) };
+	*r = (struct segment_ref){ id, up,
+		g_array_new(FALSE, FALSE, sizeof(struct segment_anchor)) };
 	g_ptr_array_add(e->segments, r);
 	return r;
 }
@@ -164,16 +165,11 @@ static bool is_whole(const segment_edit *e)
 {
 	guint n = e->segments->len;
 	switch (e->op) {
-	case EDIT_RENAME:
-		return n == 1 && e->name && e->name[0];
-	case EDIT_MERGE:
-		return n >= 2;
-	case EDIT_SPLIT:
-		return n == 1 && e->gap_m > 0 && isfinite(e->gap_m);
-	case EDIT_MOVE:
-		return n + (e->class >= 0) == 2 && n;
-	default:
-		return n + (e->class >= 0) == 1 && e->runs->len;
+	case EDIT_RENAME: return n == 1 && e->name && e->name[0];
+	case EDIT_MERGE: return n >= 2;
+	case EDIT_SPLIT: return n == 1 && e->gap_m > 0 && isfinite(e->gap_m);
+	case EDIT_MOVE: return n + (e->class >= 0) == 2 && n;
+	default: return n + (e->class >= 0) == 1 && e->runs->len;
 	}
 }
 
@@ -292,7 +288,8 @@ static bool save_list(const segment_edits *e, const site *s, GError **error)
 static bool find_number(const site *s, uint32_t *ret, GError **error)
 {
 	g_autofree char *folder = g_build_filename(site_path(s), "edits", NULL);
-	g_autoptr(GPtrArray) names = files_make_folder(folder, error) ? files_names(folder, error) : NULL;
+	g_autoptr(GPtrArray) names =
+		files_make_folder(folder, error) ? files_names(folder, error) : NULL;
 	*ret = 1;
 	for (guint i = 0; names && i < names->len; i++)
 		*ret = MAX(*ret, (uint32_t)g_ascii_strtoull(names->pdata[i], NULL, 10) + 1);
@@ -318,7 +315,8 @@ bool segment_edits_append(segment_edits *e, site *s, segment_edit *edit, GError 
 	return save_edit(edit, path, error) && save_list(e, s, error);
 }
 
-static bool move_last(segment_edits *e, site *s, GArray *from, GArray *to, const char *what, GError **error)
+static bool move_last(
+	segment_edits *e, site *s, GArray *from, GArray *to, const char *what, GError **error)
 {
 	if (!from->len) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "%s: there is nothing to %s",
@@ -345,6 +343,7 @@ char *segment_edits_done(const segment_edits *e)
 {
 	g_autoptr(GString) text = g_string_new(NULL);
 	for (guint i = 0; i < e->done->len; i++)
-		g_string_append_printf(text, "%s%u", i ? " " : "", g_array_index(e->done, uint32_t, i));
+		g_string_append_printf(
+			text, "%s%u", i ? " " : "", g_array_index(e->done, uint32_t, i));
 	return g_string_free(g_steal_pointer(&text), FALSE);
 }

@@ -15,9 +15,9 @@
 enum segment_op {
 	EDIT_RENAME, /* the first segment: name */
 	EDIT_MERGE,  /* all segments into the first; name, if given */
-	EDIT_SPLIT,  /* the first, a leaf, where gaps of gap_m divide it into parts of points_min points */
-	EDIT_MOVE,   /* the first under the second, or under a class */
-	EDIT_DRAW,   /* cells of a scan, and what other scans have at these places, into a new segment of a class, or into the first */
+	EDIT_SPLIT, /* the first, a leaf, where gaps of gap_m divide it into parts of points_min points */
+	EDIT_MOVE, /* the first under the second, or under a class */
+	EDIT_DRAW, /* cells of a scan, and what other scans have at these places, into a new segment of a class, or into the first */
 	SEGMENT_OPS
 };
 extern const char *const segment_op_names[SEGMENT_OPS]; /* "rename", ... */
@@ -26,8 +26,8 @@ struct segment_anchor {
 	uint32_t scan, cell;
 };
 struct segment_ref {
-	uint32_t id; /* when the change was made */
-	uint32_t up; /* levels above the leaves of its anchors */
+	uint32_t id;     /* when the change was made */
+	uint32_t up;     /* levels above the leaves of its anchors */
 	GArray *anchors; /* of struct segment_anchor */
 };
 struct cell_run {
@@ -38,8 +38,8 @@ typedef struct segment_edit segment_edit;
 struct segment_edit {
 	uint32_t number;
 	enum segment_op op;
-	char *time; /* UTC */
-	char *base; /* key of the segments that ids are of (segments.h) */
+	char *time;          /* UTC */
+	char *base;          /* key of the segments that ids are of (segments.h) */
 	GPtrArray *segments; /* of struct segment_ref */
 	char *name;          /* NULL: none */
 	int class;           /* enum segment_class; -1: none */

@@ -97,7 +97,8 @@ bool segment_scans_open(segment_scans *s, guint i, struct segmentation_scan *ret
 {
 	const struct segment_scan *scan = segment_scans_at(s, i);
 	const scan_data *d = scan_cache_load(s->cache, scan->number, error);
-	if (!d || !open_geometry(s, d, d->grid ? range_grid_cells(d->grid) : d->points->count, error))
+	if (!d ||
+		!open_geometry(s, d, d->grid ? range_grid_cells(d->grid) : d->points->count, error))
 		return false;
 	g_clear_pointer(&s->label, g_free);
 	if (d->points && d->points->have & POINTS_HAVE_CLASSIFICATION && s->labels)

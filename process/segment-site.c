@@ -1,5 +1,6 @@
 #include "process/segment-site.h"
 #include "firmware-io/files.h"
+#include "process/segment-model.h"
 #include "process/segment-state.h"
 #include <glib/gstdio.h>
 #include <math.h>
@@ -15,7 +16,17 @@ struct parameters {
 	double gap_m;
 	int64_t points_min;
 	bool labels;
+	char *model, *model_state; /* NULL: none */
+	double confidence;
 };
+
+static void parameters_clear(struct parameters *p)
+{
+	g_free(p->model);
+	g_free(p->model_state);
+}
+typedef struct parameters parameters;
+G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(parameters, parameters_clear)
 
 static bool read_labels(const manifest *m, bool *ret, GError **error)
 {
@@ -32,11 +43,29 @@ static bool read_labels(const manifest *m, bool *ret, GError **error)
 	return false;
 }
 
+/* A path that is not absolute is one in the site's folder. */
+static bool read_model(const site *s, struct parameters *ret, GError **error)
+{
+	const manifest *m = site_manifest(s);
+	ret->confidence = SEGMENT_MODEL_CONFIDENCE;
+	if (!manifest_has(m, "segmentation.model"))
+		return true;
+	const char *path = manifest_get_string(m, "segmentation.model", error);
+	if (!path || (manifest_has(m, "segmentation.confidence") &&
+			     !manifest_get_number(
+				     m, "segmentation.confidence", 0, 1, &ret->confidence, error)))
+		return false;
+	ret->model = g_path_is_absolute(path) ? g_strdup(path)
+					      : g_build_filename(site_path(s), path, NULL);
+	ret->model_state = segment_model_fingerprint(ret->model, error);
+	return ret->model_state;
+}
+
 static bool read_parameters(const site *s, struct parameters *ret, GError **error)
 {
 	const manifest *m = site_manifest(s);
 	*ret = (struct parameters){ 0 };
-	return read_labels(m, &ret->labels, error) &&
+	return read_labels(m, &ret->labels, error) && read_model(s, ret, error) &&
 	       (!manifest_has(m, "segmentation.gap_m") ||
 		       manifest_get_number(
 			       m, "segmentation.gap_m", 0.01, GAP_MOST_M, &ret->gap_m, error)) &&
@@ -50,6 +79,8 @@ static char *key_of(const segment_scans *scans, const struct parameters *p)
 	g_autoptr(GString) text = g_string_new(NULL);
 	g_string_printf(text, "%s %d %d %.9g %" G_GINT64_FORMAT " %d", SCAN_SEGMENTS_KIND,
 		SCAN_SEGMENTS_VERSION, METHOD, p->gap_m, p->points_min, p->labels);
+	if (p->model)
+		g_string_append_printf(text, " %s %.9g", p->model_state, p->confidence);
 	for (guint i = 0; i < scans->scans->len; i++) {
 		const struct segment_scan *scan = segment_scans_at(scans, i);
 		g_string_append_printf(text, "\n%u %" G_GINT64_FORMAT " %s", scan->number,
@@ -67,7 +98,8 @@ struct maker {
 	segment_scans *scans;
 	GArray *frame; /* of guint: the scans that are segmented now */
 	segments *tree;
-	double from, to; /* of the whole */
+	segment_model *model; /* NULL: none */
+	double from, to;      /* of the whole */
 };
 
 static bool open_scan(gpointer user_data, size_t i, struct segmentation_scan *ret, GError **error)
@@ -125,7 +157,7 @@ static bool label_scans(struct maker *m, const segmentation *seg, GError **error
 				"stopped while labelling points");
 			return false;
 		}
-		segmentation_label(seg, &scan, leaf);
+		segmentation_label(seg, i, &scan, leaf);
 		count_leaves(m->tree, &scan.points, leaf);
 		if (!scan_segments_write(m->site, scan.points.data->number, m->tree->key, leaf,
 			    leaf, scan.points.count, error))
@@ -138,7 +170,8 @@ static bool segment_frame(struct maker *m, GError **error)
 {
 	struct segmentation_source source = { m->frame->len, open_scan, m };
 	struct segmentation_options options = { m->parameters->gap_m,
-		(uint32_t)m->parameters->points_min, tell_progress, m };
+		(uint32_t)m->parameters->points_min, tell_progress, m,
+		m->model ? segment_model_label : NULL, m->model };
 	g_autoptr(segmentation) seg = segmentation_new(&source, &options, m->tree, error);
 	return seg && label_scans(m, seg, error);
 }
@@ -206,7 +239,11 @@ static bool find_segments(site *s, segment_scans *scans, const struct parameters
 	g_autofree char *path = segments_automatic_path(site_path(s));
 	g_autoptr(GArray) frame = g_array_new(FALSE, FALSE, sizeof(guint));
 	g_autoptr(segments) tree = segments_new();
-	struct maker m = { s, options, p, scans, frame, tree, 0, 1 };
+	g_autoptr(segment_model) teller =
+		p->model ? segment_model_open(p->model, p->confidence, error) : NULL;
+	struct maker m = { s, options, p, scans, frame, tree, teller, 0, 1 };
+	if (p->model && !teller)
+		return false;
 	g_free(tree->key);
 	tree->key = g_strdup(key);
 	return files_make_folder(folder, error) && segment_frames(&m, error) &&
@@ -261,12 +298,12 @@ static char *why_change(
 bool segment_site_is_due(
 	const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error)
 {
-	struct parameters parameters;
-	g_autoptr(segment_scans) scans = find_scans(s, g, &parameters, error);
+	g_auto(parameters) p = { 0 };
+	g_autoptr(segment_scans) scans = find_scans(s, g, &p, error);
 	g_autoptr(segment_edits) edits = scans ? segment_edits_load(s, error) : NULL;
 	if (!edits)
 		return false;
-	g_autofree char *key = key_of(scans, &parameters), *done = segment_edits_done(edits);
+	g_autofree char *key = key_of(scans, &p), *done = segment_edits_done(edits);
 	*ret_why = why_find(s, scans, key);
 	if (!*ret_why)
 		*ret_why = why_change(s, scans, key, done);
@@ -304,13 +341,13 @@ static bool change(site *s, segment_scans *scans, const segment_edits *edits,
 bool segment_site(site *s, const scan_graph *g, const struct segment_site_options *options,
 	struct segment_site_result *ret, GError **error)
 {
-	struct parameters parameters;
-	g_autoptr(segment_scans) scans = find_scans(s, g, &parameters, error);
+	g_auto(parameters) p = { 0 };
+	g_autoptr(segment_scans) scans = find_scans(s, g, &p, error);
 	g_autoptr(segment_edits) edits = scans ? segment_edits_load(s, error) : NULL;
 	*ret = (struct segment_site_result){ 0 };
 	if (!edits || !scans->scans->len)
 		return edits;
-	g_autofree char *key = key_of(scans, &parameters), *why = why_find(s, scans, key);
-	return (!why || find_segments(s, scans, &parameters, key, options, error)) &&
+	g_autofree char *key = key_of(scans, &p), *why = why_find(s, scans, key);
+	return (!why || find_segments(s, scans, &p, key, options, error)) &&
 	       change(s, scans, edits, ret, error);
 }

@@ -20,7 +20,8 @@ void segment_state_free(segment_state *s)
 	g_free(s);
 }
 
-static segment_state *load(site *s, segment_scans *scans, const char *path, bool changed, GError **error)
+static segment_state *load(
+	site *s, segment_scans *scans, const char *path, bool changed, GError **error)
 {
 	g_autoptr(segment_state) state = g_new0(segment_state, 1);
 	state->site = s;
@@ -54,8 +55,9 @@ segment_state *segment_state_load(site *s, segment_scans *scans, GError **error)
 bool segment_state_save(segment_state *s, const char *edits, GError **error)
 {
 	for (guint i = 0; i < s->scans->scans->len; i++)
-		if (!scan_segments_write(s->site, segment_scans_at(s->scans, i)->number, s->tree->key,
-			    s->label[i].automatic, s->label[i].leaf, s->label[i].count, error))
+		if (!scan_segments_write(s->site, segment_scans_at(s->scans, i)->number,
+			    s->tree->key, s->label[i].automatic, s->label[i].leaf,
+			    s->label[i].count, error))
 			return false;
 	g_free(s->tree->edits);
 	s->tree->edits = g_strdup(edits);
@@ -107,7 +109,8 @@ void segment_state_refer(const segment_state *s, segment_edit *e, uint32_t id)
 	uint64_t step = node ? MAX(node->points / ANCHORS, 1) : 1, seen = 0;
 	for (guint i = 0; i < s->scans->scans->len; i++)
 		for (uint64_t k = 0; k < s->label[i].count; k++) {
-			struct segment_anchor a = { segment_scans_at(s->scans, i)->number, (uint32_t)k };
+			struct segment_anchor a = { segment_scans_at(s->scans, i)->number,
+				(uint32_t)k };
 			if (is[s->label[i].leaf[k]] && seen++ % step == step / 2)
 				g_array_append_val(r->anchors, a);
 		}
@@ -127,7 +130,8 @@ static uint32_t find_by_points(const segment_state *s, const struct segment_ref 
 	g_autofree uint32_t *votes = g_new0(uint32_t, SEGMENTS_MAX + 1);
 	uint32_t best = 0;
 	for (guint k = 0; k < r->anchors->len; k++) {
-		const struct segment_anchor *a = &g_array_index(r->anchors, struct segment_anchor, k);
+		const struct segment_anchor *a =
+			&g_array_index(r->anchors, struct segment_anchor, k);
 		const struct segment_label *l = labels_of(s, a->scan);
 		uint32_t leaf = l && a->cell < l->count ? l->leaf[a->cell] : 0;
 		if (leaf && ++votes[leaf] > votes[best])

@@ -15,7 +15,7 @@ struct segment_state {
 	segment_scans *scans; /* not owned */
 	segments *tree;
 	struct segment_label *label; /* of scans, in their order */
-	uint32_t left_out; /* changes that speak of what is not there any more */
+	uint32_t left_out;           /* changes that speak of what is not there any more */
 };
 
 /* As the computer found it. */

@@ -23,6 +23,7 @@ struct segmentation {
 	ground *ground;
 	voxels *voxels;
 	struct segment_things things;
+	GPtrArray *told; /* uint8_t of each scan, by somebody else; NULL: nobody did */
 };
 
 void segmentation_free(segmentation *s)
@@ -32,6 +33,7 @@ void segmentation_free(segmentation *s)
 	ground_free(s->ground);
 	voxels_free(s->voxels);
 	segment_things_clear(&s->things);
+	g_clear_pointer(&s->told, g_ptr_array_unref);
 	g_free(s);
 }
 
@@ -179,6 +181,44 @@ static bool find_stations(const struct passes *p, GArray *stations, GError **err
 
 /* ---- the whole ---- */
 
+/* Asks somebody else about all scans. */
+static bool ask(const struct passes *p, GError **error)
+{
+	segmentation *s = p->s;
+	if (!p->options || !p->options->tell)
+		return true;
+	s->told = g_ptr_array_new_with_free_func(g_free);
+	for (size_t k = 0; k < p->source->scans; k++) {
+		struct segmentation_scan scan = { 0 };
+		if (!go_on(p, 0.6, "asking the model", error) ||
+			!p->source->open(p->source->user_data, k, &scan, error))
+			return false;
+		g_autofree float *height_m = g_new0(float, scan.points.count + 1);
+		uint8_t *label = g_malloc(scan.points.count + 1);
+		g_ptr_array_add(s->told, label);
+#pragma omp parallel for schedule(dynamic, 8192)
+		for (uint64_t i = 0; i < scan.points.count; i++) {
+			double at[3];
+			if (!scan_points_has(&scan.points, i))
+				continue;
+			scan_points_position(&scan.points, i, at);
+			float height = ground_height_m(s->ground, at);
+			height_m[i] = isfinite(height) ? height : 0;
+		}
+		if (!p->options->tell(p->options->teller, &scan, height_m, label, error))
+			return false;
+	}
+	return true;
+}
+
+/* What is told of a point: by somebody else, or by its file. */
+static uint8_t label_of(
+	const segmentation *s, size_t index, const struct segmentation_scan *scan, uint64_t i)
+{
+	uint8_t told = s->told ? ((const uint8_t *)s->told->pdata[index])[i] : LABEL_NONE;
+	return told < SEGMENT_CLASSES ? told : scan->label ? scan->label[i] : LABEL_NONE;
+}
+
 /* What files or a model tell of voxels: the class that most of its points have. */
 static bool count_labels(const struct passes *p, uint8_t *class, GError **error)
 {
@@ -188,16 +228,18 @@ static bool count_labels(const struct passes *p, uint8_t *class, GError **error)
 		struct segmentation_scan scan = { 0 };
 		if (!p->source->open(p->source->user_data, k, &scan, error))
 			return false;
-		if (scan.label && !votes)
+		bool is_told = scan.label || p->s->told;
+		if (is_told && !votes)
 			votes = g_malloc0_n(v->count + 1, sizeof *votes);
-		for (uint64_t i = 0; scan.label && i < scan.points.count; i++) {
+		for (uint64_t i = 0; is_told && i < scan.points.count; i++) {
 			double at[3];
-			if (scan.label[i] >= SEGMENT_CLASSES || !scan_points_has(&scan.points, i))
+			uint8_t label = label_of(p->s, k, &scan, i);
+			if (label >= SEGMENT_CLASSES || !scan_points_has(&scan.points, i))
 				continue;
 			scan_points_position(&scan.points, i, at);
 			uint32_t voxel = voxels_find_point(v, at);
-			if (voxel != VOXEL_NONE && votes[voxel][scan.label[i]] < G_MAXUINT16)
-				votes[voxel][scan.label[i]]++;
+			if (voxel != VOXEL_NONE && votes[voxel][label] < G_MAXUINT16)
+				votes[voxel][label]++;
 		}
 	}
 	for (uint32_t i = 0; votes && i < v->count; i++) {
@@ -232,7 +274,7 @@ static bool find_things(
 		water_find(s->ground, (const double(*)[3])stations->data, stations->len);
 	struct classify_input in = { s->voxels, shape, regions, s->ground, height_m, ground_class };
 	g_autofree uint8_t *class = classify(&in);
-	if (!count_labels(p, class, error))
+	if (!ask(p, error) || !count_labels(p, class, error))
 		return false;
 	uint32_t points_min =
 		p->options && p->options->points_min ? p->options->points_min : POINTS_MIN;
@@ -265,11 +307,12 @@ segmentation *segmentation_new(const struct segmentation_source *source,
 
 /* ---- leaves ---- */
 
-static uint16_t leaf_of(const segmentation *s, const struct segmentation_scan *scan, uint64_t i)
+static uint16_t leaf_of(
+	const segmentation *s, size_t index, const struct segmentation_scan *scan, uint64_t i)
 {
 	struct voxel_point p;
 	segmentation_point(scan, 0, i, &p);
-	uint8_t label = scan->label ? scan->label[i] : LABEL_NONE;
+	uint8_t label = label_of(s, index, scan, i);
 	uint32_t voxel = voxels_find_point(s->voxels, p.at_m),
 		 surfel = ground_surfel(s->ground, p.at_m);
 	if (surfel != VOXEL_NONE && (is_ground(s, &p) || voxel == VOXEL_NONE))
@@ -280,11 +323,11 @@ static uint16_t leaf_of(const segmentation *s, const struct segmentation_scan *s
 		label);
 }
 
-void segmentation_label(
-	const segmentation *s, const struct segmentation_scan *scan, uint16_t *ret_leaf)
+void segmentation_label(const segmentation *s, size_t index, const struct segmentation_scan *scan,
+	uint16_t *ret_leaf)
 {
 #pragma omp parallel for schedule(dynamic, 8192)
 	for (uint64_t i = 0; i < scan->points.count; i++)
-		ret_leaf[i] =
-			scan_points_has(&scan->points, i) ? leaf_of(s, scan, i) : SEGMENT_NONE;
+		ret_leaf[i] = scan_points_has(&scan->points, i) ? leaf_of(s, index, scan, i)
+								: SEGMENT_NONE;
 }

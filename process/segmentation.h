@@ -31,6 +31,11 @@ struct segmentation_options {
 		points_min; /* 0: 60; things with fewer points are put with others of their class */
 	bool (*progress)(double fraction, const char *doing, gpointer user_data); /* false stops */
 	gpointer user_data;
+	/* What somebody else tells of a scan, given the height of each cell or point above the ground: fills labels as in
+	 * segmentation_scan, which go before those. NULL: nobody. */
+	bool (*tell)(gpointer teller, const struct segmentation_scan *scan, const float *height_m,
+		uint8_t *ret_label, GError **error);
+	gpointer teller;
 };
 
 struct segmentation_source {
@@ -50,9 +55,9 @@ segmentation *segmentation_new(const struct segmentation_source *source,
 	const struct segmentation_options *options, segments *into, GError **error);
 void segmentation_free(segmentation *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(segmentation, segmentation_free)
-/* Leaf of each cell or point, SEGMENT_NONE where there is no point. On all threads. */
-void segmentation_label(
-	const segmentation *s, const struct segmentation_scan *scan, uint16_t *ret_leaf);
+/* Leaf of each cell or point of a scan, the one of this index in the source; SEGMENT_NONE where there is no point. On all threads. */
+void segmentation_label(const segmentation *s, size_t index, const struct segmentation_scan *scan,
+	uint16_t *ret_leaf);
 double segmentation_gap_m(const segmentation *s); /* that was used */
 
 #endif

@@ -8,8 +8,6 @@
 
 const char *const semantic_channel_names[SEMANTIC_CHANNELS] = { "range_m", "intensity", "red",
 	"green", "blue", "height_m", "normal_x", "normal_y", "normal_z", "curvature", "measured" };
-static const char *const kind_names[] = { "other", "building", "vegetation", "terrain", "structure",
-	"water" };
 
 static bool refuse(GError **error, const manifest *m, const char *format, ...) G_GNUC_PRINTF(3, 4);
 
@@ -125,9 +123,9 @@ static bool read_classes(const manifest *m, semantic_manifest *ret, GError **err
 			return refuse(error, m, "'classes', entry %u: must be a name", i + 1);
 		if (find_name((const char *const *)ret->class_name, i, name) >= 0)
 			return refuse(error, m, "'classes': \"%s\" is there twice", name);
-		int kind = find_name(kind_names, G_N_ELEMENTS(kind_names), name);
+		int kind = segment_class_find(name);
 		ret->class_name[i] = g_strdup(name);
-		ret->kind[i] = kind < 0 ? SEMANTIC_OTHER : (enum semantic_kind)kind;
+		ret->kind[i] = kind < 0 ? CLASS_OTHER : (enum segment_class)kind;
 	}
 	ret->classes = count;
 	return list;

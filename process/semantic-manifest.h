@@ -20,6 +20,7 @@
  *   missing, less than half of the tile.
  *
  * Unknown keys are passed over. Errors are one sentence with the file and the key, of the domains that acquire/manifest.h has. */
+#include "process/segment-class.h"
 #include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -41,15 +42,6 @@ enum semantic_channel {
 };
 extern const char *const semantic_channel_names[SEMANTIC_CHANNELS];
 
-enum semantic_kind {
-	SEMANTIC_OTHER,
-	SEMANTIC_BUILDING,
-	SEMANTIC_VEGETATION,
-	SEMANTIC_TERRAIN,
-	SEMANTIC_STRUCTURE,
-	SEMANTIC_WATER,
-};
-
 #define SEMANTIC_CLASSES_MAX 254u
 
 struct semantic_input {
@@ -62,7 +54,7 @@ struct semantic_manifest {
 	struct semantic_input input[SEMANTIC_CHANNELS];
 	uint32_t inputs;
 	char **class_name; /* NULL-terminated */
-	enum semantic_kind kind[SEMANTIC_CLASSES_MAX];
+	enum segment_class kind[SEMANTIC_CLASSES_MAX];
 	uint32_t classes;
 	uint32_t tile_columns, tile_rows; /* 0: the whole panorama */
 	uint32_t overlap;

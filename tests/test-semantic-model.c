@@ -81,9 +81,9 @@ static void test_classes(void)
 	g_autoptr(semantic_model) model = semantic_model_open(path, &error);
 	g_assert_no_error(error);
 	const semantic_manifest *f = semantic_model_manifest(model);
-	g_assert_cmpuint(f->kind[0], ==, SEMANTIC_TERRAIN);
-	g_assert_cmpuint(f->kind[1], ==, SEMANTIC_BUILDING);
-	g_assert_cmpuint(f->kind[2], ==, SEMANTIC_OTHER);
+	g_assert_cmpuint(f->kind[0], ==, CLASS_TERRAIN);
+	g_assert_cmpuint(f->kind[1], ==, CLASS_BUILDING);
+	g_assert_cmpuint(f->kind[2], ==, CLASS_OTHER);
 	g_assert_cmpstr(f->class_name[2], ==, "far away");
 	uint8_t class[CELLS];
 	float confidence[CELLS];
