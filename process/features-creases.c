@@ -1,0 +1,181 @@
+#include "process/features-private.h"
+#include "process/model.h"
+#include <string.h>
+
+/* Windows on either side begin so many cells away, at most. */
+#define REACH_MOST 12
+/* Answers from this share of the way between them: the sine of the angle of a crease, times a half for the edge filter. */
+#define CREASE_LEAST 0.13f
+/* And this often what the planes' tilts are uncertain by. */
+#define CREASE_SIGMAS 4.0f
+#define ANSWER_MOST   8.0f
+#define RIDGE_LEAST   0.2f /* answers to less are nothing */
+
+/* ---- how far it is to the next depth edge ---- */
+
+/* Cells, up to REACH_MOST + 1, the longer way along a row or a column counts. */
+static void measure_distance(const struct features_input *of, const uint8_t *flags, uint8_t *distance)
+{
+	const range_grid *g = of->grid;
+	size_t cells = range_grid_cells(g);
+	for (size_t i = 0; i < cells; i++)
+		distance[i] = !(g->range_m[i] > 0) || (flags[i] & (FEATURE_SILHOUETTE | FEATURE_BEHIND)) ? 0 : REACH_MOST + 1;
+	for (int pass = 0; pass < 2; pass++)
+		for (size_t n = 0; n < cells; n++) {
+			size_t i = pass ? cells - 1 - n : n, k;
+			uint32_t row = (uint32_t)(i / g->columns), column = (uint32_t)(i % g->columns);
+			int way = pass ? 1 : -1;
+			static const int8_t side[4][2] = { { 1, -1 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+			for (int s = 0; s < 4 && distance[i]; s++)
+				if (feature_step(g, row, column, way * side[s][0], way * side[s][1], &k))
+					distance[i] = MIN(distance[i], distance[k] + 1);
+		}
+}
+
+/* ---- the error of the planes on both sides ---- */
+
+struct creases {
+	const struct features_input *of;
+	const struct feature_planes *planes;
+	const struct features_options *options;
+	const uint8_t *distance;
+	float *error;  /* of the planes on both sides, over the distance in between: the sine of their angle */
+	uint8_t *reach; /* cells to either side */
+	float *ridge;   /* the filter's answer */
+};
+
+static const int8_t ways[4][2] = { { 0, 1 }, { 1, 0 }, { 1, 1 }, { 1, -1 } };
+
+static inline float dot_at(const struct feature_planes *p, size_t i, const float v[3])
+{
+	return p->normal[0][i] * v[0] + p->normal[1][i] * v[1] + p->normal[2][i] * v[2];
+}
+
+/* The point on the plane of the cell, on its own ray. */
+static inline bool point_on(const struct creases *c, size_t i, float ret[3])
+{
+	const range_grid *g = c->of->grid;
+	float at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] }, ahead = dot_at(c->planes, i, at);
+	float offset_m = fabsf(c->planes->offset_m[i]);
+	if (!(offset_m > 0) || !(ahead < 0))
+		return false;
+	for (int k = 0; k < 3; k++)
+		ret[k] = -offset_m / ahead * at[k];
+	return true;
+}
+
+/* Half the width of the windows in metres, as normals.c has it. */
+static float window_m(const range_grid *g, const struct features_options *o, float range_m)
+{
+	return fmaxf(o->radius_m, sqrtf(62 * o->range_noise_m * range_m * (float)g->row_rad));
+}
+
+/* How many cells that is, one way. */
+static int reach_of(const struct creases *c, size_t i, uint32_t row, uint32_t column, const int8_t way[2])
+{
+	const range_grid *g = c->of->grid;
+	float away_m = 0;
+	size_t a, b;
+	if (feature_step(g, row, column, way[0], way[1], &a) && feature_step(g, row, column, -way[0], -way[1], &b)) {
+		float pa[3], pb[3];
+		if (point_on(c, a, pa) && point_on(c, b, pb))
+			away_m = 0.5f * sqrtf((pa[0] - pb[0]) * (pa[0] - pb[0]) + (pa[1] - pb[1]) * (pa[1] - pb[1]) +
+						(pa[2] - pb[2]) * (pa[2] - pb[2]));
+	}
+	away_m = fmaxf(away_m, 0.7f * g->range_m[i] * (float)g->row_rad);
+	float cells = window_m(g, c->options, g->range_m[i]) / away_m;
+	return CLAMP((int)lrintf(cells), 2, MIN(REACH_MOST, (int)c->distance[i]));
+}
+
+/* 1 sigma of the tilt of a plane of that many cells. */
+static float tilt_of(const struct creases *c, size_t i)
+{
+	const range_grid *g = c->of->grid;
+	float spacing_m = g->range_m[i] * (float)sqrt(g->row_rad * g->column_rad);
+	float cosine = fminf(fabsf(c->planes->offset_m[i]) / g->range_m[i], 1);
+	return 3.5f * c->options->range_noise_m * cosine * sqrtf(cosine) / (fmaxf(c->planes->count[i], 4) * spacing_m);
+}
+
+static void measure_error(const struct creases *c, uint32_t row, uint32_t column, const int8_t way[2])
+{
+	const range_grid *g = c->of->grid;
+	size_t i = (size_t)row * g->columns + column, a, b;
+	float pa[3], pb[3];
+	c->error[i] = 0;
+	c->reach[i] = 0;
+	if (!(g->range_m[i] > 0) || c->distance[i] < 2)
+		return;
+	int reach = reach_of(c, i, row, column, way);
+	c->reach[i] = (uint8_t)reach;
+	if (!feature_step(g, row, column, way[0] * reach, way[1] * reach, &a) ||
+		!feature_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) || !point_on(c, a, pa) || !point_on(c, b, pb))
+		return;
+	float between[3] = { pa[0] - pb[0], pa[1] - pb[1], pa[2] - pb[2] };
+	float away2_m2 = between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
+	float off_m = 0.5f * (fabsf(dot_at(c->planes, a, between)) + fabsf(dot_at(c->planes, b, between)));
+	float tilt = CREASE_SIGMAS * sqrtf(tilt_of(c, a) * tilt_of(c, a) + tilt_of(c, b) * tilt_of(c, b));
+	c->error[i] = 2 * off_m / sqrtf(fmaxf(away2_m2, 1e-12f)) / fmaxf(CREASE_LEAST, tilt);
+}
+
+/* ---- the edge filter ---- */
+
+/* A ridge is higher than what is half the way to either side: not so an even bend. */
+static float ridge_at(const struct creases *c, uint32_t row, uint32_t column, const int8_t way[2])
+{
+	const range_grid *g = c->of->grid;
+	size_t i = (size_t)row * g->columns + column, k;
+	int half = MAX((c->reach[i] + 1) / 2, 1);
+	float beside = 0;
+	for (int side = -1; side <= 1; side += 2) {
+		bool known = feature_step(g, row, column, side * way[0] * half, side * way[1] * half, &k) && c->reach[k];
+		beside += known ? c->error[k] : c->error[i]; /* beside a depth edge it is not known to end */
+	}
+	return c->error[i] - 0.5f * beside;
+}
+
+/* Beside its top a ridge counts for less: an edge is where it is highest. */
+static float sharpen(const struct creases *c, uint32_t row, uint32_t column, const int8_t way[2])
+{
+	const range_grid *g = c->of->grid;
+	size_t i = (size_t)row * g->columns + column, k;
+	float here = c->ridge[i], most = here;
+	for (int n = 1; n <= MAX((c->reach[i] + 1) / 2, 1); n++)
+		for (int side = -n; side <= n; side += 2 * n)
+			if (feature_step(g, row, column, side * way[0], side * way[1], &k))
+				most = fmaxf(most, c->ridge[k]);
+	float share = here / most;
+	return here * share * share * share * share;
+}
+
+void feature_creases(const struct features_input *of, const struct feature_planes *p, const struct features_options *o,
+	float *answer, uint8_t *flags)
+{
+	const range_grid *g = of->grid;
+	size_t cells = range_grid_cells(g);
+	g_autofree uint8_t *distance = g_malloc(cells + 1), *reach = g_malloc(cells + 1);
+	g_autofree float *error = g_new(float, cells + 1);
+	g_autofree float *ridge = g_new(float, cells + 1);
+	struct creases c = { of, p, o, distance, error, reach, ridge };
+	measure_distance(of, flags, distance);
+	for (int w = 0; w < 4; w++) {
+#pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
+		for (uint32_t row = 0; row < g->rows; row++)
+			for (uint32_t column = 0; column < g->columns; column++)
+				measure_error(&c, row, column, ways[w]);
+#pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
+		for (uint32_t row = 0; row < g->rows; row++)
+			for (uint32_t column = 0; column < g->columns; column++) {
+				size_t i = (size_t)row * g->columns + column;
+				ridge[i] = error[i] > RIDGE_LEAST ? fmaxf(ridge_at(&c, row, column, ways[w]), 0) : 0;
+			}
+#pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
+		for (uint32_t row = 0; row < g->rows; row++)
+			for (uint32_t column = 0; column < g->columns; column++) {
+				size_t i = (size_t)row * g->columns + column;
+				float sharp = ridge[i] > RIDGE_LEAST ? sharpen(&c, row, column, ways[w]) : 0;
+				if (sharp >= 1)
+					flags[i] |= FEATURE_CREASE;
+				answer[i] = fminf(fmaxf(answer[i], sharp), ANSWER_MOST);
+			}
+	}
+}

@@ -1,0 +1,51 @@
+#ifndef PROCESS_FEATURES_PRIVATE_H
+#define PROCESS_FEATURES_PRIVATE_H
+/* What features*.c share. */
+#include "process/features.h"
+
+/* Planes of a scan's cells: those fitted to linked windows, not mended, so a crease leaves its error. */
+struct feature_planes {
+	float *normal[3], *error_m, *offset_m, *count, *curvature; /* as struct normals_planes */
+};
+void feature_planes_init(struct feature_planes *p, size_t cells);
+void feature_planes_clear(struct feature_planes *p);
+
+/* Where a cell's neighbour is. false: beyond the grid. */
+static inline bool feature_step(const range_grid *g, uint32_t row, uint32_t column, int down, int right, size_t *ret)
+{
+	int64_t r = (int64_t)row + down, c = (int64_t)column + right;
+	if (g->wraps)
+		c = c < 0 ? c + g->columns : c >= g->columns ? c - g->columns : c;
+	if (r < 0 || r >= g->rows || c < 0 || c >= g->columns)
+		return false;
+	*ret = (size_t)r * g->columns + (size_t)c;
+	return true;
+}
+
+/* Feature points are those of a higher degree. */
+static inline uint8_t feature_least(const struct features_options *o)
+{
+	return (uint8_t)CLAMP(255 * o->threshold, 0, 254);
+}
+
+/* 0..1 of an answer that is 1 at the threshold, where the degree is a half. */
+static inline float feature_soft(float answer)
+{
+	return answer * answer / (1 + answer * answer);
+}
+
+/* Edges of the geometry: answers, 1 at the threshold. Sets FEATURE_SILHOUETTE, _BEHIND and _CREASE. */
+void feature_depth_edges(const struct features_input *of, const struct feature_planes *p, const struct features_options *o,
+	float *answer, uint8_t *flags);
+void feature_creases(const struct features_input *of, const struct feature_planes *p, const struct features_options *o,
+	float *answer, uint8_t *flags);
+/* Edges of what it looks like. */
+void feature_colour_edges(const range_grid *g, const struct features_options *o, float *answer);
+void feature_intensity_edges(const range_grid *g, const struct features_options *o, float *answer);
+/* Normals as of whole planes, mended at creases. */
+void feature_curvature(const struct features_input *of, const float *const normal[3], const struct features_options *o,
+	features *f);
+/* Chooses dithering points among the cells that are no feature points (kind). Normals 0 0 0: none, facing the scanner. */
+void feature_dither(const range_grid *g, const float *const normal[3], const struct features_options *o, features *f);
+
+#endif
