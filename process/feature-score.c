@@ -33,8 +33,10 @@ static float dot(const float a[3], const float b[3])
 /* The direction that a cell's centre looks in. */
 static void look(const range_grid *g, size_t i, float ret[3])
 {
-	double azimuth = g->lattice.azimuth_min_rad + ((double)(i % g->columns) + 0.5) * g->lattice.column_rad;
-	double elevation = g->lattice.elevation_max_rad - ((double)(i / g->columns) + 0.5) * g->lattice.row_rad;
+	double azimuth = g->lattice.azimuth_min_rad +
+			 ((double)(i % g->columns) + 0.5) * g->lattice.column_rad;
+	double elevation = g->lattice.elevation_max_rad -
+			   ((double)(i / g->columns) + 0.5) * g->lattice.row_rad;
 	ret[0] = (float)(cos(elevation) * sin(azimuth));
 	ret[1] = (float)(cos(elevation) * cos(azimuth));
 	ret[2] = (float)sin(elevation);
@@ -64,7 +66,8 @@ static bool is_measured(const struct scene *s, uint32_t row, uint32_t column)
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++)
 			if (feature_step(g, row, column, y, x, &k) &&
-				fabsf(g->range_m[i] - s->t[k].range_m) < MEASURED_OFF_M + 0.02f * g->range_m[i])
+				fabsf(g->range_m[i] - s->t[k].range_m) <
+					MEASURED_OFF_M + 0.02f * g->range_m[i])
 				return g->range_m[i] > 0;
 	return false;
 }
@@ -75,7 +78,8 @@ static bool is_depth_edge(const struct scene *s, uint32_t row, uint32_t column)
 	size_t i = (size_t)row * s->g->columns + column, k;
 	float least_m = fmaxf(DEPTH_STEP_M, DEPTH_SIGMAS * s->noise_m);
 	for (int w = 0; w < 4; w++)
-		if (feature_step(s->g, row, column, way[w][0], way[w][1], &k) && step_m(s, i, k) > least_m)
+		if (feature_step(s->g, row, column, way[w][0], way[w][1], &k) &&
+			step_m(s, i, k) > least_m)
 			return s->t[i].range_m > 0;
 	return false;
 }
@@ -87,8 +91,10 @@ static bool goes_on(const struct scene *s, uint32_t row, uint32_t column, int do
 	float da[3], db[3], wide_m = 0;
 	look(s->g, i, da);
 	for (int n = 1; n <= FACE_CELLS || wide_m < FACE_M; n++) {
-		if (!feature_step(s->g, row, column, n * down, n * right, &k) || !(s->t[k].range_m > 0) ||
-			dot(s->t[k].normal, s->t[i].normal) < SAME_FACE_COS || step_m(s, before, k) > TOUCH_M)
+		if (!feature_step(s->g, row, column, n * down, n * right, &k) ||
+			!(s->t[k].range_m > 0) ||
+			dot(s->t[k].normal, s->t[i].normal) < SAME_FACE_COS ||
+			step_m(s, before, k) > TOUCH_M)
 			return false;
 		look(s->g, k, db);
 		float away_m = 0;
@@ -114,12 +120,14 @@ static bool is_crease(const struct scene *s, uint32_t row, uint32_t column, floa
 		if (!(b->range_m > 0) || a->is_plant || b->is_plant || a->is_glass || b->is_glass ||
 			dot(a->normal, b->normal) > CREASE_COS || step_m(s, i, k) > TOUCH_M ||
 			!goes_on(s, row, column, -way[w][0], -way[w][1]) ||
-			!goes_on(s, (uint32_t)r, (uint32_t)(k % s->g->columns), way[w][0], way[w][1]))
+			!goes_on(s, (uint32_t)r, (uint32_t)(k % s->g->columns), way[w][0],
+				way[w][1]))
 			continue;
 		if (ret_direction) {
 			for (int c = 0; c < 3; c++) {
 				int p = (c + 1) % 3, q = (c + 2) % 3;
-				ret_direction[c] = a->normal[p] * b->normal[q] - a->normal[q] * b->normal[p];
+				ret_direction[c] =
+					a->normal[p] * b->normal[q] - a->normal[q] * b->normal[p];
 			}
 			float length = sqrtf(dot(ret_direction, ret_direction));
 			for (int c = 0; c < 3; c++)
@@ -148,7 +156,8 @@ static bool is_even(const struct scene *s, uint32_t row, uint32_t column)
 			if (!feature_step(s->g, row, column, y, x, &k))
 				continue;
 			const struct feature_truth *t = &s->t[k];
-			if (!(t->range_m > 0) || t->instance != here->instance || dot(t->normal, here->normal) < SMOOTH_COS ||
+			if (!(t->range_m > 0) || t->instance != here->instance ||
+				dot(t->normal, here->normal) < SMOOTH_COS ||
 				step_m(s, i, k) > SMOOTH_SIGMAS * s->noise_m)
 				return false;
 			for (int c = 0; c < 3; c++) {
@@ -212,7 +221,8 @@ static bool all_smooth(const range_grid *g, const uint8_t *marks, uint32_t row, 
 	return true;
 }
 
-static void count_edges(const features *f, const struct scene *s, const uint8_t *marks, struct feature_score *ret)
+static void count_edges(
+	const features *f, const struct scene *s, const uint8_t *marks, struct feature_score *ret)
 {
 	const range_grid *g = s->g;
 	for (uint32_t row = 1; row + 1 < g->rows; row++)
@@ -233,16 +243,20 @@ static void count_edges(const features *f, const struct scene *s, const uint8_t 
 }
 
 /* The direction of the one crease that is near; false: none, or several. */
-static bool crease_direction(const struct scene *s, const uint8_t *marks, uint32_t row, uint32_t column, float ret[3])
+static bool crease_direction(
+	const struct scene *s, const uint8_t *marks, uint32_t row, uint32_t column, float ret[3])
 {
 	bool any = false;
 	size_t k;
 	for (int y = -3; y <= 3; y++)
 		for (int x = -3; x <= 3; x++) {
 			float d[3];
-			if (!feature_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH || !marks[k])
+			if (!feature_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
+				!marks[k])
 				continue;
-			if (marks[k] != EDGE_CREASE || !is_crease(s, (uint32_t)(k / s->g->columns), (uint32_t)(k % s->g->columns), d) ||
+			if (marks[k] != EDGE_CREASE ||
+				!is_crease(s, (uint32_t)(k / s->g->columns),
+					(uint32_t)(k % s->g->columns), d) ||
 				(any && fabsf(dot(d, ret)) < 0.9986f))
 				return false;
 			memcpy(ret, d, sizeof d);
@@ -257,7 +271,8 @@ static int by_value(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-static void score_directions(const features *f, const struct scene *s, const uint8_t *marks, struct feature_score *ret)
+static void score_directions(
+	const features *f, const struct scene *s, const uint8_t *marks, struct feature_score *ret)
 {
 	const range_grid *g = s->g;
 	g_autoptr(GArray) off = g_array_new(FALSE, FALSE, sizeof(double));
@@ -265,7 +280,8 @@ static void score_directions(const features *f, const struct scene *s, const uin
 		for (uint32_t column = 0; column < g->columns; column++) {
 			size_t i = (size_t)row * g->columns + column;
 			float truth[3] = { 0 }, ours[3];
-			if (!is_feature(f, i) || marks[i] != EDGE_CREASE || !crease_direction(s, marks, row, column, truth))
+			if (!is_feature(f, i) || marks[i] != EDGE_CREASE ||
+				!crease_direction(s, marks, row, column, truth))
 				continue;
 			ret->straight++;
 			if (f->kind[i] != FEATURE_DIRECTED)
@@ -277,7 +293,8 @@ static void score_directions(const features *f, const struct scene *s, const uin
 		}
 	g_array_sort(off, by_value);
 	ret->direction_p50_deg = off->len ? g_array_index(off, double, off->len / 2) : NAN;
-	ret->direction_p90_deg = off->len ? g_array_index(off, double, (guint)(off->len * 0.9)) : NAN;
+	ret->direction_p90_deg =
+		off->len ? g_array_index(off, double, (guint)(off->len * 0.9)) : NAN;
 }
 
 static bool is_leaf(const struct scene *s, uint32_t row, uint32_t column)
@@ -319,13 +336,16 @@ static void score_dithering(const features *f, const struct scene *s, const uint
 		ret->band_m[b + 1] = ret->band_m[b] * pow(10, 1.0 / FEATURE_BANDS);
 	for (size_t i = 0; i < range_grid_cells(g); i++) {
 		float d[3], range_m = g->range_m[i];
-		if (!(range_m >= 5) || range_m >= 50 || marks[i] != SMOOTH || is_feature(f, i) || !g->rgb)
+		if (!(range_m >= 5) || range_m >= 50 || marks[i] != SMOOTH || is_feature(f, i) ||
+			!g->rgb)
 			continue;
 		int b = MIN((int)(FEATURE_BANDS * log10(range_m / 5)), FEATURE_BANDS - 1);
 		look(g, i, d);
 		float cosine = -dot(d, s->t[i].normal), level = sqrtf(1 - d[2] * d[2]);
 		float m2 = range_m * range_m * (float)(g->column_rad * g->row_rad) * level / cosine;
-		float dark = 1 - (0.299f * g->rgb[3 * i] + 0.587f * g->rgb[3 * i + 1] + 0.114f * g->rgb[3 * i + 2]) / 255;
+		float dark = 1 - (0.299f * g->rgb[3 * i] + 0.587f * g->rgb[3 * i + 1] +
+					 0.114f * g->rgb[3 * i + 2]) /
+					 255;
 		dark = powf(dark, o.tone_exponent);
 		if (m2 * dark * o.dither_per_m2 > 0.9f)
 			continue;
@@ -337,8 +357,8 @@ static void score_dithering(const features *f, const struct scene *s, const uint
 		ret->density_per_m2[b] = points[b] / inked_m2[b];
 }
 
-void feature_score_make(const features *f, const range_grid *g, const struct feature_truth *truth, float noise_m,
-	const struct features_options *options, struct feature_score *ret)
+void feature_score_make(const features *f, const range_grid *g, const struct feature_truth *truth,
+	float noise_m, const struct features_options *options, struct feature_score *ret)
 {
 	struct scene s = { g, truth, noise_m };
 	g_autofree uint8_t *marks = feature_truth_marks(g, truth, noise_m);

@@ -22,18 +22,18 @@ struct feature_truth {
 
 #define FEATURE_BANDS 8
 struct feature_score {
-	uint64_t edges, edges_found;         /* depth edges and creases, but of plants */
+	uint64_t edges, edges_found; /* depth edges and creases, but of plants */
 	uint64_t depth_edges, depth_found, creases, creases_found, plant_edges, plant_found;
-	uint64_t points, false_points;       /* feature points */
-	uint64_t directed, straight;         /* feature points at straight creases; directed ones of them */
+	uint64_t points, false_points; /* feature points */
+	uint64_t directed, straight; /* feature points at straight creases; directed ones of them */
 	double direction_p50_deg, direction_p90_deg; /* of those */
-	uint64_t leaves, leaves_directed;    /* feature points on leaves */
+	uint64_t leaves, leaves_directed;            /* feature points on leaves */
 	/* Of dithering points: bands of range from 5 m on, each wider than the last by a third; per area of surface times darkness. */
 	double band_m[FEATURE_BANDS + 1], density_per_m2[FEATURE_BANDS], band_m2[FEATURE_BANDS];
 };
 /* truth: of each cell. noise_m: 1 sigma of a range. */
-void feature_score_make(const features *f, const range_grid *g, const struct feature_truth *truth, float noise_m,
-	const struct features_options *options, struct feature_score *ret);
+void feature_score_make(const features *f, const range_grid *g, const struct feature_truth *truth,
+	float noise_m, const struct features_options *options, struct feature_score *ret);
 /* What a cell is, for pictures: 1 depth edge, 2 crease, 3 smooth and even. Caller frees. */
 uint8_t *feature_truth_marks(const range_grid *g, const struct feature_truth *truth, float noise_m);
 

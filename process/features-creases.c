@@ -14,20 +14,27 @@
 /* ---- how far it is to the next depth edge ---- */
 
 /* Cells, up to REACH_MOST + 1, the longer way along a row or a column counts. */
-static void measure_distance(const struct features_input *of, const uint8_t *flags, uint8_t *distance)
+static void measure_distance(
+	const struct features_input *of, const uint8_t *flags, uint8_t *distance)
 {
 	const range_grid *g = of->grid;
 	size_t cells = range_grid_cells(g);
 	for (size_t i = 0; i < cells; i++)
-		distance[i] = !(g->range_m[i] > 0) || (flags[i] & (FEATURE_SILHOUETTE | FEATURE_BEHIND)) ? 0 : REACH_MOST + 1;
+		distance[i] =
+			!(g->range_m[i] > 0) || (flags[i] & (FEATURE_SILHOUETTE | FEATURE_BEHIND))
+				? 0
+				: REACH_MOST + 1;
 	for (int pass = 0; pass < 2; pass++)
 		for (size_t n = 0; n < cells; n++) {
 			size_t i = pass ? cells - 1 - n : n, k;
-			uint32_t row = (uint32_t)(i / g->columns), column = (uint32_t)(i % g->columns);
+			uint32_t row = (uint32_t)(i / g->columns),
+				 column = (uint32_t)(i % g->columns);
 			int way = pass ? 1 : -1;
-			static const int8_t side[4][2] = { { 1, -1 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+			static const int8_t side[4][2] = { { 1, -1 }, { 1, 0 }, { 1, 1 },
+				{ 0, 1 } };
 			for (int s = 0; s < 4 && distance[i]; s++)
-				if (feature_step(g, row, column, way * side[s][0], way * side[s][1], &k))
+				if (feature_step(
+					    g, row, column, way * side[s][0], way * side[s][1], &k))
 					distance[i] = MIN(distance[i], distance[k] + 1);
 		}
 }
@@ -39,7 +46,7 @@ struct creases {
 	const struct feature_planes *planes;
 	const struct features_options *options;
 	const uint8_t *distance;
-	float *error;  /* of the planes on both sides, over the distance in between: the sine of their angle */
+	float *error; /* of the planes on both sides, over the distance in between: the sine of their angle */
 	uint8_t *reach; /* cells to either side */
 	float *ridge;   /* the filter's answer */
 };
@@ -71,15 +78,18 @@ static float window_m(const range_grid *g, const struct features_options *o, flo
 }
 
 /* How many cells that is, one way. */
-static int reach_of(const struct creases *c, size_t i, uint32_t row, uint32_t column, const int8_t way[2])
+static int reach_of(
+	const struct creases *c, size_t i, uint32_t row, uint32_t column, const int8_t way[2])
 {
 	const range_grid *g = c->of->grid;
 	float away_m = 0;
 	size_t a, b;
-	if (feature_step(g, row, column, way[0], way[1], &a) && feature_step(g, row, column, -way[0], -way[1], &b)) {
+	if (feature_step(g, row, column, way[0], way[1], &a) &&
+		feature_step(g, row, column, -way[0], -way[1], &b)) {
 		float pa[3], pb[3];
 		if (point_on(c, a, pa) && point_on(c, b, pb))
-			away_m = 0.5f * sqrtf((pa[0] - pb[0]) * (pa[0] - pb[0]) + (pa[1] - pb[1]) * (pa[1] - pb[1]) +
+			away_m = 0.5f * sqrtf((pa[0] - pb[0]) * (pa[0] - pb[0]) +
+						(pa[1] - pb[1]) * (pa[1] - pb[1]) +
 						(pa[2] - pb[2]) * (pa[2] - pb[2]));
 	}
 	away_m = fmaxf(away_m, 0.7f * g->range_m[i] * (float)g->row_rad);
@@ -93,10 +103,12 @@ static float tilt_of(const struct creases *c, size_t i)
 	const range_grid *g = c->of->grid;
 	float spacing_m = g->range_m[i] * (float)sqrt(g->row_rad * g->column_rad);
 	float cosine = fminf(fabsf(c->planes->offset_m[i]) / g->range_m[i], 1);
-	return 3.5f * c->options->range_noise_m * cosine * sqrtf(cosine) / (fmaxf(c->planes->count[i], 4) * spacing_m);
+	return 3.5f * c->options->range_noise_m * cosine * sqrtf(cosine) /
+	       (fmaxf(c->planes->count[i], 4) * spacing_m);
 }
 
-static void measure_error(const struct creases *c, uint32_t row, uint32_t column, const int8_t way[2])
+static void measure_error(
+	const struct creases *c, uint32_t row, uint32_t column, const int8_t way[2])
 {
 	const range_grid *g = c->of->grid;
 	size_t i = (size_t)row * g->columns + column, a, b;
@@ -108,12 +120,16 @@ static void measure_error(const struct creases *c, uint32_t row, uint32_t column
 	int reach = reach_of(c, i, row, column, way);
 	c->reach[i] = (uint8_t)reach;
 	if (!feature_step(g, row, column, way[0] * reach, way[1] * reach, &a) ||
-		!feature_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) || !point_on(c, a, pa) || !point_on(c, b, pb))
+		!feature_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) ||
+		!point_on(c, a, pa) || !point_on(c, b, pb))
 		return;
 	float between[3] = { pa[0] - pb[0], pa[1] - pb[1], pa[2] - pb[2] };
-	float away2_m2 = between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
-	float off_m = 0.5f * (fabsf(dot_at(c->planes, a, between)) + fabsf(dot_at(c->planes, b, between)));
-	float tilt = CREASE_SIGMAS * sqrtf(tilt_of(c, a) * tilt_of(c, a) + tilt_of(c, b) * tilt_of(c, b));
+	float away2_m2 =
+		between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
+	float off_m = 0.5f *
+		      (fabsf(dot_at(c->planes, a, between)) + fabsf(dot_at(c->planes, b, between)));
+	float tilt = CREASE_SIGMAS *
+		     sqrtf(tilt_of(c, a) * tilt_of(c, a) + tilt_of(c, b) * tilt_of(c, b));
 	c->error[i] = 2 * off_m / sqrtf(fmaxf(away2_m2, 1e-12f)) / fmaxf(CREASE_LEAST, tilt);
 }
 
@@ -127,8 +143,11 @@ static float ridge_at(const struct creases *c, uint32_t row, uint32_t column, co
 	int half = MAX((c->reach[i] + 1) / 2, 1);
 	float beside = 0;
 	for (int side = -1; side <= 1; side += 2) {
-		bool known = feature_step(g, row, column, side * way[0] * half, side * way[1] * half, &k) && c->reach[k];
-		beside += known ? c->error[k] : c->error[i]; /* beside a depth edge it is not known to end */
+		bool known = feature_step(g, row, column, side * way[0] * half,
+				     side * way[1] * half, &k) &&
+			     c->reach[k];
+		beside += known ? c->error[k]
+				: c->error[i]; /* beside a depth edge it is not known to end */
 	}
 	return c->error[i] - 0.5f * beside;
 }
@@ -147,8 +166,8 @@ static float sharpen(const struct creases *c, uint32_t row, uint32_t column, con
 	return here * share * share * share * share;
 }
 
-void feature_creases(const struct features_input *of, const struct feature_planes *p, const struct features_options *o,
-	float *answer, uint8_t *flags)
+void feature_creases(const struct features_input *of, const struct feature_planes *p,
+	const struct features_options *o, float *answer, uint8_t *flags)
 {
 	const range_grid *g = of->grid;
 	size_t cells = range_grid_cells(g);
@@ -166,13 +185,17 @@ void feature_creases(const struct features_input *of, const struct feature_plane
 		for (uint32_t row = 0; row < g->rows; row++)
 			for (uint32_t column = 0; column < g->columns; column++) {
 				size_t i = (size_t)row * g->columns + column;
-				ridge[i] = error[i] > RIDGE_LEAST ? fmaxf(ridge_at(&c, row, column, ways[w]), 0) : 0;
+				ridge[i] = error[i] > RIDGE_LEAST
+						   ? fmaxf(ridge_at(&c, row, column, ways[w]), 0)
+						   : 0;
 			}
 #pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
 		for (uint32_t row = 0; row < g->rows; row++)
 			for (uint32_t column = 0; column < g->columns; column++) {
 				size_t i = (size_t)row * g->columns + column;
-				float sharp = ridge[i] > RIDGE_LEAST ? sharpen(&c, row, column, ways[w]) : 0;
+				float sharp = ridge[i] > RIDGE_LEAST
+						      ? sharpen(&c, row, column, ways[w])
+						      : 0;
 				if (sharp >= 1)
 					flags[i] |= FEATURE_CREASE;
 				answer[i] = fminf(fmaxf(answer[i], sharp), ANSWER_MOST);

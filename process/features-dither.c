@@ -6,22 +6,6 @@
 /* Thresholds vary by so much, or the points of even tone stand in rows. */
 #define JITTER 0.5f
 
-static float noise_of(uint32_t x)
-{
-	x ^= x >> 16;
-	x *= 0x7feb352dU;
-	x ^= x >> 15;
-	x *= 0x846ca68bU;
-	x ^= x >> 16;
-	return (float)(x >> 8) * 0x1p-24f;
-}
-
-static inline float darkness(float tone, float exponent)
-{
-	float dark = 1 - CLAMP(tone, 0.0f, 1.0f);
-	return exponent == 1 ? dark : powf(dark, exponent);
-}
-
 /* Intensity falls with the square of the range, and depends on the device: it is set against the brightest of its range. */
 #define INTENSITY_BANDS 64
 struct levels {
@@ -61,8 +45,11 @@ static float area_m2(const range_grid *g, const float *const normal[3], size_t i
 	float range_m = g->range_m[i], cosine = 1;
 	float level = hypotf(g->x_m[i], g->y_m[i]) / range_m;
 	if (normal[0][i] != 0 || normal[1][i] != 0 || normal[2][i] != 0)
-		cosine = fabsf(normal[0][i] * g->x_m[i] + normal[1][i] * g->y_m[i] + normal[2][i] * g->z_m[i]) / range_m;
-	return range_m * range_m * (float)(g->column_rad * g->row_rad) * level / fmaxf(cosine, COSINE_LEAST);
+		cosine = fabsf(normal[0][i] * g->x_m[i] + normal[1][i] * g->y_m[i] +
+				 normal[2][i] * g->z_m[i]) /
+			 range_m;
+	return range_m * range_m * (float)(g->column_rad * g->row_rad) * level /
+	       fmaxf(cosine, COSINE_LEAST);
 }
 
 /* The blended image: how much of a dithering point each cell should have. */
@@ -73,14 +60,15 @@ static void blend_row(const range_grid *g, const float *const normal[3], const s
 		size_t i = (size_t)row * g->columns + column;
 		ret[column] = 0;
 		if (g->range_m[i] > 0)
-			ret[column] = fminf(darkness(tone_of(g, l, i), o->tone_exponent) * area_m2(g, normal, i) *
-						    o->dither_per_m2,
+			ret[column] = fminf(feature_darkness(tone_of(g, l, i), o->tone_exponent) *
+						    area_m2(g, normal, i) * o->dither_per_m2,
 				1);
 	}
 }
 
 /* Floyd and Steinberg's, there and back. A feature point hands on what comes to it. */
-static void diffuse_row(features *f, const range_grid *g, const float *wanted, uint32_t row, float *here, float *below)
+static void diffuse_row(features *f, const range_grid *g, const float *wanted, uint32_t row,
+	float *here, float *below)
 {
 	int32_t width = (int32_t)g->columns, way = row % 2 ? -1 : 1;
 	for (int32_t n = 0; n < width; n++) {
@@ -90,7 +78,9 @@ static void diffuse_row(features *f, const range_grid *g, const float *wanted, u
 			continue;
 		bool is_feature = f->kind[i] >= FEATURE_UNDIRECTED;
 		float value = (is_feature ? 0 : wanted[c]) + here[c];
-		bool dot = !is_feature && value > 0.5f + JITTER * (noise_of((uint32_t)i) - 0.5f) && wanted[c] > 0;
+		bool dot = !is_feature &&
+			   value > 0.5f + JITTER * (feature_noise((uint32_t)i) - 0.5f) &&
+			   wanted[c] > 0;
 		float rest = CLAMP(value - (float)dot, -1.5f, 1.5f);
 		if (!is_feature)
 			f->kind[i] = dot ? FEATURE_DITHER : FEATURE_NONE;
@@ -105,7 +95,8 @@ static void diffuse_row(features *f, const range_grid *g, const float *wanted, u
 	}
 }
 
-void feature_dither(const range_grid *g, const float *const normal[3], const struct features_options *o, features *f)
+void feature_dither(const range_grid *g, const float *const normal[3],
+	const struct features_options *o, features *f)
 {
 	struct levels levels = { { 0 } };
 	g_autofree float *wanted = g_new(float, g->columns + 1);

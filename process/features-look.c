@@ -16,7 +16,10 @@ static float gradient(const range_grid *g, const float *value, uint32_t row, uin
 	float at[3][3];
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++)
-			at[y + 1][x + 1] = feature_step(g, row, column, y, x, &k) && g->range_m[k] > 0 ? value[k] : value[i];
+			at[y + 1][x + 1] =
+				feature_step(g, row, column, y, x, &k) && g->range_m[k] > 0
+					? value[k]
+					: value[i];
 	float right = 0, down = 0;
 	for (int n = 0; n < 3; n++) {
 		float weight = n == 1 ? 0.5f : 0.25f;
@@ -27,7 +30,8 @@ static float gradient(const range_grid *g, const float *value, uint32_t row, uin
 }
 
 /* The mean of those around, of cells that have a point: sums along rows, then columns. */
-static void mean_around(const range_grid *g, const float *value, float *row_mean, float *ret, bool single_thread)
+static void mean_around(
+	const range_grid *g, const float *value, float *row_mean, float *ret, bool single_thread)
 {
 #pragma omp parallel for schedule(static) if (!single_thread)
 	for (uint32_t row = 0; row < g->rows; row++)
@@ -43,7 +47,8 @@ static void mean_around(const range_grid *g, const float *value, float *row_mean
 #pragma omp parallel for schedule(static) if (!single_thread)
 	for (uint32_t row = 0; row < g->rows; row++)
 		for (uint32_t column = 0; column < g->columns; column++) {
-			uint32_t from = row > AMONG_REACH ? row - AMONG_REACH : 0, to = MIN(row + AMONG_REACH + 1, g->rows);
+			uint32_t from = row > AMONG_REACH ? row - AMONG_REACH : 0,
+				 to = MIN(row + AMONG_REACH + 1, g->rows);
 			float sum = 0;
 			for (uint32_t r = from; r < to; r++)
 				sum += row_mean[(size_t)r * g->columns + column];
@@ -52,7 +57,8 @@ static void mean_around(const range_grid *g, const float *value, float *row_mean
 }
 
 /* Gradients into answers. */
-static void stand_out(const range_grid *g, const struct features_options *o, float step, float *gradients, float *answer)
+static void stand_out(const range_grid *g, const struct features_options *o, float step,
+	float *gradients, float *answer)
 {
 	size_t cells = range_grid_cells(g);
 	g_autofree float *rows = g_new(float, cells + 1);
@@ -62,7 +68,8 @@ static void stand_out(const range_grid *g, const struct features_options *o, flo
 		answer[i] = fminf(gradients[i] / (step + AMONG * around[i]), ANSWER_MOST);
 }
 
-static void find_gradients(const range_grid *g, const struct features_options *o, const float *value, float *into, bool add)
+static void find_gradients(const range_grid *g, const struct features_options *o,
+	const float *value, float *into, bool add)
 {
 #pragma omp parallel for schedule(static) if (!o->single_thread)
 	for (uint32_t row = 0; row < g->rows; row++)

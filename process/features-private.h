@@ -11,7 +11,8 @@ void feature_planes_init(struct feature_planes *p, size_t cells);
 void feature_planes_clear(struct feature_planes *p);
 
 /* Where a cell's neighbour is. false: beyond the grid. */
-static inline bool feature_step(const range_grid *g, uint32_t row, uint32_t column, int down, int right, size_t *ret)
+static inline bool feature_step(
+	const range_grid *g, uint32_t row, uint32_t column, int down, int right, size_t *ret)
 {
 	int64_t r = (int64_t)row + down, c = (int64_t)column + right;
 	if (g->wraps)
@@ -34,18 +35,58 @@ static inline float feature_soft(float answer)
 	return answer * answer / (1 + answer * answer);
 }
 
+/* The feature points around one, relative to it, and how much each counts. */
+#define FEATURE_POINTS_MOST 96
+struct feature_around {
+	uint32_t count;
+	float x[FEATURE_POINTS_MOST], y[FEATURE_POINTS_MOST], z[FEATURE_POINTS_MOST],
+		weight[FEATURE_POINTS_MOST];
+};
+void feature_keep_point(struct feature_around *a, const float at[3], float weight);
+
+struct feature_line {
+	float direction[3], middle[3];
+	float error_m,
+		spread_m; /* root mean squares across and along; error NAN: there is none at all */
+};
+/* Whether there is a line through the point itself. ahead: across all lines that it is compared with, as where the scanner looks;
+ * explained_m: how far points may be off it; radius_m: how far off the point they are. */
+bool feature_fit_line(const struct feature_around *a, const float ahead[3], float explained_m,
+	float radius_m, struct feature_line *ret);
+void feature_keep_line(features *f, size_t i, const struct feature_line *l, bool is_line);
+
+features *features_new(uint32_t columns, uint32_t rows); /* all without features */
+
+/* Noise that is a pure function of the number, 0..1. */
+static inline float feature_noise(uint32_t x)
+{
+	x ^= x >> 16;
+	x *= 0x7feb352dU;
+	x ^= x >> 15;
+	x *= 0x846ca68bU;
+	x ^= x >> 16;
+	return (float)(x >> 8) * 0x1p-24f;
+}
+
+static inline float feature_darkness(float tone, float exponent)
+{
+	float dark = 1 - CLAMP(tone, 0.0f, 1.0f);
+	return exponent == 1 ? dark : powf(dark, exponent);
+}
+
 /* Edges of the geometry: answers, 1 at the threshold. Sets FEATURE_SILHOUETTE, _BEHIND and _CREASE. */
-void feature_depth_edges(const struct features_input *of, const struct feature_planes *p, const struct features_options *o,
-	float *answer, uint8_t *flags);
-void feature_creases(const struct features_input *of, const struct feature_planes *p, const struct features_options *o,
-	float *answer, uint8_t *flags);
+void feature_depth_edges(const struct features_input *of, const struct feature_planes *p,
+	const struct features_options *o, float *answer, uint8_t *flags);
+void feature_creases(const struct features_input *of, const struct feature_planes *p,
+	const struct features_options *o, float *answer, uint8_t *flags);
 /* Edges of what it looks like. */
 void feature_colour_edges(const range_grid *g, const struct features_options *o, float *answer);
 void feature_intensity_edges(const range_grid *g, const struct features_options *o, float *answer);
 /* Normals as of whole planes, mended at creases. */
-void feature_curvature(const struct features_input *of, const float *const normal[3], const struct features_options *o,
-	features *f);
+void feature_curvature(const struct features_input *of, const float *const normal[3],
+	const struct features_options *o, features *f);
 /* Chooses dithering points among the cells that are no feature points (kind). Normals 0 0 0: none, facing the scanner. */
-void feature_dither(const range_grid *g, const float *const normal[3], const struct features_options *o, features *f);
+void feature_dither(const range_grid *g, const float *const normal[3],
+	const struct features_options *o, features *f);
 
 #endif

@@ -40,7 +40,7 @@ void features_free(features *f)
 	g_free(f);
 }
 
-static features *features_new(uint32_t columns, uint32_t rows)
+features *features_new(uint32_t columns, uint32_t rows)
 {
 	features *f = g_new0(features, 1);
 	size_t cells = (size_t)columns * rows;
@@ -91,7 +91,8 @@ struct weights {
 
 static struct weights weights_of(const range_grid *g, const struct features_options *o)
 {
-	struct weights w = { o->geometry_weight, g->rgb ? o->colour_weight : 0, g->intensity ? o->intensity_weight : 0 };
+	struct weights w = { o->geometry_weight, g->rgb ? o->colour_weight : 0,
+		g->intensity ? o->intensity_weight : 0 };
 	float all = o->colour_weight + o->intensity_weight, have = w.colour + w.intensity;
 	if (have > 0) {
 		w.colour *= all / have;
@@ -100,7 +101,8 @@ static struct weights weights_of(const range_grid *g, const struct features_opti
 	return w;
 }
 
-static void add_edges(const range_grid *g, const float *answer, float weight, uint8_t flag, features *f, float *degree)
+static void add_edges(const range_grid *g, const float *answer, float weight, uint8_t flag,
+	features *f, float *degree)
 {
 	for (size_t i = 0; i < range_grid_cells(g); i++) {
 		if (!(g->range_m[i] > 0))
@@ -111,8 +113,8 @@ static void add_edges(const range_grid *g, const float *answer, float weight, ui
 	}
 }
 
-static void estimate_degree(features *f, const struct features_input *of, const struct feature_planes *p,
-	const struct features_options *o)
+static void estimate_degree(features *f, const struct features_input *of,
+	const struct feature_planes *p, const struct features_options *o)
 {
 	const range_grid *g = of->grid;
 	const struct weights w = weights_of(g, o);
@@ -176,8 +178,8 @@ features *features_estimate(const struct features_input *of, const struct featur
 	return f;
 }
 
-features *features_of_scans(
-	const struct features_input *scans, size_t count, size_t which, const struct features_options *options)
+features *features_of_scans(const struct features_input *scans, size_t count, size_t which,
+	const struct features_options *options)
 {
 	g_autofree struct features_view *views = g_new0(struct features_view, count);
 	g_autofree features **all = g_new0(features *, count);

@@ -26,7 +26,7 @@ enum feature_kind {
 /* What a degree comes from; also of cells below the threshold. */
 enum feature_flag {
 	FEATURE_SILHOUETTE = 1, /* the near side of a depth edge, or of nothing */
-	FEATURE_BEHIND = 2,     /* the far side; of no degree itself, for what ends there is a shadow */
+	FEATURE_BEHIND = 2, /* the far side; of no degree itself, for what ends there is a shadow */
 	FEATURE_CREASE = 4,
 	FEATURE_COLOUR_EDGE = 8,
 	FEATURE_INTENSITY_EDGE = 16,
@@ -38,8 +38,10 @@ typedef struct features features;
 struct features {
 	uint32_t columns, rows;
 	uint8_t *degree, *kind, *flags; /* degree * 255; enum feature_kind; enum feature_flag */
-	int16_t (*direction)[2];        /* of the line, packed (model.h), its sign is free; none: MODEL_NORMAL_NONE in both */
-	uint16_t *line_error; /* root mean square distance from the line, 0.1 mm; FEATURE_LINE_ERROR_NONE */
+	int16_t (*direction)
+		[2]; /* of the line, packed (model.h), its sign is free; none: MODEL_NORMAL_NONE in both */
+	uint16_t *
+		line_error; /* root mean square distance from the line, 0.1 mm; FEATURE_LINE_ERROR_NONE */
 	/* Principal curvatures, 1/m, k1 the one of the greater magnitude; positive where the surface bulges towards the
 	 * scanner; NAN: none. And the direction of k1, packed, sign free. */
 	float *k1, *k2;
@@ -51,18 +53,19 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(features, features_free)
 /* Zero is the default of each. */
 struct features_options {
 	float range_noise_m; /* found in the scan */
-	float radius_m;      /* 0.06: of windows, wider where beams are sparse, as geometry.h has it */
+	float radius_m; /* 0.06: of windows, wider where beams are sparse, as geometry.h has it */
 	/* Weights of the edges in the degree: 1, 0.7, 0.3. What the scan does not have (colour, intensity) leaves its weight to the
 	 * other one. Negative: none. */
 	float geometry_weight, colour_weight, intensity_weight;
-	float threshold;       /* 0.5; degree of a feature point */
-	float line_radius_m;   /* 0.3: around a point the line is fitted within; wider where beams are sparse */
-	float line_error;      /* 1: how far points may lie off a line, in what noise and spacing explain */
-	float dither_per_m2;   /* 60: dithering points per area of black surface */
-	float tone_exponent;   /* 1: of the darkness */
+	float threshold; /* 0.5; degree of a feature point */
+	float line_radius_m; /* 0.3: around a point the line is fitted within; wider where beams are sparse */
+	float line_error; /* 1: how far points may lie off a line, in what noise and spacing explain */
+	float dither_per_m2; /* 60: dithering points per area of black surface */
+	float tone_exponent; /* 1: of the darkness */
 	bool single_thread;
 };
-struct features_options features_defaults(const struct features_options *options); /* filled in; may be NULL */
+struct features_options features_defaults(
+	const struct features_options *options); /* filled in; may be NULL */
 
 /* A scan and what is known of it. leaf: of each cell, 0: not known; neighbours of another known leaf are left out (section 5.1); NULL. */
 struct features_input {
@@ -72,7 +75,8 @@ struct features_input {
 };
 
 /* Of one scan: degree, flags, curvature, dithering points; and its feature points, all FEATURE_UNDIRECTED. */
-features *features_estimate(const struct features_input *of, const struct features_options *options);
+features *features_estimate(
+	const struct features_input *of, const struct features_options *options);
 
 /* A scan around, as the line fits need it. */
 struct features_view {
@@ -80,10 +84,11 @@ struct features_view {
 	const uint8_t *degree;
 };
 /* Kind, direction and line error of the feature points, from those of all views; the scan itself must be one of them. */
-void features_fit_lines(features *f, const struct features_input *of, const struct features_view *views, size_t count,
-	const struct features_options *options);
+void features_fit_lines(features *f, const struct features_input *of,
+	const struct features_view *views, size_t count, const struct features_options *options);
 
 /* All of it, of scans[which]. */
-features *features_of_scans(const struct features_input *scans, size_t count, size_t which, const struct features_options *options);
+features *features_of_scans(const struct features_input *scans, size_t count, size_t which,
+	const struct features_options *options);
 
 #endif

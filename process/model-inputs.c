@@ -6,6 +6,7 @@ static void clear_input(gpointer data)
 	struct model_input *input = data;
 	g_free(input->fingerprint);
 	g_free(input->geometry);
+	g_free(input->features);
 	g_free(input->key);
 	g_free(input->segments);
 	g_free(input->part_key);
@@ -60,8 +61,20 @@ static bool segments_checksum(const site *s, uint32_t number, char **ret, GError
 
 static char *part_key_of(const struct model_input *input)
 {
-	g_autofree char *text = g_strdup_printf("%s %s", input->key, input->segments);
+	g_autofree char *text = g_strdup_printf("%s %s %s", input->key, input->segments, input->features);
 	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
+}
+
+static bool features_checksum(const site *s, uint32_t number, char **ret, GError **error)
+{
+	g_autoptr(GError) missing = NULL;
+	g_autoptr(scan_features) f = scan_features_open(s, number, &missing);
+	if (!f && !g_error_matches(missing, G_IO_ERROR, G_IO_ERROR_NOT_FOUND)) {
+		g_propagate_error(error, g_steal_pointer(&missing));
+		return false;
+	}
+	*ret = f ? g_strdup_printf("%08x", product_checksum(f->file)) : g_strdup("");
+	return true;
 }
 
 static bool read_input(const site *s, const struct placed_scan *placed, struct model_input *ret,
@@ -76,7 +89,8 @@ static bool read_input(const site *s, const struct placed_scan *placed, struct m
 		.pose = placed->pose,
 		.fingerprint = g_strdup(d->fingerprint) };
 	if (!geometry_checksum(s, placed->number, &ret->geometry, error) ||
-		!segments_checksum(s, placed->number, &ret->segments, error))
+		!segments_checksum(s, placed->number, &ret->segments, error) ||
+		!features_checksum(s, placed->number, &ret->features, error))
 		return clear_input(ret), false;
 	ret->key = key_of(ret);
 	ret->part_key = part_key_of(ret);
@@ -179,6 +193,19 @@ bool model_input_segments(const site *s, const struct model_input *input, const 
 	return true;
 }
 
+bool model_input_features(const site *s, const struct model_input *input, const scan_data *data,
+	scan_features **ret, GError **error)
+{
+	*ret = NULL;
+	if (!input->features[0])
+		return true;
+	g_autoptr(scan_features) f = scan_features_open(s, input->number, error);
+	if (!f || !check_count(f->file, f->count, data, error))
+		return false;
+	*ret = g_steal_pointer(&f);
+	return true;
+}
+
 /* ---- manifest ---- */
 
 static JsonArray *pose_to_json(const struct pose *p)
@@ -202,6 +229,7 @@ JsonNode *model_inputs_to_json(const model_inputs *m)
 		json_object_set_string_member(o, "points", input->fingerprint);
 		json_object_set_string_member(o, "geometry", input->geometry);
 		json_object_set_string_member(o, "segments", input->segments);
+		json_object_set_string_member(o, "features", input->features);
 		json_object_set_array_member(o, "pose", pose_to_json(&input->pose));
 		json_object_set_string_member(o, "key", input->part_key);
 		json_array_add_object_element(scans, o);
@@ -244,6 +272,8 @@ static char *scan_difference(const struct model_input *input, JsonObject *was)
 		return g_strdup_printf("scan %u has new geometry", input->number);
 	if (g_strcmp0(string_in(was, "segments"), input->segments))
 		return g_strdup_printf("scan %u has new segments", input->number);
+	if (g_strcmp0(string_in(was, "features"), input->features))
+		return g_strdup_printf("scan %u has new features", input->number);
 	JsonNode *then = json_object_get_member(was, "pose");
 	g_autoptr(JsonNode) now = json_node_new(JSON_NODE_ARRAY);
 	json_node_take_array(now, pose_to_json(&input->pose));

@@ -2,6 +2,7 @@
 #define PROCESS_MODEL_INPUTS_H
 /* What a model is made from: the scans that stand in one frame, where they stand, and the state of their points and geometry. */
 #include "process/scan-data.h"
+#include "process/scan-features.h"
 #include "process/scan-geometry.h"
 #include "process/scan-segments.h"
 
@@ -15,8 +16,8 @@ struct model_input {
 	char *fingerprint; /* of the points (scan-data.h) */
 	char *geometry;    /* checksum of the geometry's file; "" without one */
 	char *key;         /* SHA-256 over all these */
-	char *segments;    /* checksum of the file of its segments; "" without one */
-	char *part_key;    /* over key and segments: of all that its points in the model have */
+	char *segments, *features; /* checksums of the files of these; "" without one */
+	char *part_key; /* over key, segments and features: of all that its points in the model have */
 };
 
 typedef struct model_inputs model_inputs;
@@ -42,6 +43,8 @@ char *model_inputs_difference(const model_inputs *m, JsonNode *json);
 /* NULL without error when the scan has none. */
 bool model_input_geometry(const site *s, const struct model_input *input, const scan_data *data,
 	scan_geometry **ret, GError **error);
+bool model_input_features(const site *s, const struct model_input *input, const scan_data *data,
+	scan_features **ret, GError **error);
 
 bool model_input_segments(const site *s, const struct model_input *input, const scan_data *data,
 	scan_segments **ret, GError **error);

@@ -23,6 +23,7 @@ void model_part_free(model_part *p)
 struct source {
 	struct scan_points points;
 	const scan_segments *segments; /* NULL: none */
+	const scan_features *features; /* NULL: none */
 };
 
 static uint16_t tenth_mm(float length_m, uint16_t max)
@@ -71,6 +72,7 @@ static bool take_point(
 	memcpy(ret->within, place.within, sizeof ret->within);
 	take_geometry(&s->points, i, ret);
 	take_look(&s->points, i, ret);
+	ret->feature = s->features ? s->features->degree[i] : 0;
 	return true;
 }
 
@@ -198,10 +200,12 @@ static bool make_part(const site *s, const struct model_input *input, unsigned l
 	g_autoptr(scan_data) d = scan_data_load(s, input->number, error);
 	g_autoptr(scan_geometry) geometry = NULL;
 	g_autoptr(scan_segments) labels = NULL;
+	g_autoptr(scan_features) degrees = NULL;
 	if (!d || !model_input_geometry(s, input, d, &geometry, error) ||
-		!model_input_segments(s, input, d, &labels, error))
+		!model_input_segments(s, input, d, &labels, error) ||
+		!model_input_features(s, input, d, &degrees, error))
 		return false;
-	struct maker m = { .source = { scan_points_of(d, geometry, &input->pose), labels } };
+	struct maker m = { .source = { scan_points_of(d, geometry, &input->pose), labels, degrees } };
 	maker_init(&m, memory_bytes, level);
 	bool ok = write_part(&m, path, key, error);
 	maker_clear(&m);

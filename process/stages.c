@@ -1,6 +1,7 @@
 #include "process/stages.h"
 #include "process/build-model.h"
 #include "process/register-site.h"
+#include "process/scan-features.h"
 #include "process/scan-geometry.h"
 #include "process/segment-site.h"
 #include <string.h>
@@ -106,6 +107,28 @@ static bool run_segments(site *s, const struct stage_progress *progress, char **
 	return true;
 }
 
+/* ---- features ---- */
+
+static bool features_are_due(const site *s, bool *ret_due, char **ret_why, GError **error)
+{
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	return g && features_site_is_due(s, g, NULL, ret_due, ret_why, error);
+}
+
+static bool run_features(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct features_site_options options = { .progress = progress->update,
+		.user_data = progress->user_data };
+	uint32_t made = 0;
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	if (!g || !features_site(s, g, &options, &made, error))
+		return false;
+	json_object_set_int_member(figures, "scans_made", made);
+	*ret_summary = g_strdup_printf("features of %u scan%s", made, made == 1 ? "" : "s");
+	return true;
+}
+
 /* ---- model ---- */
 
 static bool model_is_due(const site *s, bool *ret_due, char **ret_why, GError **error)
@@ -138,6 +161,7 @@ const struct stage stages[] = {
 	{ "register", "registration", register_site_is_due, run_register },
 	{ "geometry", "geometry", geometry_is_due, run_geometry },
 	{ "segments", "segments", segments_are_due, run_segments },
+	{ "features", "features", features_are_due, run_features },
 	{ "model", "model", model_is_due, run_model },
 	{ NULL },
 };
