@@ -103,7 +103,7 @@ static const struct {
 	[PICTURE_CELLS] = { colour_cell, NULL },
 };
 
-static bool write_png(
+bool picture_write(
 	const char *path, const uint8_t *rgb, uint32_t width, uint32_t height, GError **error)
 {
 	png_image image = { .version = PNG_IMAGE_VERSION,
@@ -140,5 +140,5 @@ bool picture_save(const panorama *p, enum picture kind, const char *path, GError
 #pragma omp parallel for
 	for (size_t i = 0; i < n; i++)
 		painters[kind].colour(p, i, &s, rgb + 3 * i);
-	return write_png(path, rgb, p->desc.columns, p->desc.rows, error);
+	return picture_write(path, rgb, p->desc.columns, p->desc.rows, error);
 }

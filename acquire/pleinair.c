@@ -20,6 +20,7 @@ static const struct {
 	{ "segments", "show the things of a site, and change them" },
 	{ "report", "write how well the scans of a site fit, as a page" },
 	{ "panoramas", "write a site's panoramas as pictures and a page" },
+	{ "pictures", "write what was computed of a site's scans as pictures and a page" },
 	{ "bench", "measure speed and memory" },
 };
 

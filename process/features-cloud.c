@@ -12,13 +12,13 @@
 /* How much errors vary, of the least of them, by chance alone: of planes through some 16 points. */
 #define ERROR_VARIES 0.55f
 /* All stand on one side: how far their middle is away, in the radius; of half a disc it is 0.42. */
-#define ONE_SIDED    0.34f
-#define COLOUR_STEP  0.15f
-#define AMONG        1.5f
-#define LINE_SIZES   8.0f
-#define SIZE_SHARE   0.7f
-#define ANSWER_MOST  8.0f
-#define LEVELS_MOST  12
+#define ONE_SIDED   0.34f
+#define COLOUR_STEP 0.15f
+#define AMONG       1.5f
+#define LINE_SIZES  8.0f
+#define SIZE_SHARE  0.7f
+#define ANSWER_MOST 8.0f
+#define LEVELS_MOST 12
 
 /* ---- points by voxel ---- */
 
@@ -38,7 +38,8 @@ static void position(const struct cloud_view *v, size_t i, double ret[3])
 
 static uint64_t voxel_key(const int64_t at[3])
 {
-	return ((uint64_t)at[0] & 0x1fffff) | ((uint64_t)at[1] & 0x1fffff) << 21 | ((uint64_t)at[2] & 0x1fffff) << 42;
+	return ((uint64_t)at[0] & 0x1fffff) | ((uint64_t)at[1] & 0x1fffff) << 21 |
+	       ((uint64_t)at[2] & 0x1fffff) << 42;
 }
 
 static void voxel_at(const struct voxels *x, const double p[3], int64_t ret[3])
@@ -61,11 +62,13 @@ struct keyed {
 static int by_key(const void *a, const void *b)
 {
 	const struct keyed *x = a, *y = b;
-	return x->key != y->key ? (x->key > y->key) - (x->key < y->key) : (x->point > y->point) - (x->point < y->point);
+	return x->key != y->key ? (x->key > y->key) - (x->key < y->key)
+				: (x->point > y->point) - (x->point < y->point);
 }
 
 /* use: which points; NULL: all. */
-static void voxels_init(struct voxels *x, const struct cloud_view *v, float side_m, const uint8_t *use)
+static void voxels_init(
+	struct voxels *x, const struct cloud_view *v, float side_m, const uint8_t *use)
 {
 	*x = (struct voxels){ .view = v, .side_m = side_m, .slots = 64 };
 	g_autofree struct keyed *all = g_new(struct keyed, v->count + 1);
@@ -125,14 +128,17 @@ static void visit_around(const struct voxels *x, const double at[3], float radiu
 	int64_t middle[3];
 	voxel_at(x, at, middle);
 	for (int n = 0; n < 27; n++) {
-		int64_t there[3] = { middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1 };
+		int64_t there[3] = { middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1,
+			middle[2] + n / 9 - 1 };
 		uint32_t first = 0, count = find_voxel(x, voxel_key(there), &first);
 		uint32_t stride = count / VOXEL_POINTS + 1;
 		for (uint32_t i = 0; i < count; i += stride) {
 			double p[3];
 			position(x->view, x->order[first + i], p);
-			float off[3] = { (float)(p[0] - at[0]), (float)(p[1] - at[1]), (float)(p[2] - at[2]) };
-			if (off[0] * off[0] + off[1] * off[1] + off[2] * off[2] <= radius_m * radius_m)
+			float off[3] = { (float)(p[0] - at[0]), (float)(p[1] - at[1]),
+				(float)(p[2] - at[2]) };
+			if (off[0] * off[0] + off[1] * off[1] + off[2] * off[2] <=
+				radius_m * radius_m)
 				visit(x->order[first + i], off, data);
 		}
 	}
@@ -151,7 +157,8 @@ struct sums {
 static void add_look(struct sums *s, uint32_t i, float a, float b)
 {
 	const struct point_record *r = &s->of->look->record[i];
-	const float value[4] = { r->rgb[0] / 255.f, r->rgb[1] / 255.f, r->rgb[2] / 255.f, logf(1 + r->intensity) };
+	const float value[4] = { r->rgb[0] / 255.f, r->rgb[1] / 255.f, r->rgb[2] / 255.f,
+		logf(1 + r->intensity) };
 	for (int k = 0; k < 4; k++) {
 		s->c[k] += value[k];
 		s->ca[k] += value[k] * a;
@@ -202,7 +209,8 @@ struct job {
 	float noise_m; /* the least of plane errors that is common */
 };
 
-static float geometry_answer(const struct job *j, const struct sums *s, float radius_m, uint8_t *flags)
+static float geometry_answer(
+	const struct job *j, const struct sums *s, float radius_m, uint8_t *flags)
 {
 	float mean = s->error / s->n, varies = sqrtf(fmaxf(s->error2 / s->n - mean * mean, 0));
 	float crease = varies / (ERROR_VARIES * fmaxf(fmaxf(s->least, j->noise_m), 1e-6f));
@@ -217,7 +225,8 @@ static float geometry_answer(const struct job *j, const struct sums *s, float ra
 static float look_degree(const struct job *j, const struct sums *s, float radius_m, uint8_t *flags)
 {
 	const points *look = j->of->look;
-	bool colour = look && look->have & POINTS_HAVE_COLOUR, light = look && look->have & POINTS_HAVE_INTENSITY;
+	bool colour = look && look->have & POINTS_HAVE_COLOUR,
+	     light = look && look->have & POINTS_HAVE_INTENSITY;
 	float weight = j->o->colour_weight + j->o->intensity_weight, edge = 0, lit = 0;
 	for (int k = 0; k < 3 && colour; k++)
 		edge = fmaxf(edge, slope_answer(s, k, radius_m, COLOUR_STEP));
@@ -225,7 +234,8 @@ static float look_degree(const struct job *j, const struct sums *s, float radius
 		lit = slope_answer(s, 3, radius_m, 2 * COLOUR_STEP);
 	*flags |= (edge >= 1 ? FEATURE_COLOUR_EDGE : 0) | (lit >= 1 ? FEATURE_INTENSITY_EDGE : 0);
 	if (colour && light)
-		return j->o->colour_weight * feature_soft(edge) + j->o->intensity_weight * feature_soft(lit);
+		return j->o->colour_weight * feature_soft(edge) +
+		       j->o->intensity_weight * feature_soft(lit);
 	return weight * feature_soft(fmaxf(edge, lit));
 }
 
@@ -235,18 +245,21 @@ static void estimate_point(const struct job *j, const struct voxels *x, size_t i
 	float normal[3];
 	double at[3];
 	model_unpack_normal(j->of->normal[i], normal);
-	int low = fabsf(normal[0]) < fabsf(normal[1]) ? (fabsf(normal[0]) < fabsf(normal[2]) ? 0 : 2)
-						      : (fabsf(normal[1]) < fabsf(normal[2]) ? 1 : 2);
+	int low = fabsf(normal[0]) < fabsf(normal[1])
+			  ? (fabsf(normal[0]) < fabsf(normal[2]) ? 0 : 2)
+			  : (fabsf(normal[1]) < fabsf(normal[2]) ? 1 : 2);
 	float length = sqrtf(fmaxf(1 - normal[low] * normal[low], 1e-6f));
 	for (int k = 0; k < 3; k++)
 		s.axis[0][k] = ((k == low) - normal[low] * normal[k]) / length;
 	for (int k = 0; k < 3; k++)
-		s.axis[1][k] = normal[(k + 1) % 3] * s.axis[0][(k + 2) % 3] - normal[(k + 2) % 3] * s.axis[0][(k + 1) % 3];
+		s.axis[1][k] = normal[(k + 1) % 3] * s.axis[0][(k + 2) % 3] -
+			       normal[(k + 2) % 3] * s.axis[0][(k + 1) % 3];
 	position(&j->of->view, i, at);
 	visit_around(x, at, radius_m, add_neighbour, &s);
 	if (s.n < AROUND_LEAST)
 		return;
-	float degree = j->o->geometry_weight * feature_soft(geometry_answer(j, &s, radius_m, &j->f->flags[i]));
+	float degree = j->o->geometry_weight *
+		       feature_soft(geometry_answer(j, &s, radius_m, &j->f->flags[i]));
 	degree += look_degree(j, &s, radius_m, &j->f->flags[i]);
 	j->f->degree[i] = (uint8_t)lrintf(255 * fminf(degree, 1));
 	if (j->f->degree[i] > feature_least(j->o))
@@ -264,7 +277,8 @@ struct gather {
 static void gather_point(uint32_t i, const float off[3], void *data)
 {
 	struct gather *g = data;
-	float near = 1 - (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) / (g->radius_m * g->radius_m);
+	float near = 1 - (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) /
+				 (g->radius_m * g->radius_m);
 	float degree = g->f->degree[i] * (1 / 255.f);
 	if (near > 0)
 		feature_keep_point(&g->around, off, near * degree * degree);
@@ -274,7 +288,8 @@ static void fit_point(const struct job *j, const struct voxels *x, size_t i, flo
 {
 	struct gather g = { .f = j->f, .radius_m = radius_m };
 	struct feature_line line;
-	float ahead[3], explained_m = j->o->line_error * hypotf(j->noise_m, SIZE_SHARE * j->of->point_size_m[i]);
+	float ahead[3], explained_m = j->o->line_error *
+				      hypotf(j->noise_m, SIZE_SHARE * j->of->point_size_m[i]);
 	double at[3];
 	model_unpack_normal(j->of->normal[i], ahead);
 	position(&j->of->view, i, at);
@@ -306,9 +321,10 @@ static int level_of(float radius_m, float least_m)
 }
 
 /* Runs work on the points that use names (NULL: all), with voxels of about the radius of each. */
-static bool for_all(const struct job *j, const uint8_t *use, float (*radius_m)(const struct job *, size_t),
-	void (*work)(const struct job *, const struct voxels *, size_t, float), bool (*progress)(double, gpointer),
-	gpointer user_data, double from)
+static bool for_all(const struct job *j, const uint8_t *use,
+	float (*radius_m)(const struct job *, size_t),
+	void (*work)(const struct job *, const struct voxels *, size_t, float),
+	bool (*progress)(double, gpointer), gpointer user_data, double from)
 {
 	const size_t count = j->of->view.count;
 	float least_m = INFINITY;
@@ -381,7 +397,8 @@ static void dither(const struct job *j)
 			continue;
 		position(&j->of->view, i, p);
 		for (int k = 0; k < 3; k++)
-			key |= spread_bits((uint64_t)((int64_t)floor(p[k] / side_m) + (1 << 20))) << k;
+			key |= spread_bits((uint64_t)((int64_t)floor(p[k] / side_m) + (1 << 20)))
+			       << k;
 		order[used++] = (struct keyed){ key, (uint32_t)i };
 	}
 	qsort(order, used, sizeof *order, by_key);
@@ -395,7 +412,9 @@ static void dither(const struct job *j)
 			continue;
 		j->f->kind[i] = FEATURE_DITHER;
 		together -= next;
-		next = 0.75 + 0.5 * feature_noise((uint32_t)i); /* 1 on average; the curve's own steps do not show then */
+		next = 0.75 +
+		       0.5 * feature_noise((uint32_t)
+					     i); /* 1 on average; the curve's own steps do not show then */
 	}
 }
 
@@ -419,7 +438,8 @@ static float noise_of(const struct features_cloud_input *of)
 	return kept ? error[kept / 4] : 0;
 }
 
-features *features_of_cloud(const struct features_cloud_input *of, const struct features_options *options,
+features *features_of_cloud(const struct features_cloud_input *of,
+	const struct features_options *options,
 	bool (*progress)(double fraction, gpointer user_data), gpointer user_data)
 {
 	struct features_options o = features_defaults(options);

@@ -13,12 +13,14 @@
 
 struct features_cloud_input {
 	struct cloud_view view;
-	const int16_t (*normal)[2]; /* packed (model.h); as of cloud_geometry, and so the next two */
+	const int16_t (
+		*normal)[2]; /* packed (model.h); as of cloud_geometry, and so the next two */
 	const float *plane_error_m, *point_size_m; /* NAN: none */
 	const points *look; /* colour and intensity of the points; NULL: none */
 };
 /* One row of as many columns as there are points; no curvature. NULL when progress (may be NULL) stopped it. */
-features *features_of_cloud(const struct features_cloud_input *of, const struct features_options *options,
+features *features_of_cloud(const struct features_cloud_input *of,
+	const struct features_options *options,
 	bool (*progress)(double fraction, gpointer user_data), gpointer user_data);
 
 #endif

@@ -23,7 +23,8 @@ struct source {
 	enum scan_kind kind;
 	struct pose pose;
 	char *fingerprint, *geometry;
-	uint32_t neighbours[FEATURES_NEIGHBOURS], neighbour_count; /* indices of sources, nearest first */
+	uint32_t neighbours[FEATURES_NEIGHBOURS],
+		neighbour_count; /* indices of sources, nearest first */
 	char *key;
 };
 
@@ -66,7 +67,8 @@ static void find_neighbours(GArray *sources, guint of)
 			apart_m(s, other) > FEATURES_REACH_M)
 			continue;
 		uint32_t at = s->neighbour_count;
-		while (at > 0 && apart_m(s, source_at(sources, s->neighbours[at - 1])) > apart_m(s, other))
+		while (at > 0 &&
+			apart_m(s, source_at(sources, s->neighbours[at - 1])) > apart_m(s, other))
 			at--;
 		if (at == FEATURES_NEIGHBOURS)
 			continue;
@@ -86,8 +88,9 @@ static void append_number(GString *text, double value)
 static void append_options(GString *text, const struct features_options *options)
 {
 	struct features_options o = features_defaults(options);
-	const float all[] = { o.range_noise_m, o.radius_m, o.geometry_weight, o.colour_weight, o.intensity_weight,
-		o.threshold, o.line_radius_m, o.line_error, o.dither_per_m2, o.tone_exponent };
+	const float all[] = { o.range_noise_m, o.radius_m, o.geometry_weight, o.colour_weight,
+		o.intensity_weight, o.threshold, o.line_radius_m, o.line_error, o.dither_per_m2,
+		o.tone_exponent };
 	for (size_t i = 0; i < G_N_ELEMENTS(all); i++)
 		append_number(text, all[i]);
 }
@@ -96,8 +99,8 @@ static char *key_of(GArray *sources, guint of, const struct features_options *op
 {
 	const struct source *s = source_at(sources, of);
 	g_autoptr(GString) text = g_string_new(NULL);
-	g_string_append_printf(
-		text, "%s %d %s %s", SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION, s->fingerprint, s->geometry);
+	g_string_append_printf(text, "%s %d %s %s", SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION,
+		s->fingerprint, s->geometry);
 	append_options(text, options);
 	for (uint32_t i = 0; i < s->neighbour_count; i++) {
 		const struct source *other = source_at(sources, s->neighbours[i]);
@@ -105,9 +108,11 @@ static char *key_of(GArray *sources, guint of, const struct features_options *op
 		g_string_append_printf(text, "\n%s", other->fingerprint);
 		for (int a = 0; a < 3; a++)
 			for (int b = 0; b < 3; b++)
-				g_string_append_printf(text, " %ld", lround(p.rotation[a][b] / POSE_STEP));
+				g_string_append_printf(
+					text, " %ld", lround(p.rotation[a][b] / POSE_STEP));
 		for (int a = 0; a < 3; a++)
-			g_string_append_printf(text, " %ld", lround(p.translation_m[a] / POSE_STEP_M));
+			g_string_append_printf(
+				text, " %ld", lround(p.translation_m[a] / POSE_STEP_M));
 	}
 	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text->str, -1);
 }
@@ -119,8 +124,8 @@ static char *geometry_checksum(const site *s, uint32_t number)
 	return g ? g_strdup_printf("%08x", product_checksum(g->file)) : g_strdup("");
 }
 
-static GArray *find_sources(
-	const site *s, const scan_graph *graph, const struct features_options *options, GError **error)
+static GArray *find_sources(const site *s, const scan_graph *graph,
+	const struct features_options *options, GError **error)
 {
 	g_autoptr(GArray) numbers = site_scans(s, error);
 	g_autoptr(GArray) sources = g_array_new(FALSE, TRUE, sizeof(struct source));
@@ -159,12 +164,13 @@ static const char *why_due(const site *s, const struct source *source)
 	if (!f)
 		return "has features that cannot be read";
 	JsonNode *key = json_object_get_member(product_manifest(f->file), "key");
-	bool same = key && JSON_NODE_HOLDS_VALUE(key) && g_strcmp0(json_node_get_string(key), source->key) == 0;
+	bool same = key && JSON_NODE_HOLDS_VALUE(key) &&
+		    g_strcmp0(json_node_get_string(key), source->key) == 0;
 	return same ? NULL : "or what its features come from has changed";
 }
 
-bool features_site_is_due(const site *s, const scan_graph *graph, const struct features_options *options, bool *ret_due,
-	char **ret_why, GError **error)
+bool features_site_is_due(const site *s, const scan_graph *graph,
+	const struct features_options *options, bool *ret_due, char **ret_why, GError **error)
 {
 	g_autoptr(GArray) sources = find_sources(s, graph, options, error);
 	*ret_due = false;
@@ -176,7 +182,8 @@ bool features_site_is_due(const site *s, const scan_graph *graph, const struct f
 			continue;
 		*ret_due = true;
 		if (ret_why)
-			*ret_why = g_strdup_printf("scan %u %s", source_at(sources, i)->number, why);
+			*ret_why =
+				g_strdup_printf("scan %u %s", source_at(sources, i)->number, why);
 	}
 	return sources;
 }
@@ -209,9 +216,11 @@ static bool go_on(struct maker *m, double fraction, GError **error)
 {
 	g_autofree char *doing = g_strdup_printf("features of scan %u", m->number);
 	double done = m->due ? (m->made + fraction) / m->due : 1;
-	if (!m->options || !m->options->progress || m->options->progress(done, doing, m->options->user_data))
+	if (!m->options || !m->options->progress ||
+		m->options->progress(done, doing, m->options->user_data))
 		return true;
-	g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped at the features of scan %u", m->number);
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped at the features of scan %u",
+		m->number);
 	return false;
 }
 
@@ -248,10 +257,11 @@ static struct entry *load(struct maker *m, const struct source *s, GError **erro
 	return e;
 }
 
-static bool write_section(
-	product_writer *w, const char *name, uint32_t bytes, const void *values, uint64_t count, GError **error)
+static bool write_section(product_writer *w, const char *name, uint32_t bytes, const void *values,
+	uint64_t count, GError **error)
 {
-	return product_writer_begin(w, name, bytes, error) && product_writer_append(w, values, count, error);
+	return product_writer_begin(w, name, bytes, error) &&
+	       product_writer_append(w, values, count, error);
 }
 
 static bool write_file(struct maker *m, const struct source *s, const features *f, GError **error)
@@ -264,7 +274,8 @@ static bool write_file(struct maker *m, const struct source *s, const features *
 		!write_section(w, "flags", 1, f->flags, count, error) ||
 		!write_section(w, "direction", 4, f->direction, count, error) ||
 		!write_section(w, "line_error", 2, f->line_error, count, error) ||
-		!write_section(w, "k1", 4, f->k1, count, error) || !write_section(w, "k2", 4, f->k2, count, error) ||
+		!write_section(w, "k1", 4, f->k1, count, error) ||
+		!write_section(w, "k2", 4, f->k2, count, error) ||
 		!write_section(w, "principal", 4, f->principal, count, error))
 		return false;
 	JsonObject *made_from = json_object_new();
@@ -274,18 +285,21 @@ static bool write_file(struct maker *m, const struct source *s, const features *
 	json_object_set_int_member(made_from, "scan", s->number);
 	json_object_set_array_member(made_from, "with", with);
 	json_object_set_string_member(made_from, "key", s->key);
-	return product_writer_finish(w, SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION, made_from, error);
+	return product_writer_finish(
+		w, SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION, made_from, error);
 }
 
 /* The scan itself is asked for last, so that it stays; and all of them fit into the cache. */
 static bool make_grid(struct maker *m, const struct source *s, GError **error)
 {
-	_Static_assert(FEATURES_NEIGHBOURS + 1 <= CACHED, "a scan and its neighbours are in memory together");
+	_Static_assert(FEATURES_NEIGHBOURS + 1 <= CACHED,
+		"a scan and its neighbours are in memory together");
 	struct features_view views[FEATURES_NEIGHBOURS + 1];
 	struct features_input own = { 0 };
 	features *f = NULL;
 	for (uint32_t i = 0; i <= s->neighbour_count; i++) {
-		const struct source *of = i < s->neighbour_count ? source_at(m->sources, s->neighbours[i]) : s;
+		const struct source *of =
+			i < s->neighbour_count ? source_at(m->sources, s->neighbours[i]) : s;
 		struct entry *e = load(m, of, error);
 		if (!e || !go_on(m, (i + 1.0) / (s->neighbour_count + 2.0), error))
 			return false;
@@ -310,12 +324,13 @@ static bool make_cloud(struct maker *m, const struct source *s, GError **error)
 		return false;
 	if (g->count != e->data->points->count) {
 		g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
-			"%s: is of %" G_GUINT64_FORMAT " points, but the scan has %" G_GUINT64_FORMAT,
+			"%s: is of %" G_GUINT64_FORMAT
+			" points, but the scan has %" G_GUINT64_FORMAT,
 			product_path(g->file), g->count, e->data->points->count);
 		return false;
 	}
-	struct features_cloud_input of = { cloud_view_of(e->data->points), g->normal, g->plane_error_m, g->point_size_m,
-		e->data->points };
+	struct features_cloud_input of = { cloud_view_of(e->data->points), g->normal,
+		g->plane_error_m, g->point_size_m, e->data->points };
 	g_autoptr(features) f = features_of_cloud(&of, options_of(m), cloud_progress, m);
 	return f ? write_file(m, s, f, error) : go_on(m, 0, error);
 }
@@ -323,13 +338,15 @@ static bool make_cloud(struct maker *m, const struct source *s, GError **error)
 static bool make(struct maker *m, const struct source *s, GError **error)
 {
 	m->number = s->number;
-	return go_on(m, 0, error) && (s->kind == SCAN_CLOUD ? make_cloud(m, s, error) : make_grid(m, s, error));
+	return go_on(m, 0, error) &&
+	       (s->kind == SCAN_CLOUD ? make_cloud(m, s, error) : make_grid(m, s, error));
 }
 
-bool features_site(site *s, const scan_graph *graph, const struct features_site_options *options, uint32_t *ret_made,
-	GError **error)
+bool features_site(site *s, const scan_graph *graph, const struct features_site_options *options,
+	uint32_t *ret_made, GError **error)
 {
-	g_autoptr(GArray) sources = find_sources(s, graph, options ? &options->features : NULL, error);
+	g_autoptr(GArray) sources =
+		find_sources(s, graph, options ? &options->features : NULL, error);
 	g_autoptr(GPtrArray) cache = g_ptr_array_new_with_free_func(entry_free);
 	g_autofree char *folder = g_build_filename(site_path(s), "features", NULL);
 	if (ret_made)

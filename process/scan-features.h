@@ -36,14 +36,15 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(scan_features, scan_features_free)
 
 struct features_site_options {
 	struct features_options features;
-	bool (*progress)(double fraction, const char *doing, gpointer user_data); /* returns false to stop */
+	bool (*progress)(
+		double fraction, const char *doing, gpointer user_data); /* returns false to stop */
 	gpointer user_data;
 };
 /* Makes what is missing or out of date, scan by scan, with a few scans in memory at a time (a fine one has 110 MB, and 90 more while
  * it is estimated); each is whole on disk when the next begins. G_IO_ERROR_CANCELLED when progress stopped it. options may be NULL. */
-bool features_site(site *s, const scan_graph *g, const struct features_site_options *options, uint32_t *ret_made,
-	GError **error);
-bool features_site_is_due(const site *s, const scan_graph *g, const struct features_options *options, bool *ret_due,
-	char **ret_why, GError **error);
+bool features_site(site *s, const scan_graph *g, const struct features_site_options *options,
+	uint32_t *ret_made, GError **error);
+bool features_site_is_due(const site *s, const scan_graph *g,
+	const struct features_options *options, bool *ret_due, char **ret_why, GError **error);
 
 #endif
