@@ -94,7 +94,7 @@ static int reach_of(
 	}
 	away_m = fmaxf(away_m, 0.7f * g->range_m[i] * (float)g->row_rad);
 	float cells = window_m(g, c->options, g->range_m[i]) / away_m;
-	return CLAMP((int)lrintf(cells), 2, MIN(REACH_MOST, (int)c->distance[i]));
+	return MIN(MAX((int)lrintf(cells), 3), MIN(REACH_MOST, (int)c->distance[i]));
 }
 
 /* 1 sigma of the tilt of a plane of that many cells. */
@@ -140,7 +140,7 @@ static float ridge_at(const struct creases *c, uint32_t row, uint32_t column, co
 {
 	const range_grid *g = c->of->grid;
 	size_t i = (size_t)row * g->columns + column, k;
-	int half = MAX((c->reach[i] + 1) / 2, 1);
+	int half = MAX((2 * c->reach[i] + 2) / 3, 1);
 	float beside = 0;
 	for (int side = -1; side <= 1; side += 2) {
 		bool known = feature_step(g, row, column, side * way[0] * half,
@@ -158,7 +158,7 @@ static float sharpen(const struct creases *c, uint32_t row, uint32_t column, con
 	const range_grid *g = c->of->grid;
 	size_t i = (size_t)row * g->columns + column, k;
 	float here = c->ridge[i], most = here;
-	for (int n = 1; n <= MAX((c->reach[i] + 1) / 2, 1); n++)
+	for (int n = 1; n <= c->reach[i]; n++)
 		for (int side = -n; side <= n; side += 2 * n)
 			if (feature_step(g, row, column, side * way[0], side * way[1], &k))
 				most = fmaxf(most, c->ridge[k]);

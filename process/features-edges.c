@@ -9,6 +9,8 @@
 #define TILT_RAD 0.03f
 /* Of a surface that leads away, so much more noise at most counts as its own. */
 #define NOISIER 3.0f
+/* Or so much of the spacing of beams: a plane that lies over a crease is off the points on both sides. */
+#define CREASED 0.5f
 /* So many of the nine cells around a cell without a point must have none: else it was missed by chance. */
 #define VOID_CELLS  6
 #define VOID_ANSWER 2.0f
@@ -31,8 +33,9 @@ static float off_plane(const range_grid *g, const struct feature_planes *p,
 	if (!(there_m > 0))
 		return INFINITY;
 	float cosine = fabsf(p->offset_m[i]) / there_m, spacing_m = there_m * (float)g->row_rad;
-	float noise_m = DIFFERENCE * CLAMP(p->error_m[i] / fmaxf(cosine, 0.05f), o->range_noise_m,
-					     NOISIER * o->range_noise_m);
+	float noisy_m = fmaxf(NOISIER * o->range_noise_m, CREASED * spacing_m);
+	float noise_m =
+		DIFFERENCE * CLAMP(p->error_m[i] / fmaxf(cosine, 0.05f), o->range_noise_m, noisy_m);
 	float slope_m = TILT_RAD * spacing_m / fmaxf(cosine * cosine, 1e-4f);
 	return fabsf(g->range_m[k] - there_m) / sqrtf(noise_m * noise_m + slope_m * slope_m);
 }

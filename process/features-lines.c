@@ -9,9 +9,9 @@
 #define WINDOW_CLIP  40
 #define WINDOW_LEAST 2
 /* The window is at least so many beams wide each way. */
-#define BEAMS_WIDE 8.0f
+#define BEAMS_WIDE 10.0f
 /* And so many windows of planes: where those waver from noise, edges do, as far as they reach. */
-#define WINDOWS_WIDE 3.5f
+#define WINDOWS_WIDE 4.5f
 /* Edges are found within so many cells of where they are. */
 #define SPACING_SHARE 0.7f
 /* Points so far off the line are on it, in what is explained. */
@@ -21,7 +21,7 @@
 #define OTHERS     6
 #define ERROR_MOST 1.2f
 /* The direction's own error, from how far the points are off the line, 1 sigma. */
-#define CERTAIN_RAD  0.032f
+#define CERTAIN_RAD  0.028f
 #define LONG_ENOUGH  0.27f /* standard deviation along it, in the radius */
 #define POINTS_LEAST 6
 #define ROUNDS       3

@@ -58,7 +58,7 @@ struct features_options {
 	 * other one. Negative: none. */
 	float geometry_weight, colour_weight, intensity_weight;
 	float threshold; /* 0.5; degree of a feature point */
-	float line_radius_m; /* 0.3: around a point the line is fitted within; wider where beams are sparse */
+	float line_radius_m; /* 0.4: around a point the line is fitted within; wider where beams are sparse */
 	float line_error; /* 1: how far points may lie off a line, in what noise and spacing explain */
 	float dither_per_m2; /* 60: dithering points per area of black surface */
 	float tone_exponent; /* 1: of the darkness */
