@@ -1,0 +1,241 @@
+/* The features of a site's scans as files: what is in them, and when they are made again. */
+#include "process/import.h"
+#include "process/scan-data.h"
+#include "process/scan-features.h"
+#include "process/scan-geometry.h"
+#include "sim/truth.h"
+#include "tests/simulated.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SCENE "hall?seed=3&ares=360&camera=none&divergence_mrad=0&station="
+
+struct fixture {
+	char *path;
+	site *site;
+	scan_graph graph;
+};
+
+static void scan(const char *path, uint32_t station)
+{
+	g_autoptr(GError) error = NULL;
+	struct scan_options options = { .preset = preset_find("draft") };
+	struct scan_result result;
+	uint32_t partial;
+	g_autofree char *description = g_strdup_printf(SCENE "%u", station);
+	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
+	g_assert_no_error(error);
+}
+
+/* Where the simulator says that they stand. */
+static void place(struct fixture *f, uint32_t number)
+{
+	g_autoptr(GError) error = NULL;
+	g_autofree char *description = g_strdup_printf(SCENE "%u", number);
+	g_autoptr(truth) t = truth_new(description, &error);
+	g_assert_no_error(error);
+	struct placed_scan p = { .number = number, .group = 1 };
+	memcpy(p.pose.rotation, truth_station(t)->rotation, sizeof p.pose.rotation);
+	memcpy(p.pose.translation_m, truth_station(t)->position_m, sizeof p.pose.translation_m);
+	g_array_append_val(f->graph.scans, p);
+}
+
+/* A table that nobody ordered, as a PLY. */
+static void import_cloud(struct fixture *f)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(GRand) chance = g_rand_new_with_seed(1);
+	g_autoptr(GString) text =
+		g_string_new("ply\nformat ascii 1.0\nelement vertex 3000\nproperty double x\n"
+			     "property double y\nproperty double z\nend_header\n");
+	g_autofree char *file = g_build_filename(f->path, "table.ply", NULL);
+	for (int i = 0; i < 3000; i++)
+		g_string_append_printf(text, "%.4f %.4f %.4f\n", g_rand_double(chance),
+			g_rand_double(chance), 1 + 0.1 * g_rand_double(chance) * 0.01);
+	g_assert_true(g_file_set_contents(file, text->str, (gssize)text->len, &error));
+	GArray *scans = import_file(f->site, file, &(struct import_options){ 0 }, &error);
+	g_assert_no_error(error);
+	g_array_unref(scans);
+}
+
+static void set_up(struct fixture *f, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	(void)data;
+	static char *scanned; /* once for all of them */
+	if (!scanned) {
+		scanned = simulated_folder();
+		scan(scanned, 1);
+		scan(scanned, 2);
+	}
+	f->path = simulated_folder();
+	g_autofree char *copy = g_strdup_printf("cp -r '%s'/. '%s'", scanned, f->path);
+	g_assert_cmpint(system(copy), ==, 0);
+	f->graph.scans = g_array_new(FALSE, TRUE, sizeof(struct placed_scan));
+	f->graph.edges = g_array_new(FALSE, TRUE, sizeof(struct edge));
+	place(f, 1);
+	place(f, 2);
+	f->site = site_open_existing(f->path, &error);
+	g_assert_no_error(error);
+}
+
+static void tear_down(struct fixture *f, gconstpointer data)
+{
+	(void)data;
+	site_free(f->site);
+	g_array_unref(f->graph.scans);
+	g_array_unref(f->graph.edges);
+	g_free(f->path);
+}
+
+static uint32_t make(struct fixture *f)
+{
+	g_autoptr(GError) error = NULL;
+	uint32_t made = 99;
+	bool good = features_site(f->site, &f->graph, NULL, &made, &error);
+	g_assert_no_error(error);
+	g_assert_true(good);
+	return made;
+}
+
+static void assert_due(struct fixture *f, const char *why)
+{
+	g_autoptr(GError) error = NULL;
+	g_autofree char *said = NULL;
+	bool due = false,
+	     good = features_site_is_due(f->site, &f->graph, NULL, &due, &said, &error);
+	g_assert_no_error(error);
+	g_assert_true(good);
+	g_assert_cmpstr(said, ==, why);
+	g_assert_true(due == (why != NULL));
+}
+
+static void make_geometry(struct fixture *f)
+{
+	g_autoptr(GError) error = NULL;
+	g_assert_true(geometry_site(f->site, &f->graph, NULL, NULL, &error));
+	g_assert_no_error(error);
+}
+
+static void test_contents(struct fixture *f, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	(void)data;
+	make_geometry(f);
+	assert_due(f, "scan 1 has no features");
+	g_assert_cmpuint(make(f), ==, 2);
+	assert_due(f, NULL);
+	g_autoptr(scan_features) file = scan_features_open(f->site, 1, &error);
+	g_assert_no_error(error);
+	g_assert_true(product_verify(file->file, &error));
+	struct features_input in[2] = { 0 };
+	scan_data *d[2];
+	for (uint32_t i = 0; i < 2; i++) {
+		d[i] = scan_data_load(f->site, i + 1, &error);
+		g_assert_no_error(error);
+		in[1 - i] =
+			(struct features_input){ /* the scan itself is the last, as there */ .grid =
+							 d[i]->grid,
+				.pose = g_array_index(f->graph.scans, struct placed_scan, i).pose };
+	}
+	g_autoptr(features) same = features_of_scans(in, 2, 1, NULL);
+	size_t n = range_grid_cells(d[0]->grid);
+	g_assert_cmpuint(file->count, ==, n);
+	g_assert_cmpmem(file->degree, n, same->degree, n);
+	g_assert_cmpmem(file->kind, n, same->kind, n);
+	g_assert_cmpmem(file->flags, n, same->flags, n);
+	g_assert_cmpmem(file->principal, 4 * n, same->principal, 4 * n);
+	for (int i = 0; i < 2; i++)
+		scan_data_free(d[i]);
+}
+
+static void test_due(struct fixture *f, gconstpointer data)
+{
+	(void)data;
+	make_geometry(f);
+	make(f);
+	struct placed_scan *p = &g_array_index(f->graph.scans, struct placed_scan, 1);
+	p->pose.translation_m[0] += 0.0001; /* less than what counts */
+	assert_due(f, NULL);
+	p->pose.translation_m[0] += 0.01;
+	assert_due(f, "scan 1 or what its features come from has changed");
+	g_assert_cmpuint(make(f), ==, 2);
+	struct features_options other = { .threshold = 0.6f };
+	bool due = false;
+	g_assert_true(features_site_is_due(f->site, &f->graph, &other, &due, NULL, NULL));
+	g_assert_true(due);
+}
+
+static void test_damage(struct fixture *f, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	g_autofree char *bytes = NULL;
+	gsize length;
+	(void)data;
+	make_geometry(f);
+	make(f);
+	g_autofree char *path = g_build_filename(f->path, "features", "0002.features", NULL);
+	g_assert_true(g_file_get_contents(path, &bytes, &length, NULL));
+	g_assert_true(g_file_set_contents(path, bytes, (gssize)length / 2, NULL));
+	g_assert_null(scan_features_open(f->site, 2, &error));
+	g_assert_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED);
+	assert_due(f, "scan 2 has features that cannot be read");
+	g_assert_cmpuint(make(f), ==, 1);
+	g_autofree char *again = NULL;
+	gsize again_length;
+	g_assert_true(g_file_get_contents(path, &again, &again_length, NULL));
+	g_assert_cmpmem(again, again_length, bytes, length);
+}
+
+static bool stop_at_second(double fraction, const char *doing, gpointer user_data)
+{
+	(void)fraction;
+	(void)user_data;
+	return !strstr(doing, "scan 2");
+}
+
+static void test_stop(struct fixture *f, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	uint32_t made = 9;
+	struct features_site_options options = { .progress = stop_at_second };
+	(void)data;
+	make_geometry(f);
+	g_assert_false(features_site(f->site, &f->graph, &options, &made, &error));
+	g_assert_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED);
+	g_assert_cmpuint(made, ==, 1);
+	assert_due(f, "scan 2 has no features");
+	g_assert_cmpuint(make(f), ==, 1);
+	assert_due(f, NULL);
+}
+
+static void test_cloud(struct fixture *f, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	(void)data;
+	import_cloud(f);
+	make_geometry(f);
+	g_assert_cmpuint(make(f), ==, 3);
+	g_autoptr(scan_features) file = scan_features_open(f->site, 3, &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(file->count, ==, 3000);
+	/* New geometry makes new features. */
+	g_autofree char *path = g_build_filename(f->path, "geometry", "0003.geometry", NULL);
+	g_assert_cmpint(remove(path), ==, 0);
+	assert_due(f, "scan 3 or what its features come from has changed");
+}
+
+#define ADD(name, test)                                                                            \
+	g_test_add("/scan-features/" name, struct fixture, NULL, set_up, test, tear_down)
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	ADD("contents", test_contents);
+	ADD("due", test_due);
+	ADD("damage", test_damage);
+	ADD("stop", test_stop);
+	ADD("cloud", test_cloud);
+	return g_test_run();
+}
