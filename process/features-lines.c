@@ -17,7 +17,7 @@
 /* Points so far off the line are on it, in what is explained. */
 #define ON_LINE 2.0f
 /* What lies along the line is so much more than what lies along any other through the point, on average: leaves have as much. */
-#define STANDS_OUT 1.9f
+#define STANDS_OUT 2.1f
 #define OTHERS     6
 #define ERROR_MOST 1.2f
 /* The direction's own error, from how far the points are off the line, 1 sigma. */

@@ -2,6 +2,7 @@
 #include "acquire/bench-acquire.h"
 #include "acquire/cli.h"
 #include "acquire/preset.h"
+#include "process/bench-features.h"
 #include "process/bench-model.h"
 #include "process/bench-process.h"
 #include "process/bench-register.h"
@@ -26,13 +27,16 @@ static const GOptionEntry entries[] = {
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
 		"process: how often each is measured; the least time counts (default 5)", "N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
-		"process, register: how finely is scanned (default fine, standard)",
+		"process, register, features: how finely is scanned (default fine, standard, "
+		"standard)",
 		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
-		"register: of the first sites; another one gives others (default 1)", "S" },
+		"register, features: of the first sites; another one gives others (default 1)",
+		"S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
-		"register: where the scans stay, and are taken from the next time", "FOLDER" },
+		"register, features: where the scans stay, and are taken from the next time",
+		"FOLDER" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
 		"model: that the scanners measured (default 20)", "N" },
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
@@ -111,6 +115,17 @@ static int run_register(void)
 	return good ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_features(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_features_options options = {
+		.seed = (uint64_t)seed, .preset = preset, .keep = keep, .json = json
+	};
+	if (seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND, "seeds go from 0 to 1000000000");
+	return bench_features(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static const struct part {
 	const char *name;
 	int (*run)(void);
@@ -119,6 +134,7 @@ static const struct part {
 	{ "process", run_process },
 	{ "register", run_register },
 	{ "model", run_model },
+	{ "features", run_features },
 	{ NULL },
 };
 
@@ -133,7 +149,7 @@ static const struct part *find_part(const char *name)
 int main(int argc, char **argv)
 {
 	int status;
-	if (!cli_parse(COMMAND, "[acquire | process | register | model]",
+	if (!cli_parse(COMMAND, "[acquire | process | register | model | features]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
 		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
@@ -141,13 +157,15 @@ int main(int argc, char **argv)
 		    "those by PCL.\n"
 		    "register: aligns pairs of scans of simulated sites, and counts what was "
 		    "found, refused, and accepted although wrong.\n"
-		    "model: builds the model of a large site, then adds one more scan.\n",
+		    "model: builds the model of a large site, then adds one more scan.\n"
+		    "features: finds features in simulated scenes, and counts what was found and "
+		    "what is none.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
 		return cli_misuse(COMMAND,
-			"there is no bench '%s': acquire, process, register, model",
+			"there is no bench '%s': acquire, process, register, model, features",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(

@@ -18,7 +18,7 @@ enum { DONE = 0, FAILED = 1, WRONG_USAGE = 2 };
 typedef struct arguments {
 	int fd;
 	char *listen_path;
-	gboolean poses, truth;
+	gboolean poses, truth, light;
 	int columns, rows;
 	char *output;
 	char **descriptions;
@@ -99,7 +99,9 @@ static int tell_truth(const arguments *a, const char *description)
 	struct truth_panorama panorama = { (uint32_t)a->columns, (uint32_t)a->rows, 50 * M_PI / 180,
 		-40 * M_PI / 180 };
 
-	if (!t || !truth_write(t, &panorama, a->output, &error))
+	bool (*write)(const truth *, const struct truth_panorama *, const char *, GError **) =
+		a->light ? truth_write_light : truth_write;
+	if (!t || !write(t, &panorama, a->output, &error))
 		return complain("", error);
 	return DONE;
 }
@@ -115,6 +117,8 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 			"Print where the scene's stations stand, as JSON", NULL },
 		{ "truth", 0, 0, G_OPTION_ARG_NONE, &a->truth,
 			"Write what the station sees, per cell of a panorama", NULL },
+		{ "light", 0, 0, G_OPTION_ARG_NONE, &a->light,
+			"Write what a camera should see, likewise", NULL },
 		{ "columns", 0, 0, G_OPTION_ARG_INT, &a->columns, "... of so many columns (3000)",
 			"N" },
 		{ "rows", 0, 0, G_OPTION_ARG_INT, &a->rows, "... and rows (792)", "N" },
@@ -132,18 +136,18 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 
 static bool makes_sense(const arguments *a)
 {
-	int ways = (a->fd >= 0) + (a->listen_path != NULL) + a->poses + a->truth;
+	int ways = (a->fd >= 0) + (a->listen_path != NULL) + a->poses + a->truth + a->light;
 
 	return ways == 1 && a->descriptions && g_strv_length(a->descriptions) == 1 &&
-	       a->truth == (a->output != NULL) && a->columns >= 1 && a->columns <= 100000 &&
-	       a->rows >= 1 && a->rows <= 100000;
+	       (a->truth || a->light) == (a->output != NULL) && a->columns >= 1 &&
+	       a->columns <= 100000 && a->rows >= 1 && a->rows <= 100000;
 }
 
 static int run(const arguments *a, const char *description)
 {
 	if (a->poses)
 		return tell_poses(description);
-	if (a->truth)
+	if (a->truth || a->light)
 		return tell_truth(a, description);
 	if (a->listen_path)
 		return listen_on(a->listen_path, description);
@@ -172,7 +176,7 @@ int main(int argc, char **argv)
 		return WRONG_USAGE;
 	}
 	if (!makes_sense(&a)) {
-		complain("give one of --fd, --listen, --truth-poses, --truth (with -o) "
+		complain("give one of --fd, --listen, --truth-poses, --truth, --light (with -o) "
 			 "and one description; --help tells more",
 			NULL);
 		return WRONG_USAGE;

@@ -42,6 +42,10 @@ void truth_look_around(
 	const truth *t, const struct truth_panorama *panorama, struct truth_cell *ret_cells);
 bool truth_write(
 	const truth *t, const struct truth_panorama *panorama, const char *path, GError **error);
+/* What a camera should see there, without noise: the 8 bytes "PLLIGHT1", u32 columns, u32 rows, then float[3] a cell, linear RGB as
+ * world_radiance gives it, of what the cell's centre sees. */
+bool truth_write_light(
+	const truth *t, const struct truth_panorama *panorama, const char *path, GError **error);
 /* [{"station":1,"position_m":[x,y,z],"rotation":[[..],[..],[..]]}, ...] */
 char *truth_poses_json(const char *description, GError **error);
 

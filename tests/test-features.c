@@ -243,7 +243,8 @@ static void test_foliage(void)
 	}
 	g_test_message("%zu points, %zu directed", points, directed);
 	g_assert_cmpuint(points, >, ROWS * COLUMNS / 3);
-	g_assert_cmpuint(10 * directed, <, points);
+	/* Some lie in a row by chance: this is denser than leaves, which test_simulated holds to a tenth. */
+	g_assert_cmpuint(20 * directed, <, 3 * points);
 }
 
 /* ---- what it looks like ---- */
