@@ -61,7 +61,8 @@ static bool segments_checksum(const site *s, uint32_t number, char **ret, GError
 
 static char *part_key_of(const struct model_input *input)
 {
-	g_autofree char *text = g_strdup_printf("%s %s %s", input->key, input->segments, input->features);
+	g_autofree char *text =
+		g_strdup_printf("%s %s %s", input->key, input->segments, input->features);
 	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text, -1);
 }
 

@@ -12,10 +12,10 @@
 struct model_input {
 	uint32_t number;
 	enum scan_kind kind;
-	struct pose pose;  /* scan to site */
-	char *fingerprint; /* of the points (scan-data.h) */
-	char *geometry;    /* checksum of the geometry's file; "" without one */
-	char *key;         /* SHA-256 over all these */
+	struct pose pose;          /* scan to site */
+	char *fingerprint;         /* of the points (scan-data.h) */
+	char *geometry;            /* checksum of the geometry's file; "" without one */
+	char *key;                 /* SHA-256 over all these */
 	char *segments, *features; /* checksums of the files of these; "" without one */
 	char *part_key; /* over key, segments and features: of all that its points in the model have */
 };

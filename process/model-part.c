@@ -205,7 +205,8 @@ static bool make_part(const site *s, const struct model_input *input, unsigned l
 		!model_input_segments(s, input, d, &labels, error) ||
 		!model_input_features(s, input, d, &degrees, error))
 		return false;
-	struct maker m = { .source = { scan_points_of(d, geometry, &input->pose), labels, degrees } };
+	struct maker m = { .source = {
+				   scan_points_of(d, geometry, &input->pose), labels, degrees } };
 	maker_init(&m, memory_bytes, level);
 	bool ok = write_part(&m, path, key, error);
 	maker_clear(&m);

@@ -1,7 +1,7 @@
 /* pleinair pictures SITE: what was computed of the scans as pictures, and a page that shows them. */
 #include "acquire/cli.h"
-#include "process/feature-pictures.h"
 #include "process/scan-data.h"
+#include "process/scan-pictures.h"
 #include <errno.h>
 #include <stdio.h>
 
@@ -20,6 +20,7 @@ static const GOptionEntry entries[] = {
 struct drawing {
 	site *site;
 	const char *folder;
+	struct segment_colour *colour;
 	GArray *drawn; /* of uint32_t */
 	uint32_t clouds;
 };
@@ -36,6 +37,15 @@ static bool save_all(const struct drawing *d, uint32_t number, const struct scan
 	return true;
 }
 
+static bool check_count(const product *file, uint64_t count, const range_grid *g, GError **error)
+{
+	if (count == range_grid_cells(g))
+		return product_verify(file, error);
+	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED, "%s: is not of this scan",
+		product_path(file));
+	return false;
+}
+
 static bool draw(struct drawing *d, uint32_t number, GError **error)
 {
 	g_autoptr(scan_data) data = scan_data_load(d->site, number, error);
@@ -48,14 +58,15 @@ static bool draw(struct drawing *d, uint32_t number, GError **error)
 	g_autoptr(scan_features) f = scan_features_open(d->site, number, error);
 	if (!f)
 		return false;
-	struct scan_picture_input of = { data->grid, f };
-	if (f->count != range_grid_cells(data->grid)) {
-		g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED, "%s: is not of this scan",
-			product_path(f->file));
+	g_autoptr(scan_segments) l = scan_segments_open(d->site, number, error);
+	if (!l)
 		return false;
-	}
+	struct scan_picture_input of = { data->grid, f, l, d->colour };
+	if (!check_count(f->file, f->count, data->grid, error) ||
+		!check_count(l->file, l->count, data->grid, error))
+		return false;
 	g_array_append_val(d->drawn, number);
-	return product_verify(f->file, error) && save_all(d, number, &of, error);
+	return save_all(d, number, &of, error);
 }
 
 static bool draw_all(struct drawing *d, GError **error)
@@ -110,8 +121,8 @@ int main(int argc, char **argv)
 	if (!cli_parse(COMMAND, "SITE",
 		    "Writes what was computed of a site's scans as PNG pictures, and one HTML page "
 		    "that shows them.",
-		    "'pleinair process SITE' must have computed the features.\n", entries, &argc,
-		    &argv, &status))
+		    "'pleinair process SITE' must have computed segments and features.\n", entries,
+		    &argc, &argv, &status))
 		return status;
 	if (argc != 2 || !*argv[1])
 		return cli_misuse(COMMAND, argc <= 2 ? "which site?" : "one site at a time");
@@ -119,8 +130,10 @@ int main(int argc, char **argv)
 	g_autofree char *folder =
 		output ? g_strdup(output) : g_build_filename(argv[1], "exports", "pictures", NULL);
 	g_autoptr(GArray) drawn = g_array_new(FALSE, FALSE, sizeof(uint32_t));
-	struct drawing d = { .site = s, .folder = folder, .drawn = drawn };
-	if (!s || !draw_all(&d, &error))
+	g_autoptr(segments) tree = s ? segments_load(argv[1], &error) : NULL;
+	g_autofree struct segment_colour *colour = tree ? segment_colours(tree) : NULL;
+	struct drawing d = { .site = s, .folder = folder, .colour = colour, .drawn = drawn };
+	if (!tree || !draw_all(&d, &error))
 		return cli_fail(COMMAND, error);
 	print_result(&d);
 	return cli_done(COMMAND);

@@ -1,6 +1,6 @@
 #!/bin/sh
-# demo.sh BIN SITE: four fine scans of the simulated courtyard, registered into one model; pages that show the panoramas and how
-# the scans fit.
+# demo.sh BIN SITE: four fine scans of the simulated courtyard, registered into one model; pages that show the panoramas, how the
+# scans fit, and what was found in them to draw.
 set -e
 bin=$1 site=$2
 seed=${DEMO_SEED:-7}
@@ -13,9 +13,11 @@ done
 "$bin/pleinair" panoramas "$site"
 "$bin/pleinair" process "$site"
 "$bin/pleinair" report "$site"
+"$bin/pleinair" pictures "$site"
 echo
 echo "demo: done in $(($(date +%s) - started)) s. Look at:"
 folder=$(cd "$site" && pwd)
 echo "    $folder/exports/panoramas/index.html    the panoramas"
 echo "    $folder/exports/report.html             how the four scans fit"
+echo "    $folder/exports/pictures/index.html     classes, segments, feature degree, feature and dithering points"
 echo "The site itself is the folder $folder"

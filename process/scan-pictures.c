@@ -1,5 +1,6 @@
-#include "process/feature-pictures.h"
+#include "process/scan-pictures.h"
 #include "acquire/picture.h"
+#include <math.h>
 #include <string.h>
 
 static void grey(uint8_t rgb[3], uint8_t value)
@@ -65,7 +66,56 @@ static void paint_curvature(const struct scan_picture_input *of, size_t i, uint8
 	}
 }
 
+/* Hues that lie far from those of the numbers before; things of a class are alike in nothing else. */
+static void own_colour(uint32_t id, uint8_t rgb[3])
+{
+	double hue = 6 * fmod(id * 0.6180339887, 1), value = 0.62 + 0.09 * (id / 3 % 5),
+	       saturation = 0.35 + 0.12 * (id % 4);
+	for (int k = 0; k < 3; k++) {
+		double off = fabs(fmod(hue + 2.0 * k, 6) - 3) - 1;
+		double pure = fmin(fmax(off, 0), 1);
+		rgb[k] = (uint8_t)lrint(255 * value * (1 - saturation + saturation * pure));
+	}
+}
+
+struct segment_colour *segment_colours(const segments *tree)
+{
+	struct segment_colour *colour = g_new0(struct segment_colour, SEGMENTS_MAX + 1);
+	for (guint i = 0; i < tree->nodes->len; i++) {
+		const struct segment *node = &g_array_index(tree->nodes, struct segment, i);
+		memcpy(colour[node->id].class, segment_classes[node->class].rgb, 3);
+		own_colour(node->id, colour[node->id].own);
+	}
+	return colour;
+}
+
+/* Darker where there are features, so that shapes show. */
+static void paint_leaf(
+	const struct scan_picture_input *of, size_t i, const uint8_t paint[3], uint8_t rgb[3])
+{
+	float shade = 1 - 0.6f * of->features->degree[i] / 255;
+	for (int k = 0; k < 3; k++)
+		rgb[k] = of->segments->leaf[i] ? (uint8_t)lrintf(shade * paint[k]) : 0;
+}
+
+static void paint_classes(const struct scan_picture_input *of, size_t i, uint8_t rgb[3])
+{
+	paint_leaf(of, i, of->colour[of->segments->leaf[i]].class, rgb);
+}
+
+static void paint_segments(const struct scan_picture_input *of, size_t i, uint8_t rgb[3])
+{
+	paint_leaf(of, i, of->colour[of->segments->leaf[i]].own, rgb);
+}
+
 const struct scan_picture scan_pictures[] = {
+	{ "classes",
+		"Classes: buildings red, vegetation green, terrain sand, structures slate, water "
+		"blue, "
+		"other things violet",
+		paint_classes },
+	{ "segments", "Segments: every thing, and every part of one, in a colour of its own",
+		paint_segments },
 	{ "degree", "Feature degree: brighter is higher", paint_degree },
 	{ "points", "Feature points", paint_points },
 	{ "kinds", "Feature points: directional ones blue, the others orange", paint_kinds },

@@ -1,14 +1,24 @@
-#ifndef PROCESS_FEATURE_PICTURES_H
-#define PROCESS_FEATURE_PICTURES_H
+#ifndef PROCESS_SCAN_PICTURES_H
+#define PROCESS_SCAN_PICTURES_H
 /* What was computed of a scan with a grid, for people to look at: a picture each, one pixel a cell. To add one, write a painter and
  * its row in scan_pictures. */
 #include "process/range-grid.h"
 #include "process/scan-features.h"
+#include "process/scan-segments.h"
 
 struct scan_picture_input {
 	const range_grid *grid;
-	const scan_features *features; /* of as many cells */
+	const scan_features *features; /* of as many cells, as are */
+	const scan_segments *segments;
+	const struct segment_colour *colour; /* by number of the segment */
 };
+
+/* What a segment is painted in: its class's colour, and one of its own. */
+struct segment_colour {
+	uint8_t class[3], own[3];
+};
+/* SEGMENTS_MAX + 1 of them; caller frees. */
+struct segment_colour *segment_colours(const segments *tree);
 
 struct scan_picture {
 	const char *name;  /* of the file: 0001-NAME.png */

@@ -1,0 +1,460 @@
+/* What people change about segments: on a simulated site, on disk, undone, and once more after segments were found anew. */
+#include "process/register-site.h"
+#include "process/scan-geometry.h"
+#include "process/segment-editor.h"
+#include "process/segment-site.h"
+#include "tests/simulated.h"
+#include <glib/gstdio.h>
+#include <string.h>
+
+/* A site with two drafts, processed to its segments; each test gets a copy. */
+static char *processed_site(void)
+{
+	static char *path;
+	g_autoptr(GError) error = NULL;
+	if (path)
+		return path;
+	g_autofree char *folder = simulated_folder();
+	path = g_build_filename(folder, "site", NULL);
+	for (int station = 1; station <= 2; station++) {
+		g_autofree char *description = g_strdup_printf(
+			"court?seed=5&station=%d&ares=720&camera=none&divergence_mrad=0", station);
+		struct scan_options options = { .preset = preset_find("draft") };
+		struct scan_result result;
+		uint32_t partial;
+		simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
+		g_assert_no_error(error);
+	}
+	g_autoptr(site) s = site_open_existing(path, &error);
+	g_assert_no_error(error);
+	struct segment_site_result found;
+	bool stopped;
+	g_autoptr(scan_graph) g = register_site(s, NULL, &stopped, &error);
+	g_assert_no_error(error);
+	geometry_site(s, g, NULL, NULL, &error);
+	g_assert_no_error(error);
+	segment_site(s, g, NULL, &found, &error);
+	g_assert_no_error(error);
+	return path;
+}
+
+struct desk {
+	char *path;
+	site *site;
+	scan_graph *graph;
+	segment_editor *editor;
+};
+
+static void sit_down(struct desk *d)
+{
+	g_autoptr(GError) error = NULL;
+	d->site = site_open_existing(d->path, &error);
+	g_assert_no_error(error);
+	d->graph = scan_graph_load(d->site, &error);
+	d->editor = segment_editor_new(d->site, d->graph, &error);
+	g_assert_no_error(error);
+}
+
+static void stand_up(struct desk *d)
+{
+	segment_editor_free(d->editor);
+	scan_graph_free(d->graph);
+	site_free(d->site);
+}
+
+static void set_up(struct desk *d, gconstpointer data)
+{
+	g_autofree char *folder = simulated_folder();
+	g_autofree char *from = g_build_filename(processed_site(), ".", NULL);
+	g_autoptr(GError) error = NULL;
+	(void)data;
+	d->path = g_build_filename(folder, "copy", NULL);
+	const char *copy[] = { "cp", "-r", from, d->path, NULL };
+	g_spawn_sync(NULL, (char **)copy, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, NULL, NULL, NULL, &error);
+	g_assert_no_error(error);
+	sit_down(d);
+}
+
+static void tear_down(struct desk *d, gconstpointer data)
+{
+	(void)data;
+	stand_up(d);
+	g_free(d->path);
+}
+
+/* ---- what holds always ---- */
+
+static const struct segment *node_of(const struct desk *d, uint32_t id)
+{
+	return segments_find(segment_editor_tree(d->editor), id);
+}
+
+/* Every point is in one leaf of the tree, and the tree counts them right. */
+static void check_whole(const struct desk *d)
+{
+	const segments *tree = segment_editor_tree(d->editor);
+	g_autofree uint64_t *in_leaf = g_new0(uint64_t, SEGMENTS_MAX + 1);
+	for (uint32_t scan = 1; scan <= 2; scan++) {
+		uint64_t count;
+		const uint16_t *leaf = segment_editor_leaves(d->editor, scan, &count);
+		g_autoptr(scan_data) data = scan_data_load(d->site, scan, NULL);
+		g_assert_cmpuint(count, ==, range_grid_cells(data->grid));
+		for (uint64_t i = 0; i < count; i++) {
+			g_assert_cmpint(data->grid->range_m[i] > 0, ==, leaf[i] != SEGMENT_NONE);
+			in_leaf[leaf[i]]++;
+		}
+	}
+	uint64_t sum = 0;
+	for (guint i = 0; i < tree->nodes->len; i++) {
+		const struct segment *node = &g_array_index(tree->nodes, struct segment, i);
+		bool is_leaf = segments_is_leaf(tree, node->id);
+		g_assert_cmpuint(in_leaf[node->id], ==, is_leaf ? node->points : 0);
+		g_assert_true(node->points || node->id < SEGMENT_FIRST);
+		sum += in_leaf[node->id];
+		in_leaf[node->id] = 0;
+	}
+	g_assert_cmpuint(sum, ==, segments_find(tree, SEGMENT_SITE)->points);
+	for (uint32_t id = 1; id <= SEGMENTS_MAX; id++)
+		g_assert_cmpuint(in_leaf[id], ==, 0);
+}
+
+/* The largest leaf of a class; skip: how many larger ones to pass over. */
+static uint32_t large_leaf(const struct desk *d, enum segment_class class, unsigned skip)
+{
+	const segments *tree = segment_editor_tree(d->editor);
+	uint64_t less_than = G_MAXUINT64;
+	uint32_t best = 0;
+	for (unsigned k = 0; k <= skip; k++) {
+		best = 0;
+		for (guint i = 0; i < tree->nodes->len; i++) {
+			const struct segment *node = &g_array_index(tree->nodes, struct segment, i);
+			if (node->id >= SEGMENT_FIRST && node->class == class &&
+				segments_is_leaf(tree, node->id) && node->points < less_than &&
+				(!best || node->points > node_of(d, best)->points))
+				best = node->id;
+		}
+		g_assert_cmpuint(best, !=, 0);
+		less_than = node_of(d, best)->points;
+	}
+	return best;
+}
+
+static bool change(struct desk *d, segment_edit *e, const char *refused)
+{
+	g_autoptr(GError) error = NULL;
+	bool good = segment_editor_change(d->editor, e, &error);
+	if (refused) {
+		g_assert_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT);
+		g_assert_true(g_pattern_match_simple(refused, error->message));
+	} else {
+		g_assert_no_error(error);
+	}
+	check_whole(d);
+	return good;
+}
+
+static segment_edit *edit_of(struct desk *d, enum segment_op op, uint32_t first, uint32_t second)
+{
+	g_autoptr(GError) error = NULL;
+	segment_edit *e = segment_edit_new(op);
+	segment_editor_refer(d->editor, e, first, &error);
+	if (second)
+		segment_editor_refer(d->editor, e, second, &error);
+	g_assert_no_error(error);
+	return e;
+}
+
+static char *tree_text(const char *path)
+{
+	g_autofree char *file = segments_path(path);
+	char *text = NULL;
+	g_assert_true(g_file_get_contents(file, &text, NULL, NULL));
+	return text;
+}
+
+/* ---- tests ---- */
+
+static void test_rename(struct desk *d, gconstpointer data)
+{
+	uint32_t tree = large_leaf(d, CLASS_VEGETATION, 0);
+	g_autoptr(segment_edit) e = edit_of(d, EDIT_RENAME, tree, 0);
+	(void)data;
+	e->name = g_strdup("Old oak");
+	change(d, e, NULL);
+	g_assert_cmpstr(node_of(d, tree)->name, ==, "Old oak");
+	stand_up(d);
+	sit_down(d);
+	g_assert_cmpstr(node_of(d, tree)->name, ==, "Old oak");
+	g_autoptr(segment_edit) class = edit_of(d, EDIT_RENAME, segment_of_class(CLASS_BUILDING), 0);
+	class->name = g_strdup("Houses");
+	change(d, class, "*is a class*");
+}
+
+static void test_merge(struct desk *d, gconstpointer data)
+{
+	uint32_t a = large_leaf(d, CLASS_VEGETATION, 0), b = large_leaf(d, CLASS_BUILDING, 0);
+	uint64_t had = node_of(d, a)->points + node_of(d, b)->points;
+	uint64_t buildings = node_of(d, segment_of_class(CLASS_BUILDING))->points, lost = node_of(d, b)->points;
+	double area = node_of(d, a)->area_m2 + node_of(d, b)->area_m2;
+	g_autoptr(segment_edit) e = edit_of(d, EDIT_MERGE, a, b);
+	(void)data;
+	e->name = g_strdup("Both");
+	change(d, e, NULL);
+	g_assert_cmpuint(node_of(d, a)->points, ==, had);
+	g_assert_cmpfloat_with_epsilon(node_of(d, a)->area_m2, area, 1e-6);
+	g_assert_cmpstr(node_of(d, a)->name, ==, "Both");
+	g_assert_cmpint(node_of(d, a)->class, ==, CLASS_VEGETATION);
+	g_assert_null(node_of(d, b));
+	g_assert_cmpuint(node_of(d, segment_of_class(CLASS_BUILDING))->points, ==, buildings - lost);
+	g_autoptr(segment_edit) self = edit_of(d, EDIT_MERGE, a, a);
+	change(d, self, "*are not apart*");
+}
+
+/* A building with parts becomes one leaf. */
+static void test_merge_parts(struct desk *d, gconstpointer data)
+{
+	uint32_t wall = large_leaf(d, CLASS_BUILDING, 0), building = node_of(d, wall)->parent;
+	uint32_t tree = large_leaf(d, CLASS_VEGETATION, 0);
+	uint64_t had = node_of(d, building)->points + node_of(d, tree)->points;
+	(void)data;
+	g_assert_cmpuint(building, >=, SEGMENT_FIRST);
+	g_autoptr(segment_edit) e = edit_of(d, EDIT_MERGE, building, tree);
+	change(d, e, NULL);
+	g_assert_null(node_of(d, wall));
+	g_assert_true(segments_is_leaf(segment_editor_tree(d->editor), building));
+	g_assert_cmpuint(node_of(d, building)->points, ==, had);
+}
+
+static void test_move(struct desk *d, gconstpointer data)
+{
+	uint32_t wall = large_leaf(d, CLASS_BUILDING, 0), building = node_of(d, wall)->parent,
+		 tree = large_leaf(d, CLASS_VEGETATION, 0);
+	uint64_t had = node_of(d, tree)->points, moved = node_of(d, building)->points;
+	(void)data;
+	g_autoptr(segment_edit) e = edit_of(d, EDIT_MOVE, tree, 0);
+	e->class = CLASS_STRUCTURE;
+	change(d, e, NULL);
+	g_assert_cmpint(node_of(d, tree)->class, ==, CLASS_STRUCTURE);
+	g_assert_cmpuint(node_of(d, tree)->parent, ==, segment_of_class(CLASS_STRUCTURE));
+	g_assert_cmpuint(node_of(d, segment_of_class(CLASS_STRUCTURE))->points, >=, had);
+	g_autoptr(segment_edit) under = edit_of(d, EDIT_MOVE, tree, building);
+	change(d, under, NULL);
+	g_assert_cmpint(node_of(d, tree)->class, ==, CLASS_BUILDING);
+	g_assert_cmpuint(node_of(d, building)->points, ==, moved + had);
+	g_autoptr(segment_edit) circle = edit_of(d, EDIT_MOVE, building, building);
+	change(d, circle, "*into itself*");
+	g_autoptr(segment_edit) leaf = edit_of(d, EDIT_MOVE, tree, wall);
+	change(d, leaf, "*has points of its own*");
+}
+
+/* Two trees that were made one come apart again where there is a gap. */
+static void test_split(struct desk *d, gconstpointer data)
+{
+	uint32_t a = large_leaf(d, CLASS_VEGETATION, 0), b = large_leaf(d, CLASS_VEGETATION, 1);
+	uint64_t had = node_of(d, a)->points + node_of(d, b)->points;
+	(void)data;
+	g_autoptr(segment_edit) e = edit_of(d, EDIT_MERGE, a, b);
+	change(d, e, NULL);
+	g_autoptr(segment_edit) split = edit_of(d, EDIT_SPLIT, a, 0);
+	split->gap_m = 0.5;
+	split->points_min = 200;
+	change(d, split, NULL);
+	g_assert_false(segments_is_leaf(segment_editor_tree(d->editor), a));
+	g_assert_cmpuint(node_of(d, a)->points, ==, had);
+	g_autoptr(segment_edit) again = edit_of(d, EDIT_SPLIT, a, 0);
+	again->gap_m = 0.5;
+	again->points_min = 200;
+	change(d, again, "*has parts already*");
+	uint32_t tree = large_leaf(d, CLASS_VEGETATION, 0);
+	g_autoptr(segment_edit) never = edit_of(d, EDIT_SPLIT, tree, 0);
+	never->gap_m = 50;
+	never->points_min = 1;
+	change(d, never, "no gap of 50 m divides*");
+}
+
+/* The left half of a wall's cells in scan 1 becomes a segment; scan 2 has the same place in it. */
+static void test_draw(struct desk *d, gconstpointer data)
+{
+	uint32_t wall = large_leaf(d, CLASS_BUILDING, 0);
+	uint64_t count, others = 0;
+	const uint16_t *leaf = segment_editor_leaves(d->editor, 1, &count);
+	(void)data;
+	g_autoptr(segment_edit) e = segment_edit_new(EDIT_DRAW);
+	e->scan = 1;
+	e->class = CLASS_STRUCTURE;
+	e->name = g_strdup("Half a wall");
+	g_autoptr(scan_data) scan = scan_data_load(d->site, 1, NULL);
+	uint32_t columns = scan->grid->columns, low = columns, high = 0;
+	for (uint64_t i = 0; i < count; i++)
+		if (leaf[i] == wall) {
+			low = MIN(low, (uint32_t)(i % columns));
+			high = MAX(high, (uint32_t)(i % columns));
+		}
+	for (uint64_t i = 0; i < count; i++) {
+		struct cell_run one = { (uint32_t)i, 1 };
+		if (leaf[i] == wall && i % columns < (low + high) / 2)
+			g_array_append_val(e->runs, one);
+	}
+	guint drawn = e->runs->len;
+	change(d, e, NULL);
+	uint32_t id = large_leaf(d, CLASS_STRUCTURE, 0);
+	g_assert_cmpstr(node_of(d, id)->name, ==, "Half a wall");
+	leaf = segment_editor_leaves(d->editor, 2, &count);
+	for (uint64_t i = 0; i < count; i++)
+		others += leaf[i] == id;
+	g_assert_cmpuint(node_of(d, id)->points, ==, drawn + others);
+	g_assert_cmpuint(others, >, 100);
+	g_autoptr(segment_edit) nothing = segment_edit_new(EDIT_DRAW);
+	struct cell_run sky = { 0, 1 };
+	nothing->scan = 1;
+	nothing->class = CLASS_OTHER;
+	g_array_append_val(nothing->runs, sky);
+	change(d, nothing, "no point of scan 1 is selected");
+	nothing->scan = 9;
+	change(d, nothing, "there is no scan 9");
+}
+
+static void test_undo(struct desk *d, gconstpointer data)
+{
+	g_autofree char *before = tree_text(d->path);
+	g_autoptr(GError) error = NULL;
+	uint32_t a = large_leaf(d, CLASS_VEGETATION, 0), b = large_leaf(d, CLASS_BUILDING, 0);
+	(void)data;
+	g_autoptr(segment_edit) merge = edit_of(d, EDIT_MERGE, a, b);
+	change(d, merge, NULL);
+	g_autoptr(segment_edit) name = edit_of(d, EDIT_RENAME, a, 0);
+	name->name = g_strdup("All");
+	change(d, name, NULL);
+	g_autofree char *after = tree_text(d->path);
+	for (int k = 0; k < 2; k++)
+		g_assert_true(segment_editor_undo(d->editor, &error));
+	check_whole(d);
+	g_autofree char *undone = tree_text(d->path);
+	g_assert_cmpstr(undone, ==, before);
+	g_assert_false(segment_editor_undo(d->editor, &error));
+	g_assert_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND);
+	g_clear_error(&error);
+	for (int k = 0; k < 2; k++)
+		g_assert_true(segment_editor_redo(d->editor, &error));
+	g_autofree char *redone = tree_text(d->path);
+	g_assert_cmpstr(redone, ==, after);
+	g_assert_true(segment_editor_undo(d->editor, &error));
+	g_autoptr(segment_edit) other = edit_of(d, EDIT_RENAME, a, 0);
+	other->name = g_strdup("Another");
+	change(d, other, NULL);
+	g_assert_false(segment_editor_redo(d->editor, &error));
+}
+
+static void process_segments(struct desk *d)
+{
+	g_autoptr(GError) error = NULL;
+	struct segment_site_result result;
+	segment_site(d->site, d->graph, NULL, &result, &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(result.changes_left_out, ==, 0);
+}
+
+/* Other parameters give other numbers; what was changed is still of the same points. */
+static void test_found_anew(struct desk *d, gconstpointer data)
+{
+	uint32_t tree = large_leaf(d, CLASS_VEGETATION, 0), wall = large_leaf(d, CLASS_BUILDING, 0);
+	uint64_t count, same = 0, all = 0;
+	g_autoptr(GError) error = NULL;
+	(void)data;
+	g_autoptr(segment_edit) name = edit_of(d, EDIT_RENAME, tree, 0);
+	name->name = g_strdup("Old oak");
+	change(d, name, NULL);
+	g_autoptr(segment_edit) move = edit_of(d, EDIT_MOVE, wall, 0);
+	move->class = CLASS_STRUCTURE;
+	change(d, move, NULL);
+	g_autofree uint16_t *was = NULL;
+	const uint16_t *leaf = segment_editor_leaves(d->editor, 1, &count);
+	was = g_memdup2(leaf, count * sizeof *leaf);
+	JsonNode *gap = json_node_new(JSON_NODE_VALUE);
+	json_node_set_double(gap, 0.2);
+	g_assert_true(site_set(d->site, "segmentation.gap_m", gap, &error));
+	segment_editor *none = segment_editor_new(d->site, d->graph, &error);
+	g_assert_null(none);
+	g_assert_error(error, G_IO_ERROR, G_IO_ERROR_NOT_INITIALIZED);
+	process_segments(d);
+	stand_up(d);
+	sit_down(d);
+	check_whole(d);
+	leaf = segment_editor_leaves(d->editor, 1, &count);
+	for (uint64_t i = 0; i < count; i++) {
+		bool is = leaf[i] && strcmp(node_of(d, leaf[i])->name, "Old oak") == 0;
+		all += is || was[i] == tree;
+		same += is && was[i] == tree;
+	}
+	g_test_message("%" G_GUINT64_FORMAT " of %" G_GUINT64_FORMAT " points are the same", same, all);
+	g_assert_cmpfloat((double)same, >, 0.8 * (double)all);
+	same = all = 0;
+	for (uint64_t i = 0; i < count; i++) {
+		all += was[i] == wall;
+		same += was[i] == wall && node_of(d, leaf[i])->class == CLASS_STRUCTURE;
+	}
+	g_assert_cmpfloat((double)same, >, 0.9 * (double)all);
+}
+
+/* A change that is on disk, but not yet in the segments, as after a power cut. */
+static void test_cut_off(struct desk *d, gconstpointer data)
+{
+	uint32_t tree = large_leaf(d, CLASS_VEGETATION, 0);
+	g_autoptr(GError) error = NULL;
+	bool due;
+	g_autofree char *why = NULL;
+	(void)data;
+	g_autoptr(segment_edits) edits = segment_edits_load(d->site, &error);
+	g_autoptr(segment_edit) e = edit_of(d, EDIT_RENAME, tree, 0);
+	e->name = g_strdup("Cut");
+	e->base = g_strdup(segment_editor_tree(d->editor)->key);
+	g_assert_true(segment_edits_append(edits, d->site, e, &error));
+	g_assert_true(segment_site_is_due(d->site, d->graph, &due, &why, &error));
+	g_assert_true(due);
+	process_segments(d);
+	stand_up(d);
+	sit_down(d);
+	g_assert_cmpstr(node_of(d, tree)->name, ==, "Cut");
+}
+
+static void test_damage(struct desk *d, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(segment_edit) e = edit_of(d, EDIT_RENAME, large_leaf(d, CLASS_VEGETATION, 0), 0);
+	(void)data;
+	e->name = g_strdup("Soon gone");
+	change(d, e, NULL);
+	g_autofree char *file = g_build_filename(d->path, "edits", "0001.edit", NULL);
+	g_autofree char *bytes = NULL;
+	gsize length;
+	g_assert_true(g_file_get_contents(file, &bytes, &length, NULL));
+	for (gsize cut = 0; cut < length; cut += 37) {
+		g_assert_true(g_file_set_contents(file, bytes, (gssize)cut, NULL));
+		g_assert_null(segment_edits_read(d->site, 1, &error));
+		g_assert_nonnull(error);
+		g_assert_true(g_str_has_prefix(error->message, file));
+		g_clear_error(&error);
+	}
+	g_autofree char *list = g_build_filename(d->path, "edits", "edits.json", NULL);
+	g_assert_true(g_file_set_contents(list, "{\"schema\":1,\"done\":[1,-2],\"undone\":[]}", -1, NULL));
+	g_assert_null(segment_edits_load(d->site, &error));
+	g_assert_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE);
+}
+
+#define ADD(name, function) g_test_add("/segment-edits/" name, struct desk, NULL, set_up, function, tear_down)
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	ADD("rename", test_rename);
+	ADD("merge", test_merge);
+	ADD("merge-parts", test_merge_parts);
+	ADD("move", test_move);
+	ADD("split", test_split);
+	ADD("draw", test_draw);
+	ADD("undo", test_undo);
+	ADD("found-anew", test_found_anew);
+	ADD("cut-off", test_cut_off);
+	ADD("damage", test_damage);
+	return g_test_run();
+}
