@@ -122,15 +122,15 @@ static inline void put_shape(GByteArray *graph, unsigned field, unsigned name, u
 static inline GByteArray *model_of(GByteArray *graph, uint64_t channels, uint64_t classes,
 	unsigned last, uint64_t rows, uint64_t columns)
 {
-	GByteArray *model = g_byte_array_new(), *opset = g_byte_array_new();
+	GByteArray *whole = g_byte_array_new(), *opset = g_byte_array_new();
 	put_text(graph, 2, "made by hand");
 	put_shape(graph, 11, 0, channels, rows, columns);
 	put_shape(graph, 12, last, classes, rows, columns);
-	put_number(model, 1, 7);
+	put_number(whole, 1, 7);
 	put_number(opset, 2, 11);
-	put_part(model, 8, opset);
-	put_part(model, 7, graph);
-	return model;
+	put_part(whole, 8, opset);
+	put_part(whole, 7, graph);
+	return whole;
 }
 
 #endif

@@ -3,8 +3,10 @@
 #include "process/scan-geometry.h"
 #include "process/segment-editor.h"
 #include "process/segment-site.h"
+#include "tests/onnx-made.h"
 #include "tests/simulated.h"
 #include <glib/gstdio.h>
+#include <math.h>
 #include <string.h>
 
 /* A site with two drafts, processed to its segments; each test gets a copy. */
@@ -417,6 +419,57 @@ static void test_cut_off(struct desk *d, gconstpointer data)
 	g_assert_cmpstr(node_of(d, tree)->name, ==, "Cut");
 }
 
+static void set_text(site *s, const char *key, const char *text)
+{
+	g_autoptr(GError) error = NULL;
+	JsonNode *node = json_node_new(JSON_NODE_VALUE);
+	json_node_set_string(node, text);
+	g_assert_true(site_set(s, key, node, &error));
+}
+
+/* A network that takes all within 4 m for water, and is sure of the rest too. */
+static void write_network(const char *folder)
+{
+	static const float weight[] = { -10, 0 }, bias[] = { 40, 0 };
+	static const char told[] = "{\"channels\": [\"range_m\"], \"classes\": [\"water\", \"lawn\"]}";
+	g_autofree char *net = g_build_filename(folder, "near.onnx", NULL);
+	g_autofree char *beside = g_build_filename(folder, "near.json", NULL);
+	GByteArray *graph = g_byte_array_new();
+	put_convolution(graph, 0, 1, 1, 2, 1, 1, weight, bias);
+	g_autoptr(GByteArray) onnx = model_of(graph, 1, 2, 1, 0, 0);
+	g_assert_true(g_file_set_contents(net, (const char *)onnx->data, (gssize)onnx->len, NULL));
+	g_assert_true(g_file_set_contents(beside, told, -1, NULL));
+}
+
+/* What somebody's model is sure of goes before the rules. */
+static void test_model(struct desk *d, gconstpointer data)
+{
+	uint64_t count, near = 0;
+	g_autoptr(GError) error = NULL;
+	bool due;
+	g_autofree char *why = NULL;
+	(void)data;
+	set_text(d->site, "segmentation.model", "near.onnx");
+	g_assert_false(segment_site_is_due(d->site, d->graph, &due, &why, &error));
+	g_assert_true(strstr(error->message, "near.onnx") != NULL);
+	g_clear_error(&error);
+	write_network(d->path);
+	process_segments(d);
+	stand_up(d);
+	sit_down(d);
+	check_whole(d);
+	g_autoptr(scan_data) scan = scan_data_load(d->site, 1, NULL);
+	const uint16_t *leaf = segment_editor_leaves(d->editor, 1, &count);
+	for (uint64_t i = 0; i < count; i++) {
+		float range_m = scan->grid->range_m[i];
+		if (!(range_m > 0) || fabsf(range_m - 4) < 0.1f)
+			continue;
+		near += range_m < 4;
+		g_assert_cmpint(node_of(d, leaf[i])->class, ==, range_m < 4 ? CLASS_WATER : CLASS_OTHER);
+	}
+	g_assert_cmpuint(near, >, 1000);
+}
+
 static void test_damage(struct desk *d, gconstpointer data)
 {
 	g_autoptr(GError) error = NULL;
@@ -455,6 +508,7 @@ int main(int argc, char **argv)
 	ADD("undo", test_undo);
 	ADD("found-anew", test_found_anew);
 	ADD("cut-off", test_cut_off);
+	ADD("model", test_model);
 	ADD("damage", test_damage);
 	return g_test_run();
 }
