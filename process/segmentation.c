@@ -15,6 +15,8 @@
 #define GROUND_M     0.12f
 #define GROUND_GAPS  0.3f
 #define GROUND_UP    0.6f
+/* What fits no plane at all leaves so much at least. */
+#define NO_PLANE_M   0.05f
 #define COSINE_LEAST 0.15f
 
 struct segmentation {
@@ -58,7 +60,7 @@ void segmentation_point(
 	scan_points_normal(p, i, normal);
 	ret->error_m = p->geometry && isfinite(p->geometry->plane_error_m[i])
 			       ? p->geometry->plane_error_m[i]
-			       : ret->size_m;
+			       : fmaxf(ret->size_m, NO_PLANE_M);
 	ret->area_m2 = ret->size_m * ret->size_m;
 	for (int k = 0; k < 3; k++) {
 		ret->normal[k] = (float)normal[k];
