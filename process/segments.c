@@ -239,6 +239,13 @@ static bool refuse(const char *path, guint i, const char *what, GError **error)
 	return false;
 }
 
+static bool is_number(JsonNode *node)
+{
+	return JSON_NODE_HOLDS_VALUE(node) &&
+	       (json_node_get_value_type(node) == G_TYPE_INT64 ||
+		       json_node_get_value_type(node) == G_TYPE_DOUBLE);
+}
+
 static bool read_place(JsonObject *o, const char *key, double ret_m[3])
 {
 	JsonNode *node = json_object_get_member(o, key);
@@ -248,7 +255,7 @@ static bool read_place(JsonObject *o, const char *key, double ret_m[3])
 	for (guint k = 0; k < 3; k++) {
 		JsonNode *number =
 			k < json_array_get_length(a) ? json_array_get_element(a, k) : NULL;
-		if (!number || !JSON_NODE_HOLDS_VALUE(number) ||
+		if (!number || !is_number(number) ||
 			!(isfinite(ret_m[k] = json_node_get_double(number))))
 			return false;
 	}
@@ -267,12 +274,15 @@ static const char *text_of(JsonObject *o, const char *key)
 static bool read_number(JsonObject *o, const char *key, double max, double *ret)
 {
 	JsonNode *node = json_object_get_member(o, key);
-	if (!node || !JSON_NODE_HOLDS_VALUE(node) ||
-		(json_node_get_value_type(node) != G_TYPE_INT64 &&
-			json_node_get_value_type(node) != G_TYPE_DOUBLE))
+	if (!node || !is_number(node))
 		return false;
 	*ret = json_node_get_double(node);
 	return *ret >= 0 && *ret <= max;
+}
+
+static bool read_whole(JsonObject *o, const char *key, double max, double *ret)
+{
+	return read_number(o, key, max, ret) && *ret == floor(*ret);
 }
 
 static bool read_node(segments *s, JsonNode *json, const char *path, GError **error)
@@ -288,9 +298,9 @@ static bool read_node(segments *s, JsonNode *json, const char *path, GError **er
 		return refuse(path, i, "has no class that there is", error);
 	if (!name || !by)
 		return refuse(path, i, "has no 'name' or no 'made_by'", error);
-	if (!read_number(o, "id", SEGMENTS_MAX, &id) ||
-		!read_number(o, "parent", SEGMENTS_MAX, &parent) ||
-		!read_number(o, "points", 1e15, &points) ||
+	if (!read_whole(o, "id", SEGMENTS_MAX, &id) ||
+		!read_whole(o, "parent", SEGMENTS_MAX, &parent) ||
+		!read_whole(o, "points", 1e15, &points) ||
 		!read_number(o, "area_m2", 1e15, &area_m2))
 		return refuse(
 			path, i, "has no 'id', 'parent', 'points' or 'area_m2' that can be", error);
@@ -306,9 +316,22 @@ static bool read_node(segments *s, JsonNode *json, const char *path, GError **er
 	       refuse(path, i, "has a box that is none", error);
 }
 
+/* The site is above all, and each class right below it. */
+static bool stands_right(const struct segment *node)
+{
+	if (node->id == SEGMENT_SITE)
+		return node->parent == 0;
+	return node->id < segment_of_class(CLASS_OTHER) ||
+	       node->id >= segment_of_class(SEGMENT_CLASSES) ||
+	       (node->parent == SEGMENT_SITE && segment_of_class(node->class) == node->id);
+}
+
 /* Parents must stand before their children in number or not; no node may be above itself. */
 static bool check_tree(const segments *s, const char *path, GError **error)
 {
+	for (guint i = 0; i < s->nodes->len; i++)
+		if (!stands_right(node_at(s, i)))
+			return refuse(path, i, "is not where the site or a class is", error);
 	for (guint i = 0; i < s->nodes->len; i++) {
 		const struct segment *node = node_at(s, i);
 		guint steps = 0;
