@@ -39,7 +39,7 @@ static bool read_labels(const manifest *m, bool *ret, GError **error)
 		return true;
 	}
 	g_set_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE,
-		"%s: 'segmentation.labels' is not true or false", manifest_path(m));
+		"%s: 'segmentation.labels' is neither true nor false", manifest_path(m));
 	return false;
 }
 
