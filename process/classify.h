@@ -18,6 +18,7 @@ struct classify_input {
 	const ground *ground;
 	const float *height_m;       /* above the ground, of each voxel */
 	const uint8_t *ground_class; /* enum segment_class of each surfel of the ground (water.h) */
+	float ground_m; /* what faces up and is so near the ground is part of it, and in no voxel */
 };
 /* enum segment_class of each voxel; caller frees. */
 uint8_t *classify(const struct classify_input *in);

@@ -237,6 +237,20 @@ static bool add_rests(struct maker *m)
 	return true;
 }
 
+/* At the foot of a wall, a surfel may be too little of a floor to walk on; what lies in it is ground all the same. */
+static uint16_t leaf_of_area(const struct maker *m, uint32_t surfel)
+{
+	const ground *g = m->in->ground;
+	double at[3];
+	if (ground_is(g, surfel))
+		return m->t->leaf_of_surfel[surfel];
+	voxel_point_m(ground_surfels(g), surfel, at);
+	uint32_t near = ground_surfel(g, at);
+	return near != VOXEL_NONE && fabsf(ground_height_m(g, at)) < m->in->ground_m
+		       ? m->t->leaf_of_surfel[near]
+		       : SEGMENT_NONE;
+}
+
 static void sum_areas(const struct maker *m)
 {
 	static const double low[3] = { INFINITY, INFINITY, INFINITY },
@@ -246,8 +260,8 @@ static void sum_areas(const struct maker *m)
 	for (uint32_t i = 0; i < m->v->count; i++)
 		area[m->t->leaf_of_voxel[i]] += m->v->voxel[i].area_m2;
 	for (uint32_t i = 0; i < surfels->count; i++)
-		if (ground_is(m->in->ground, i))
-			area[m->t->leaf_of_surfel[i]] += surfels->voxel[i].area_m2;
+		area[leaf_of_area(m, i)] += surfels->voxel[i].area_m2;
+	area[SEGMENT_NONE] = 0;
 	for (uint32_t leaf = 0; leaf <= SEGMENTS_MAX; leaf++)
 		if (area[leaf] > 0)
 			segments_count(m->into, leaf, 0, low, high, area[leaf]);

@@ -17,7 +17,7 @@
 #define GROUND_UP    0.6f
 /* What fits no plane at all leaves so much at least. */
 #define NO_PLANE_M   0.05f
-#define COSINE_LEAST 0.15f
+#define COSINE_LEAST 0.15
 
 struct segmentation {
 	double gap_m;
@@ -73,8 +73,10 @@ void segmentation_point(
 		ret->towards[k] = (float)(away[k] / sqrt(far));
 		facing += ret->normal[k] * ret->towards[k];
 	}
-	ret->area_m2 =
-		scan_points_solid_angle_sr(p, i) * (float)far / fmaxf((float)facing, COSINE_LEAST);
+	/* one without a normal may face anywhere */
+	bool has_normal = normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
+	facing = has_normal ? fmax(facing, COSINE_LEAST) : 1;
+	ret->area_m2 = scan_points_solid_angle_sr(p, i) * (float)(far / facing);
 }
 
 static bool is_ground(const segmentation *s, const struct voxel_point *p)
@@ -274,7 +276,8 @@ static bool find_things(
 	}
 	g_autofree uint8_t *ground_class =
 		water_find(s->ground, (const double(*)[3])stations->data, stations->len);
-	struct classify_input in = { s->voxels, shape, regions, s->ground, height_m, ground_class };
+	struct classify_input in = { s->voxels, shape, regions, s->ground, height_m, ground_class,
+		s->ground_m };
 	g_autofree uint8_t *class = classify(&in);
 	if (!ask(p, error) || !count_labels(p, class, error))
 		return false;
