@@ -64,6 +64,12 @@ void ground_add(ground *g, const struct voxel_point *p)
 	voxels_add(p->normal[2] >= UP ? g->surfels : g->rest, p);
 }
 
+void ground_merge(ground *g, const ground *from)
+{
+	voxels_merge(g->surfels, from->surfels);
+	voxels_merge(g->rest, from->rest);
+}
+
 const voxels *ground_surfels(const ground *g)
 {
 	return g->surfels;
@@ -285,11 +291,14 @@ static bool column_of(const ground *g, const double at_m[3], uint32_t *ret)
 {
 	double x = floor(at_m[0] / column_m(g)) - g->low[0],
 	       y = floor(at_m[1] / column_m(g)) - g->low[1];
-	bool inside = x >= 0 && y >= 0 && x < g->columns && y < g->rows;
+	if (x >= 0 && y >= 0 && x < g->columns && y < g->rows) {
+		*ret = (uint32_t)y * g->columns + (uint32_t)x;
+		return true;
+	}
 	x = fmin(fmax(x, 0), g->columns - 1.0);
 	y = fmin(fmax(y, 0), g->rows - 1.0);
 	*ret = (uint32_t)y * g->columns + (uint32_t)x;
-	return inside;
+	return false;
 }
 
 static void find_box(ground *g)
@@ -391,8 +400,8 @@ static float layer_height_m(
 	double middle[2], reach = 2 * column_m(g);
 	middle_of(g, column, middle);
 	double dx = at_m[0] - middle[0], dy = at_m[1] - middle[1];
-	dx = fmax(fmin(dx, reach), -reach);
-	dy = fmax(fmin(dy, reach), -reach);
+	dx = dx > reach ? reach : dx < -reach ? -reach : dx;
+	dy = dy > reach ? reach : dy < -reach ? -reach : dy;
 	return (float)(at_m[2] - l->z_m - l->slope[0] * dx - l->slope[1] * dy);
 }
 

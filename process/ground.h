@@ -15,7 +15,8 @@ typedef struct ground ground;
 ground *ground_new(double cell_m);
 void ground_free(ground *g); /* NULL is fine */
 void ground_add(
-	ground *g, const struct voxel_point *p); /* those that do not face up are passed over */
+	ground *g, const struct voxel_point *p);  /* those that do not face up are passed over */
+void ground_merge(ground *g, const ground *from); /* both before ground_find; as voxels_merge */
 /* stations: where scanners stood; 0: not known. */
 void ground_find(ground *g, const double (*station_m)[3], size_t stations);
 

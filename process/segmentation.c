@@ -15,6 +15,7 @@
 #define GROUND_M     0.12f
 #define GROUND_GAPS  0.3f
 #define GROUND_UP    0.6f
+#define SLABS        16u /* of a scan */
 /* What fits no plane at all leaves so much at least. */
 #define NO_PLANE_M   0.05f
 #define COSINE_LEAST 0.15
@@ -46,24 +47,32 @@ double segmentation_gap_m(const segmentation *s)
 
 /* ---- points ---- */
 
+/* Where it is and how the surface lies there. */
+static void place_point(const struct segmentation_scan *scan, uint64_t i, struct voxel_point *ret)
+{
+	double normal[3];
+	scan_points_position(&scan->points, i, ret->at_m);
+	scan_points_normal(&scan->points, i, normal);
+	for (int k = 0; k < 3; k++)
+		ret->normal[k] = (float)normal[k];
+}
+
 void segmentation_point(
 	const struct segmentation_scan *scan, uint32_t number, uint64_t i, struct voxel_point *ret)
 {
 	const struct scan_points *p = &scan->points;
-	double normal[3], away[3], far = 0, facing = 0;
+	double away[3], far = 0, facing = 0;
 	*ret = (struct voxel_point){ .scan = number,
 		.size_m = scan_points_size_m(p, i),
 		.rgb = scan_points_rgb(p, i),
 		.intensity = scan_points_intensity(p, i),
 		.is_late = p->data->points && p->data->points->record[i].return_number > 1 };
-	scan_points_position(p, i, ret->at_m);
-	scan_points_normal(p, i, normal);
+	place_point(scan, i, ret);
 	ret->error_m = p->geometry && isfinite(p->geometry->plane_error_m[i])
 			       ? p->geometry->plane_error_m[i]
 			       : fmaxf(ret->size_m, NO_PLANE_M);
 	ret->area_m2 = ret->size_m * ret->size_m;
 	for (int k = 0; k < 3; k++) {
-		ret->normal[k] = (float)normal[k];
 		away[k] = scan->station_m[k] - ret->at_m[k];
 		far += away[k] * away[k];
 	}
@@ -74,22 +83,22 @@ void segmentation_point(
 		facing += ret->normal[k] * ret->towards[k];
 	}
 	/* one without a normal may face anywhere */
-	bool has_normal = normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
+	bool has_normal = ret->normal[0] != 0 || ret->normal[1] != 0 || ret->normal[2] != 0;
 	facing = has_normal ? fmax(facing, COSINE_LEAST) : 1;
 	ret->area_m2 = scan_points_solid_angle_sr(p, i) * (float)(far / facing);
 }
 
 static bool is_ground(const segmentation *s, const struct voxel_point *p)
 {
-	float height = ground_height_m(s->ground, p->at_m);
-	return p->normal[2] > GROUND_UP && fabsf(height) < s->ground_m;
+	return p->normal[2] > GROUND_UP && fabsf(ground_height_m(s->ground, p->at_m)) < s->ground_m;
 }
 
 struct passes {
 	segmentation *s;
 	const struct segmentation_source *source;
 	const struct segmentation_options *options;
-	double done, of; /* points, about */
+	GArray *stations; /* of double[3] */
+	bool has_labels;
 };
 
 static bool go_on(const struct passes *p, double fraction, const char *doing, GError **error)
@@ -101,38 +110,87 @@ static bool go_on(const struct passes *p, double fraction, const char *doing, GE
 	return false;
 }
 
-typedef void (*pass_func)(segmentation *s, const struct voxel_point *p);
+/* Over all points of all scans. Scans are cut into slabs, which threads share; sums are put together slab by slab, and are the
+ * same on any number of threads. */
+struct pass {
+	const char *doing;
+	double from, to;
+	void *(*begin)(const segmentation *s);
+	void (*add)(const segmentation *s, void *slab, const struct voxel_point *p);
+	void (*end)(segmentation *s, void *slab); /* frees it */
+};
 
-static bool pass(const struct passes *p, pass_func each, double from, double to, const char *doing,
-	GError **error)
+static void take_slab(const segmentation *s, const struct pass *pass, uint32_t number,
+	const struct segmentation_scan *scan, uint64_t k, void *slab)
+{
+	uint64_t end = scan->points.count * (k + 1) / SLABS;
+	for (uint64_t i = scan->points.count * k / SLABS; i < end; i++) {
+		struct voxel_point point;
+		if (!scan_points_has(&scan->points, i))
+			continue;
+		segmentation_point(scan, number, i, &point);
+		pass->add(s, slab, &point);
+	}
+}
+
+static bool run_pass(const struct passes *p, const struct pass *pass, GError **error)
 {
 	for (size_t k = 0; k < p->source->scans; k++) {
 		struct segmentation_scan scan = { 0 };
-		if (!go_on(p, from + (to - from) * (double)k / (double)p->source->scans, doing,
-			    error) ||
+		void *slab[SLABS];
+		double share = (double)k / (double)p->source->scans;
+		if (!go_on(p, pass->from + (pass->to - pass->from) * share, pass->doing, error) ||
 			!p->source->open(p->source->user_data, k, &scan, error))
 			return false;
-		for (uint64_t i = 0; i < scan.points.count; i++) {
-			struct voxel_point point;
-			if (!scan_points_has(&scan.points, i))
-				continue;
-			segmentation_point(&scan, (uint32_t)k, i, &point);
-			each(p->s, &point);
+#pragma omp parallel for schedule(dynamic)
+		for (uint64_t i = 0; i < SLABS; i++) {
+			slab[i] = pass->begin(p->s);
+			take_slab(p->s, pass, (uint32_t)k, &scan, i, slab[i]);
 		}
+		for (uint64_t i = 0; i < SLABS; i++)
+			pass->end(p->s, slab[i]);
 	}
 	return true;
 }
 
-static void add_to_ground(segmentation *s, const struct voxel_point *p)
+static void *begin_ground(const segmentation *s)
 {
-	ground_add(s->ground, p);
+	return ground_new(2 * s->gap_m);
 }
 
-static void add_to_voxels(segmentation *s, const struct voxel_point *p)
+static void add_to_ground(const segmentation *s, void *slab, const struct voxel_point *p)
+{
+	(void)s;
+	ground_add(slab, p);
+}
+
+static void end_ground(segmentation *s, void *slab)
+{
+	ground_merge(s->ground, slab);
+	ground_free(slab);
+}
+
+static void *begin_voxels(const segmentation *s)
+{
+	return voxels_new(s->gap_m);
+}
+
+static void add_to_voxels(const segmentation *s, void *slab, const struct voxel_point *p)
 {
 	if (!is_ground(s, p))
-		voxels_add(s->voxels, p);
+		voxels_add(slab, p);
 }
+
+static void end_voxels(segmentation *s, void *slab)
+{
+	voxels_merge(s->voxels, slab);
+	voxels_free(slab);
+}
+
+static const struct pass ground_pass = { "looking for the ground", 0, 0.3, begin_ground,
+	add_to_ground, end_ground };
+static const struct pass voxel_pass = { "looking at what stands on it", 0.3, 0.6, begin_voxels,
+	add_to_voxels, end_voxels };
 
 /* ---- how far apart points are ---- */
 
@@ -142,44 +200,41 @@ static int by_value(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Scans with a grid are dense where it matters; of clouds, the median patch of the finest counts. */
-static bool choose_gap(const struct passes *p, double *ret_gap_m, GError **error)
+/* Of a cloud, this many median patches; a grid is dense where it matters. */
+static double gap_of(const struct scan_points *p)
 {
-	double gap = INFINITY;
-	*ret_gap_m = p->options && p->options->gap_m > 0 ? p->options->gap_m : 0;
-	for (size_t k = 0; k < p->source->scans && !*ret_gap_m; k++) {
-		struct segmentation_scan scan = { 0 };
-		g_autoptr(GArray) sizes = g_array_new(FALSE, FALSE, sizeof(float));
-		if (!p->source->open(p->source->user_data, k, &scan, error))
-			return false;
-		if (scan.points.data->grid) {
-			gap = 0;
-			continue;
-		}
-		uint64_t step = MAX(scan.points.count / 20000, 1);
-		for (uint64_t i = 0; i < scan.points.count; i += step) {
-			float size = scan_points_size_m(&scan.points, i);
-			if (size > 0)
-				g_array_append_val(sizes, size);
-		}
-		qsort(sizes->data, sizes->len, sizeof(float), by_value);
-		if (sizes->len)
-			gap = fmin(gap, GAP_PATCHES * g_array_index(sizes, float, sizes->len / 2));
+	g_autoptr(GArray) sizes = g_array_new(FALSE, FALSE, sizeof(float));
+	if (p->data->grid)
+		return 0;
+	uint64_t step = MAX(p->count / 20000, 1);
+	for (uint64_t i = 0; i < p->count; i += step) {
+		float size = scan_points_size_m(p, i);
+		if (size > 0)
+			g_array_append_val(sizes, size);
 	}
-	if (!*ret_gap_m)
-		*ret_gap_m = isfinite(gap) ? fmax(gap, GAP_LEAST_M) : GAP_LEAST_M;
-	return true;
+	qsort(sizes->data, sizes->len, sizeof(float), by_value);
+	return sizes->len ? GAP_PATCHES * g_array_index(sizes, float, sizes->len / 2) : INFINITY;
 }
 
-static bool find_stations(const struct passes *p, GArray *stations, GError **error)
+/* What has to be known before the first pass: the gap, by the finest scan, where scanners stood, and whether there are labels. */
+static bool look_at_scans(struct passes *p, GError **error)
 {
+	bool is_given = p->options && p->options->gap_m > 0;
+	double gap = INFINITY;
 	for (size_t k = 0; k < p->source->scans; k++) {
 		struct segmentation_scan scan = { 0 };
 		if (!p->source->open(p->source->user_data, k, &scan, error))
 			return false;
+		if (!is_given)
+			gap = fmin(gap, gap_of(&scan.points));
 		if (scan.has_station)
-			g_array_append_vals(stations, scan.station_m, 1);
+			g_array_append_vals(p->stations, scan.station_m, 1);
+		p->has_labels |= scan.label != NULL;
 	}
+	if (is_given)
+		p->s->gap_m = p->options->gap_m;
+	else
+		p->s->gap_m = isfinite(gap) ? fmax(gap, GAP_LEAST_M) : GAP_LEAST_M;
 	return true;
 }
 
@@ -228,7 +283,7 @@ static bool count_labels(const struct passes *p, uint8_t *class, GError **error)
 {
 	const voxels *v = p->s->voxels;
 	g_autofree uint16_t(*votes)[SEGMENT_CLASSES] = NULL;
-	for (size_t k = 0; k < p->source->scans; k++) {
+	for (size_t k = 0; p->has_labels && k < p->source->scans; k++) {
 		struct segmentation_scan scan = { 0 };
 		if (!p->source->open(p->source->user_data, k, &scan, error))
 			return false;
@@ -256,8 +311,7 @@ static bool count_labels(const struct passes *p, uint8_t *class, GError **error)
 	return true;
 }
 
-static bool find_things(
-	const struct passes *p, const GArray *stations, segments *into, GError **error)
+static bool find_things(const struct passes *p, segments *into, GError **error)
 {
 	segmentation *s = p->s;
 	voxels_finish(s->voxels);
@@ -275,7 +329,7 @@ static bool find_things(
 		height_m[i] = isfinite(height) ? height : 0;
 	}
 	g_autofree uint8_t *ground_class =
-		water_find(s->ground, (const double(*)[3])stations->data, stations->len);
+		water_find(s->ground, (const double(*)[3])p->stations->data, p->stations->len);
 	struct classify_input in = { s->voxels, shape, regions, s->ground, height_m, ground_class,
 		s->ground_m };
 	g_autofree uint8_t *class = classify(&in);
@@ -286,27 +340,26 @@ static bool find_things(
 	return segment_things_find(&s->things, &in, class, points_min, into, error);
 }
 
-static bool run(const struct passes *p, segments *into, GError **error)
+static bool run(struct passes *p, segments *into, GError **error)
 {
 	segmentation *s = p->s;
-	g_autoptr(GArray) stations = g_array_new(FALSE, FALSE, 3 * sizeof(double));
-	if (!choose_gap(p, &s->gap_m, error) || !find_stations(p, stations, error))
+	if (!look_at_scans(p, error))
 		return false;
 	s->ground_m = fmaxf(GROUND_M, GROUND_GAPS * (float)s->gap_m);
 	s->ground = ground_new(2 * s->gap_m);
 	s->voxels = voxels_new(s->gap_m);
-	if (!pass(p, add_to_ground, 0, 0.3, "looking for the ground", error))
+	if (!run_pass(p, &ground_pass, error))
 		return false;
-	ground_find(s->ground, (const double(*)[3])stations->data, stations->len);
-	return pass(p, add_to_voxels, 0.3, 0.6, "looking at what stands on it", error) &&
-	       find_things(p, stations, into, error);
+	ground_find(s->ground, (const double(*)[3])p->stations->data, p->stations->len);
+	return run_pass(p, &voxel_pass, error) && find_things(p, into, error);
 }
 
 segmentation *segmentation_new(const struct segmentation_source *source,
 	const struct segmentation_options *options, segments *into, GError **error)
 {
 	g_autoptr(segmentation) s = g_new0(segmentation, 1);
-	struct passes p = { .s = s, .source = source, .options = options };
+	g_autoptr(GArray) stations = g_array_new(FALSE, FALSE, 3 * sizeof(double));
+	struct passes p = { .s = s, .source = source, .options = options, .stations = stations };
 	return run(&p, into, error) ? g_steal_pointer(&s) : NULL;
 }
 
@@ -315,17 +368,16 @@ segmentation *segmentation_new(const struct segmentation_source *source,
 static uint16_t leaf_of(
 	const segmentation *s, size_t index, const struct segmentation_scan *scan, uint64_t i)
 {
+	const struct segment_things *t = &s->things;
 	struct voxel_point p;
-	segmentation_point(scan, 0, i, &p);
+	place_point(scan, i, &p);
 	uint8_t label = label_of(s, index, scan, i);
-	uint32_t voxel = voxels_find_point(s->voxels, p.at_m),
-		 surfel = ground_surfel(s->ground, p.at_m);
-	if (surfel != VOXEL_NONE && (is_ground(s, &p) || voxel == VOXEL_NONE))
-		return segment_things_leaf(&s->things, s->things.leaf_of_surfel[surfel], label);
-	return segment_things_leaf(&s->things,
-		voxel == VOXEL_NONE ? (uint16_t)s->things.rest[CLASS_OTHER]
-				    : s->things.leaf_of_voxel[voxel],
-		label);
+	uint32_t voxel = is_ground(s, &p) ? VOXEL_NONE : voxels_find_point(s->voxels, p.at_m);
+	if (voxel != VOXEL_NONE)
+		return segment_things_leaf(t, t->leaf_of_voxel[voxel], label);
+	uint32_t surfel = ground_surfel(s->ground, p.at_m);
+	return segment_things_leaf(
+		t, surfel == VOXEL_NONE ? t->rest[CLASS_OTHER] : t->leaf_of_surfel[surfel], label);
 }
 
 void segmentation_label(const segmentation *s, size_t index, const struct segmentation_scan *scan,

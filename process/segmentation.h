@@ -1,7 +1,7 @@
 #ifndef PROCESS_SEGMENTATION_H
 #define PROCESS_SEGMENTATION_H
 /* Segments of all scans that stand in one frame (Xu & Chen 2004, section 3; Wegen et al. 2024, section 4.1). The points are read
- * three times, scan by scan, so that only one scan need be in memory:
+ * three times, scan by scan, so that only one scan need be in memory; a scan in slabs, on all threads:
  *
  * 1. The ground (ground.h), from all points.
  * 2. Voxels of what is not ground; their shape, smooth regions, classes (classify.h), things: trees (single-trees.h), what hangs

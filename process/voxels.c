@@ -119,28 +119,68 @@ static void add(struct voxel *to, const struct voxel_point *p, const float place
 	to->late += p->is_late;
 }
 
+/* The voxel at a place, which is made where there is none. */
+static uint32_t get(voxels *v, const int32_t at[3], uint32_t scan)
+{
+	/* points that come one after another often lie in the same */
+	if (v->last < v->count && is_at(&v->voxel[v->last], at))
+		return v->last;
+	uint32_t s = find_slot(v, at), i = v->slot[s];
+	if (i != VOXEL_NONE)
+		return v->last = i;
+	if (v->count == v->room) {
+		grow(v);
+		s = find_slot(v, at);
+	}
+	i = v->last = v->slot[s] = v->count++;
+	v->voxel[i] = (struct voxel){ .at = { at[0], at[1], at[2] } };
+	v->area[i] = (struct voxel_area){ 0, scan };
+	return i;
+}
+
+static void add_area(voxels *v, uint32_t i, struct voxel_area area)
+{
+	if (v->area[i].scan != area.scan)
+		v->area[i] = (struct voxel_area){ 0, area.scan };
+	v->area[i].m2 += area.m2;
+	v->voxel[i].area_m2 = fmaxf(v->voxel[i].area_m2, v->area[i].m2);
+}
+
 uint32_t voxels_add(voxels *v, const struct voxel_point *p)
 {
 	int32_t at[3];
 	float place[3];
 	if (!place_of(v, p->at_m, at, place))
 		return VOXEL_NONE;
-	uint32_t s = find_slot(v, at), i = v->slot[s];
-	if (i == VOXEL_NONE) {
-		if (v->count == v->room) {
-			grow(v);
-			s = find_slot(v, at);
-		}
-		i = v->slot[s] = v->count++;
-		v->voxel[i] = (struct voxel){ .at = { at[0], at[1], at[2] } };
-		v->area[i] = (struct voxel_area){ 0, p->scan };
-	}
+	uint32_t i = get(v, at, p->scan);
 	add(&v->voxel[i], p, place);
-	if (v->area[i].scan != p->scan)
-		v->area[i] = (struct voxel_area){ 0, p->scan };
-	v->area[i].m2 += p->area_m2;
-	v->voxel[i].area_m2 = fmaxf(v->voxel[i].area_m2, v->area[i].m2);
+	add_area(v, i, (struct voxel_area){ p->area_m2, p->scan });
 	return i;
+}
+
+static void add_sums(struct voxel *to, const struct voxel *from)
+{
+	for (int k = 0; k < 3; k++) {
+		to->place[k] += from->place[k];
+		to->normal[k] += from->normal[k];
+		to->towards[k] += from->towards[k];
+		to->rgb[k] += from->rgb[k];
+	}
+	to->size_m = to->points ? fminf(to->size_m, from->size_m) : from->size_m;
+	to->points += from->points;
+	to->error_m += from->error_m;
+	to->coloured += from->coloured;
+	to->intensity += from->intensity;
+	to->late += from->late;
+}
+
+void voxels_merge(voxels *v, const voxels *from)
+{
+	for (uint32_t k = 0; k < from->count; k++) {
+		uint32_t i = get(v, from->voxel[k].at, from->area[k].scan);
+		add_sums(&v->voxel[i], &from->voxel[k]);
+		add_area(v, i, from->area[k]);
+	}
 }
 
 static void sum_to_mean(struct voxel *v)

@@ -47,7 +47,7 @@ struct voxels {
 	/* After voxels_link: neighbours of voxel i are link[first_link[i] .. first_link[i + 1]). */
 	uint32_t *first_link, *link;
 	/* inside */
-	uint32_t *slot, slots, room;
+	uint32_t *slot, slots, room, last; /* last: the voxel that was asked for last */
 	struct voxel_area *area;
 };
 
@@ -55,6 +55,8 @@ voxels *voxels_new(double size_m);
 void voxels_free(voxels *v); /* NULL is fine */
 /* The voxel it went into; VOXEL_NONE: beyond the lattice, a hundred thousand km away. */
 uint32_t voxels_add(voxels *v, const struct voxel_point *p);
+/* Adds the sums of another, of the same size, of points of one scan, not finished either, as if its points came next. */
+void voxels_merge(voxels *v, const voxels *from);
 /* Sums become means, and voxels are put in an order that keeps neighbours near: indices of voxels_add are void. */
 void voxels_finish(voxels *v);
 /* Links every voxel to those around it: the 26 beside it, and, where points are sparser than voxels, those up to

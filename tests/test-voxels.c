@@ -40,6 +40,20 @@ static voxels *add_all(const struct voxel_point *p, bool backwards)
 	return v;
 }
 
+/* In parts that are put together. */
+static voxels *add_in_parts(const struct voxel_point *p, int parts)
+{
+	voxels *v = voxels_new(SIZE_M);
+	for (int k = 0; k < parts; k++) {
+		g_autoptr(voxels) part = voxels_new(SIZE_M);
+		for (int i = POINTS * k / parts; i < POINTS * (k + 1) / parts; i++)
+			voxels_add(part, &p[i]);
+		voxels_merge(v, part);
+	}
+	voxels_finish(v);
+	return v;
+}
+
 static bool is_in(const struct voxel *v, const struct voxel_point *p)
 {
 	for (int k = 0; k < 3; k++)
@@ -105,6 +119,18 @@ static void test_sums(void)
 				check_voxel(v, i, p, scans);
 		}
 		g_assert_cmpuint(points, ==, POINTS);
+		g_assert_cmpuint(v->count, >, 1000);
+	}
+}
+
+/* Each part is of one scan; the area is still that of all its parts. */
+static void test_merged(void)
+{
+	for (uint32_t scans = 1; scans <= 5; scans += 4) {
+		g_autofree struct voxel_point *p = make_points(scans);
+		g_autoptr(voxels) v = add_in_parts(p, 10);
+		for (uint32_t i = 0; i < v->count; i += 7)
+			check_voxel(v, i, p, scans);
 		g_assert_cmpuint(v->count, >, 1000);
 	}
 }
@@ -232,6 +258,7 @@ int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/voxels/sums", test_sums);
+	g_test_add_func("/voxels/merged", test_merged);
 	g_test_add_func("/voxels/order-of-points", test_order_of_points);
 	g_test_add_func("/voxels/find", test_find);
 	g_test_add_func("/voxels/links-of-dense", test_links_of_dense);
