@@ -289,8 +289,12 @@ static char *why_find(const site *s, const segment_scans *scans, const char *key
 static char *why_change(
 	const site *s, const segment_scans *scans, const char *key, const char *edits)
 {
-	g_autoptr(segments) tree = scans->scans->len ? segments_load(site_path(s), NULL) : NULL;
-	if (!scans->scans->len || (tree && !strcmp(tree->key, key) && !strcmp(tree->edits, edits)))
+	if (!scans->scans->len)
+		return NULL;
+	g_autoptr(segments) tree = segments_load(site_path(s), NULL);
+	if (!tree)
+		return g_strdup("the segments cannot be read");
+	if (strcmp(tree->key, key) == 0 && strcmp(tree->edits, edits) == 0)
 		return NULL;
 	return g_strdup("what you changed is not in them yet");
 }

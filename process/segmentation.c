@@ -12,10 +12,10 @@
 #define GAP_POINTS  1.6 /* between voxels, where points are sparser than these */
 #define POINTS_MIN  60u
 /* What lies so near the ground and faces up is ground. */
-#define GROUND_M     0.12f
-#define GROUND_GAPS  0.3f
-#define GROUND_UP    0.6f
-#define SLABS        16u /* of a scan */
+#define GROUND_M    0.12f
+#define GROUND_GAPS 0.3f
+#define GROUND_UP   0.6f
+#define SLABS       16u /* of a scan */
 /* What fits no plane at all leaves so much at least. */
 #define NO_PLANE_M   0.05f
 #define COSINE_LEAST 0.15

@@ -72,7 +72,8 @@ static void set_up(struct desk *d, gconstpointer data)
 	(void)data;
 	d->path = g_build_filename(folder, "copy", NULL);
 	const char *copy[] = { "cp", "-r", from, d->path, NULL };
-	g_spawn_sync(NULL, (char **)copy, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, NULL, NULL, NULL, &error);
+	g_spawn_sync(NULL, (char **)copy, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, NULL, NULL, NULL,
+		&error);
 	g_assert_no_error(error);
 	sit_down(d);
 }
@@ -187,7 +188,8 @@ static void test_rename(struct desk *d, gconstpointer data)
 	stand_up(d);
 	sit_down(d);
 	g_assert_cmpstr(node_of(d, tree)->name, ==, "Old oak");
-	g_autoptr(segment_edit) class = edit_of(d, EDIT_RENAME, segment_of_class(CLASS_BUILDING), 0);
+	g_autoptr(segment_edit) class =
+		edit_of(d, EDIT_RENAME, segment_of_class(CLASS_BUILDING), 0);
 	class->name = g_strdup("Houses");
 	change(d, class, "*is a class*");
 }
@@ -196,7 +198,8 @@ static void test_merge(struct desk *d, gconstpointer data)
 {
 	uint32_t a = large_leaf(d, CLASS_VEGETATION, 0), b = large_leaf(d, CLASS_BUILDING, 0);
 	uint64_t had = node_of(d, a)->points + node_of(d, b)->points;
-	uint64_t buildings = node_of(d, segment_of_class(CLASS_BUILDING))->points, lost = node_of(d, b)->points;
+	uint64_t buildings = node_of(d, segment_of_class(CLASS_BUILDING))->points,
+		 lost = node_of(d, b)->points;
 	double area = node_of(d, a)->area_m2 + node_of(d, b)->area_m2;
 	g_autoptr(segment_edit) e = edit_of(d, EDIT_MERGE, a, b);
 	(void)data;
@@ -207,7 +210,8 @@ static void test_merge(struct desk *d, gconstpointer data)
 	g_assert_cmpstr(node_of(d, a)->name, ==, "Both");
 	g_assert_cmpint(node_of(d, a)->class, ==, CLASS_VEGETATION);
 	g_assert_null(node_of(d, b));
-	g_assert_cmpuint(node_of(d, segment_of_class(CLASS_BUILDING))->points, ==, buildings - lost);
+	g_assert_cmpuint(
+		node_of(d, segment_of_class(CLASS_BUILDING))->points, ==, buildings - lost);
 	g_autoptr(segment_edit) self = edit_of(d, EDIT_MERGE, a, a);
 	change(d, self, "*are not apart*");
 }
@@ -388,7 +392,8 @@ static void test_found_anew(struct desk *d, gconstpointer data)
 		all += is || was[i] == tree;
 		same += is && was[i] == tree;
 	}
-	g_test_message("%" G_GUINT64_FORMAT " of %" G_GUINT64_FORMAT " points are the same", same, all);
+	g_test_message(
+		"%" G_GUINT64_FORMAT " of %" G_GUINT64_FORMAT " points are the same", same, all);
 	g_assert_cmpfloat((double)same, >, 0.8 * (double)all);
 	same = all = 0;
 	for (uint64_t i = 0; i < count; i++) {
@@ -431,7 +436,8 @@ static void set_text(site *s, const char *key, const char *text)
 static void write_network(const char *folder)
 {
 	static const float weight[] = { -10, 0 }, bias[] = { 40, 0 };
-	static const char told[] = "{\"channels\": [\"range_m\"], \"classes\": [\"water\", \"lawn\"]}";
+	static const char told[] =
+		"{\"channels\": [\"range_m\"], \"classes\": [\"water\", \"lawn\"]}";
 	g_autofree char *net = g_build_filename(folder, "near.onnx", NULL);
 	g_autofree char *beside = g_build_filename(folder, "near.json", NULL);
 	GByteArray *graph = g_byte_array_new();
@@ -465,7 +471,8 @@ static void test_model(struct desk *d, gconstpointer data)
 		if (!(range_m > 0) || fabsf(range_m - 4) < 0.1f)
 			continue;
 		near += range_m < 4;
-		g_assert_cmpint(node_of(d, leaf[i])->class, ==, range_m < 4 ? CLASS_WATER : CLASS_OTHER);
+		g_assert_cmpint(
+			node_of(d, leaf[i])->class, ==, range_m < 4 ? CLASS_WATER : CLASS_OTHER);
 	}
 	g_assert_cmpuint(near, >, 1000);
 }
@@ -489,12 +496,14 @@ static void test_damage(struct desk *d, gconstpointer data)
 		g_clear_error(&error);
 	}
 	g_autofree char *list = g_build_filename(d->path, "edits", "edits.json", NULL);
-	g_assert_true(g_file_set_contents(list, "{\"schema\":1,\"done\":[1,-2],\"undone\":[]}", -1, NULL));
+	g_assert_true(g_file_set_contents(
+		list, "{\"schema\":1,\"done\":[1,-2],\"undone\":[]}", -1, NULL));
 	g_assert_null(segment_edits_load(d->site, &error));
 	g_assert_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE);
 }
 
-#define ADD(name, function) g_test_add("/segment-edits/" name, struct desk, NULL, set_up, function, tear_down)
+#define ADD(name, function)                                                                        \
+	g_test_add("/segment-edits/" name, struct desk, NULL, set_up, function, tear_down)
 
 int main(int argc, char **argv)
 {

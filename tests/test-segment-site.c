@@ -365,7 +365,8 @@ static void test_damaged(void)
 		const char *file, *why, *why_gone;
 	} cases[] = { { "0002.segments", "the segments of scan 2 cannot be read",
 			      "the segments of scan 2 cannot be read" },
-		{ "segments.json", "the segments cannot be read", "there are no segments yet" } };
+		{ "segments.json", "the segments cannot be read", "the segments cannot be read" },
+		{ "automatic.json", "the segments cannot be read", "there are no segments yet" } };
 	g_autofree char *path = fresh_site();
 	g_autoptr(scan_graph) g = graph_of(STATIONS);
 	segment(path, g);
