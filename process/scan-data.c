@@ -109,6 +109,7 @@ static bool read_kind(scan_data *d, const manifest *m, GError **error)
 		!manifest_get_int(m, "points.rows", 0, G_MAXINT32, &rows, error))
 		return false;
 	d->kind = columns && rows ? SCAN_ORDERED : SCAN_CLOUD;
+	d->is_las = g_strcmp0(manifest_get_string(m, "source.format", NULL), "LAS") == 0;
 	return true;
 }
 

@@ -48,7 +48,6 @@ segment_scans *segment_scans_new(const site *s, const scan_graph *g, GError **er
 {
 	g_autoptr(segment_scans) all = g_new0(segment_scans, 1);
 	all->site = s;
-	all->labels = true;
 	all->scans = g_array_new(FALSE, TRUE, sizeof(struct segment_scan));
 	g_array_set_clear_func(all->scans, clear_scan);
 	all->cache = scan_cache_new(s, CACHED);
@@ -101,7 +100,8 @@ bool segment_scans_open(segment_scans *s, guint i, struct segmentation_scan *ret
 		!open_geometry(s, d, d->grid ? range_grid_cells(d->grid) : d->points->count, error))
 		return false;
 	g_clear_pointer(&s->label, g_free);
-	if (d->points && d->points->have & POINTS_HAVE_CLASSIFICATION && s->labels)
+	bool count = s->labels == LABELS_ALL || (s->labels == LABELS_OF_LAS && d->is_las);
+	if (count && d->points && d->points->have & POINTS_HAVE_CLASSIFICATION)
 		s->label = labels_of(d->points);
 	*ret = (struct segmentation_scan){ .points = scan_points_of(d, s->geometry, &scan->pose),
 		.has_station = d->grid != NULL,

@@ -5,6 +5,9 @@
 #include "process/scan-graph.h"
 #include "process/segmentation.h"
 
+/* Classes that came with imported points. */
+enum segment_labels { LABELS_OF_LAS, LABELS_ALL, LABELS_NONE };
+
 struct segment_scan {
 	uint32_t number;
 	int64_t frame; /* scans of the same stand in one; below 0: alone */
@@ -16,7 +19,7 @@ typedef struct segment_scans segment_scans;
 struct segment_scans {
 	const site *site;
 	GArray *scans; /* of struct segment_scan, by number */
-	bool labels;   /* whether classes that came with imported points count */
+	enum segment_labels labels; /* 0 until it is set */
 	/* inside */
 	scan_cache *cache;
 	scan_geometry *geometry; /* of the scan that was opened last */

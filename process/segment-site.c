@@ -15,7 +15,7 @@
 struct parameters {
 	double gap_m;
 	int64_t points_min;
-	bool labels;
+	enum segment_labels labels;
 	char *model, *model_state; /* NULL: none */
 	double confidence;
 };
@@ -28,14 +28,14 @@ static void parameters_clear(struct parameters *p)
 typedef struct parameters parameters;
 G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(parameters, parameters_clear)
 
-static bool read_labels(const manifest *m, bool *ret, GError **error)
+static bool read_labels(const manifest *m, enum segment_labels *ret, GError **error)
 {
 	JsonNode *node = manifest_get_node(m, "segmentation.labels");
-	*ret = true;
+	*ret = LABELS_OF_LAS;
 	if (!node)
 		return true;
 	if (JSON_NODE_HOLDS_VALUE(node) && json_node_get_value_type(node) == G_TYPE_BOOLEAN) {
-		*ret = json_node_get_boolean(node);
+		*ret = json_node_get_boolean(node) ? LABELS_ALL : LABELS_NONE;
 		return true;
 	}
 	g_set_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE,

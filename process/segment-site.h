@@ -8,7 +8,8 @@
  *
  *     "segmentation": { "gap_m": 0.15, "points_min": 60, "labels": true, "model": "trees.onnx", "confidence": 0.6 }
  *
- * all of which may be missing. labels: whether classes that came with imported points count; true unless it says false. model: a
+ * all of which may be missing. labels: whether classes that came with imported points count, false: none, true: all, missing: those of
+ * LAS files, for in others nobody knows what the numbers mean. model: a
  * semantic model of a person's own (segment-model.h), in the site's folder unless the path is absolute; what it is sure of to this
  * confidence goes before the rules and the labels. */
 #include "process/scan-segments.h"
