@@ -3,6 +3,7 @@
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
 #include "process/bench-fine.h"
+#include "process/bench-truth.h"
 #include "process/scan-data.h"
 #include <stdio.h>
 #include <string.h>
@@ -28,31 +29,19 @@ double bench_cpu_s(void)
 	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* ---- the truth, as pleinair-sim --truth writes it (sim/truth.h) ---- */
-
-struct truth_header {
-	char magic[8];
-	uint32_t columns, rows;
-	double elevation_max_rad, elevation_min_rad, position_m[3], rotation[9];
-};
-struct truth_record {
-	float range_m, normal[3];
-	uint16_t instance;
-	uint8_t class, optics;
-};
-_Static_assert(sizeof(struct truth_header) == 128 && sizeof(struct truth_record) == 20,
-	"the file's own layout");
+/* ---- the truth ---- */
 
 static bool is_smooth(
-	const range_grid *g, const struct truth_record *t, uint32_t row, uint32_t column)
+	const range_grid *g, const struct bench_truth_cell *t, uint32_t row, uint32_t column)
 {
-	const struct truth_record *here = &t[(size_t)row * g->columns + column];
+	const struct bench_truth_cell *here = &t[(size_t)row * g->columns + column];
 	if (here->class == LEAVES || row < SMOOTH_CELLS || row + SMOOTH_CELLS >= g->rows)
 		return false;
 	for (int down = -SMOOTH_CELLS; down <= SMOOTH_CELLS; down += 2)
 		for (int right = -SMOOTH_CELLS; right <= SMOOTH_CELLS; right += 2) {
 			uint32_t c = (column + g->columns + right) % g->columns;
-			const struct truth_record *k = &t[(size_t)(row + down) * g->columns + c];
+			const struct bench_truth_cell *k =
+				&t[(size_t)(row + down) * g->columns + c];
 			float dot = k->normal[0] * here->normal[0] +
 				    k->normal[1] * here->normal[1] + k->normal[2] * here->normal[2];
 			if (k->instance != here->instance || dot < SMOOTH_COS ||
@@ -62,33 +51,19 @@ static bool is_smooth(
 	return true;
 }
 
-static bool read_truth(struct bench_scan *scan, const char *path, GError **error)
+static void take_truth(struct bench_scan *scan, const struct bench_truth_scan *t)
 {
-	size_t length, cells = range_grid_cells(scan->grid);
-	size_t wanted = sizeof(struct truth_header) + cells * sizeof(struct truth_record);
-	g_autofree char *bytes = files_read(path, wanted, &length, error);
-	const struct truth_header *h = (const struct truth_header *)bytes;
-	if (!bytes)
-		return false;
-	if (length != wanted || memcmp(h->magic, "PLTRUTH1", 8) ||
-		h->columns != scan->grid->columns) {
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
-			"%s: is not the truth of this scan", path);
-		return false;
-	}
-	memcpy(scan->pose.translation_m, h->position_m, sizeof h->position_m);
-	memcpy(scan->pose.rotation, h->rotation, sizeof h->rotation);
-	scan->elevation_max_rad = h->elevation_max_rad;
-	scan->elevation_min_rad = h->elevation_min_rad;
-	const struct truth_record *t = (const struct truth_record *)(bytes + sizeof *h);
+	size_t cells = range_grid_cells(scan->grid);
+	scan->pose = t->pose;
+	scan->elevation_max_rad = t->elevation_max_rad;
+	scan->elevation_min_rad = t->elevation_min_rad;
 	scan->truth = g_new0(struct bench_truth, cells);
 	for (size_t i = 0; i < cells; i++) {
-		scan->truth[i].range_m = t[i].range_m;
-		memcpy(scan->truth[i].normal, t[i].normal, sizeof t[i].normal);
-		scan->truth[i].smooth = is_smooth(scan->grid, t,
+		scan->truth[i].range_m = t->cell[i].range_m;
+		memcpy(scan->truth[i].normal, t->cell[i].normal, sizeof t->cell[i].normal);
+		scan->truth[i].smooth = is_smooth(scan->grid, t->cell,
 			(uint32_t)(i / scan->grid->columns), (uint32_t)(i % scan->grid->columns));
 	}
-	return true;
 }
 
 range_grid *bench_exact_grid(const struct bench_scan *scan, GError **error)
@@ -116,28 +91,6 @@ range_grid *bench_exact_grid(const struct bench_scan *scan, GError **error)
 	return range_grid_new(&desc, error);
 }
 
-static char *find_simulator(void)
-{
-	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
-	g_autofree char *folder = self ? g_path_get_dirname(self) : g_strdup(".");
-	char *beside = g_build_filename(folder, "pleinair-sim", NULL);
-	if (g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE))
-		return beside;
-	g_free(beside);
-	return g_strdup("pleinair-sim");
-}
-
-static bool ask_truth(
-	struct bench_scan *scan, const char *description, const char *path, GError **error)
-{
-	g_autofree char *simulator = find_simulator();
-	g_autofree char *columns = g_strdup_printf("--columns=%u", scan->grid->columns);
-	g_autofree char *rows = g_strdup_printf("--rows=%u", scan->grid->rows);
-	g_autoptr(GSubprocess) p = g_subprocess_new(G_SUBPROCESS_FLAGS_NONE, error, simulator,
-		"--truth", columns, rows, "-o", path, description, NULL);
-	return p && g_subprocess_wait_check(p, NULL, error) && read_truth(scan, path, error);
-}
-
 /* ---- the scans ---- */
 
 static bool simulate(
@@ -158,8 +111,12 @@ static bool simulate(
 		if (!p)
 			return false;
 		data->scan[i].grid = range_grid_from_panorama(p);
-		if (!ask_truth(&data->scan[i], description, truth, error))
+		struct bench_truth_scan t;
+		if (!bench_truth_ask(description, data->scan[i].grid->columns,
+			    data->scan[i].grid->rows, truth, &t, error))
 			return false;
+		take_truth(&data->scan[i], &t);
+		g_free(t.cell);
 	}
 	return s;
 }

@@ -6,6 +6,7 @@
 #include "process/bench-model.h"
 #include "process/bench-process.h"
 #include "process/bench-register.h"
+#include "process/bench-segments.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -23,16 +24,17 @@ static const GOptionEntry entries[] = {
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_path,
-		"process: a site to take scans from (default: a simulated one)", "SITE" },
+		"process, segments: a site to take scans from (default: simulated)", "SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
 		"process: how often each is measured; the least time counts (default 5)", "N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
-		"process, register, features: how finely is scanned (default fine, standard, "
+		"process, register, segments, features: how finely is scanned (default fine, then "
 		"standard)",
 		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
-		"register, features: of the first sites; another one gives others (default 1)",
+		"register, segments, features: of the first sites; another one gives others (default "
+		"1)",
 		"S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
 		"register, features: where the scans stay, and are taken from the next time",
@@ -115,6 +117,17 @@ static int run_register(void)
 	return good ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_segments(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_segments_options options = {
+		.site = site_path, .preset = preset, .seed = (uint64_t)seed, .json = json
+	};
+	if (seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND, "seeds go from 0 to 1000000000");
+	return bench_segments(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static int run_features(void)
 {
 	g_autoptr(GError) error = NULL;
@@ -134,6 +147,7 @@ static const struct part {
 	{ "process", run_process },
 	{ "register", run_register },
 	{ "model", run_model },
+	{ "segments", run_segments },
 	{ "features", run_features },
 	{ NULL },
 };
@@ -149,7 +163,7 @@ static const struct part *find_part(const char *name)
 int main(int argc, char **argv)
 {
 	int status;
-	if (!cli_parse(COMMAND, "[acquire | process | register | model | features]",
+	if (!cli_parse(COMMAND, "[acquire | process | register | model | segments | features]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
 		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
@@ -158,6 +172,8 @@ int main(int argc, char **argv)
 		    "register: aligns pairs of scans of simulated sites, and counts what was "
 		    "found, refused, and accepted although wrong.\n"
 		    "model: builds the model of a large site, then adds one more scan.\n"
+		    "segments: tells apart what stands in simulated sites, or in one whose points "
+		    "have classes, and counts what is right.\n"
 		    "features: finds features in simulated scenes, and counts what was found and "
 		    "what is none.\n",
 		    entries, &argc, &argv, &status))
@@ -165,7 +181,8 @@ int main(int argc, char **argv)
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
 		return cli_misuse(COMMAND,
-			"there is no bench '%s': acquire, process, register, model, features",
+			"there is no bench '%s': acquire, process, register, model, segments, "
+			"features",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(
