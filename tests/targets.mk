@@ -41,7 +41,7 @@ check-tests: all tests
 
 # Instrumented, these take a minute and more of two cores each. They do so wherever main changes (.ci/run), not at each check.
 slow_tests := $(addprefix $(BUILD)/tests/,test-cloud-align test-align-command test-scan-faults test-align-scans \
-	test-register-site test-commands-damage test-world test-preset)
+	test-register-site test-commands-damage test-world test-preset test-segmentation-truth)
 asan := BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1'
 check-sanitized:
 	$(MAKE) $(asan) check-asan-quick
@@ -52,8 +52,12 @@ check-asan-quick:
 check-asan-slow:
 	$(MAKE) run_tests='$(slow_tests)' check-tests
 #: make check-slow      the tests that make check leaves out under ASan and UBSan, since they take long there
-check-slow:
+check-slow: check-truth
 	$(MAKE) $(asan) check-asan-slow
+#: make check-truth     segments of simulated sites at the standard preset against the truth, which check-slow does too
+.PHONY: check-truth
+check-truth: all $(BUILD)/tests/test-segmentation-truth
+	PLEINAIR_SLOW=1 sh tests/tap.sh $(BUILD) $(BUILD)/tests/test-segmentation-truth
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:
 	$(MAKE) $(asan) check-tests

@@ -30,8 +30,10 @@ static void scan_station(const char *path, int station)
 	true_pose[station] = true_pose_of(description);
 }
 
+/* After the site was made: it tells the poses. */
 static scan_graph *graph_of(int scans)
 {
+	g_assert_cmpfloat(true_pose[1].rotation[2][2], >, 0);
 	scan_graph *g = scan_graph_new();
 	for (int k = 1; k <= scans; k++) {
 		struct placed_scan p = { .number = (uint32_t)k,
@@ -397,9 +399,9 @@ static void test_strangers(void)
 
 static void test_threads(void)
 {
-	g_autoptr(scan_graph) g = graph_of(STATIONS);
 	for (int threads = 1; threads <= 5; threads += 2) {
 		g_autofree char *path = fresh_site();
+		g_autoptr(scan_graph) g = graph_of(STATIONS);
 		int was = omp_get_max_threads();
 		omp_set_num_threads(threads);
 		segment(path, g);

@@ -241,17 +241,17 @@ static unsigned trees, trees_found;
 
 static const struct truth_case {
 	const char *scene;
-	double mean_iou, grey_mean_iou;
+	double mean_iou, grey_mean_iou; /* 0: not asked */
 } cases[] = {
-	{ "court?seed=411", 0.85, 0.5 },
-	{ "street?seed=412", 0.85, 0.5 },
-	{ "bridge?seed=413", 0.85, 0.5 },
+	{ "court?seed=411", 0.85, 0.72 },
+	{ "street?seed=412", 0.85, 0 },
+	{ "bridge?seed=413", 0.85, 0 },
 };
 
 static void test_scene(gconstpointer data)
 {
 	const struct truth_case *c = data;
-	struct score s = score_of(c->scene, "standard", "");
+	struct score s = score_of(c->scene, "standard", "&camera=360x640");
 	trees += s.trees;
 	trees_found += s.trees_found;
 	g_assert_cmpfloat(s.mean_iou, >=, c->mean_iou);
@@ -261,7 +261,7 @@ static void test_trees(void)
 {
 	g_test_message("%u of %u trees", trees_found, trees);
 	g_assert_cmpuint(trees, >=, 10);
-	g_assert_cmpfloat(trees_found, >=, 0.9 * trees);
+	g_assert_cmpfloat(trees_found, >=, 0.8 * trees);
 }
 
 static void test_without_colour(gconstpointer data)
@@ -273,8 +273,8 @@ static void test_without_colour(gconstpointer data)
 
 static void test_draft(void)
 {
-	struct score s = score_of("court?seed=411", "draft", "&camera=360x640");
-	g_assert_cmpfloat(s.mean_iou, >=, 0.5);
+	struct score s = score_of("court?seed=411", "draft", "&camera=144x256&ares=1056");
+	g_assert_cmpfloat(s.mean_iou, >=, 0.65);
 	g_assert_cmpuint(s.trees_found * 2, >=, s.trees);
 }
 
@@ -430,6 +430,7 @@ static void test_aerial_labels(gconstpointer data)
 	g_assert_cmpfloat(told, >, 10000);
 }
 
+/* The first is large. */
 static const char *const real[] = { "data/forest/lpine1-every-3rd.las", "data/pump/pump.ptx",
 	"data/office/office1.pcd", "data/ouster-os2/os2.ptx", "data/ptx-conformance/no-color.ptx",
 	"data/ptx-conformance/multiple-and-transform.ptx",
@@ -467,7 +468,8 @@ int main(int argc, char **argv)
 	bool is_slow = g_getenv("PLEINAIR_SLOW");
 	for (size_t i = 0; i < G_N_ELEMENTS(cases) && is_slow; i++) {
 		add("scene", cases[i].scene, &cases[i], test_scene);
-		add("without-colour", cases[i].scene, &cases[i], test_without_colour);
+		if (cases[i].grey_mean_iou > 0)
+			add("without-colour", cases[i].scene, &cases[i], test_without_colour);
 	}
 	if (is_slow)
 		g_test_add_func("/segmentation-truth/trees", test_trees);
@@ -477,7 +479,7 @@ int main(int argc, char **argv)
 		add("aerial", aerials[i].file, &aerials[i], test_aerial);
 		add("aerial-labels", aerials[i].file, &aerials[i], test_aerial_labels);
 	}
-	for (size_t i = 0; i < G_N_ELEMENTS(real); i++)
+	for (size_t i = is_slow ? 0 : 1; i < G_N_ELEMENTS(real); i++)
 		add("real", real[i], real[i], test_real);
 	return g_test_run();
 }
