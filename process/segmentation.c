@@ -212,8 +212,10 @@ static double gap_of(const struct scan_points *p)
 		if (size > 0)
 			g_array_append_val(sizes, size);
 	}
+	if (!sizes->len)
+		return INFINITY;
 	qsort(sizes->data, sizes->len, sizeof(float), by_value);
-	return sizes->len ? GAP_PATCHES * g_array_index(sizes, float, sizes->len / 2) : INFINITY;
+	return GAP_PATCHES * g_array_index(sizes, float, sizes->len / 2);
 }
 
 /* What has to be known before the first pass: the gap, by the finest scan, where scanners stood, and whether there are labels. */

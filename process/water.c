@@ -128,7 +128,8 @@ static void tell_water(struct finder *f)
 	for (guint k = 0; k < f->basins->len; k++)
 		if (is_level(f, &g_array_index(f->basins, struct basin, k)))
 			g_ptr_array_add(level, &g_array_index(f->basins, struct basin, k));
-	qsort(level->pdata, level->len, sizeof(gpointer), by_level);
+	if (level->len)
+		qsort(level->pdata, level->len, sizeof(gpointer), by_level);
 	for (guint k = 0; k < level->len; k++) {
 		struct basin *b = level->pdata[k];
 		look_at_shores(f, b->index);
