@@ -28,7 +28,7 @@ struct scan_data {
 	enum scan_kind kind;
 	range_grid *grid; /* NULL for a cloud */
 	points *points;   /* NULL for a recorded scan */
-	bool is_las; /* it came from a LAS file, so its classes are numbered as LAS does it */
+	bool is_las;      /* it came from a LAS file, so its classes are numbered as LAS does it */
 	bool has_given_pose;
 	struct pose given_pose; /* scan to site */
 	char *fingerprint; /* SHA-256 over the hashes of its data files: changes when the points do */

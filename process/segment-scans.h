@@ -18,7 +18,7 @@ struct segment_scan {
 typedef struct segment_scans segment_scans;
 struct segment_scans {
 	const site *site;
-	GArray *scans; /* of struct segment_scan, by number */
+	GArray *scans;              /* of struct segment_scan, by number */
 	enum segment_labels labels; /* 0 until it is set */
 	/* inside */
 	scan_cache *cache;

@@ -2,15 +2,16 @@
 #include "process/components.h"
 #include "process/watershed.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define CELL_LEAST_M 0.25
 #define SMOOTH_M     0.45
 #define CELLS_MAX    (16u << 20)
-/* Two maxima nearer than this are one crown: the higher, the wider crowns are. */
-#define APART_M      1.1
-#define APART_RISE   0.14
-#define APART_MOST_M 3.5
+/* A top rises so much above the saddle to the next, in metres and as a share of its height; nearer than this it is none. */
+#define RISE_M     0.5f
+#define RISE_SHARE 0.15f
+#define APART_M    1.5
 
 struct canopy {
 	double cell_m, low_m[2];
@@ -93,37 +94,87 @@ static void raise_canopy(
 	blur(c, c->height_m, c->columns, c->rows, c->columns, 1);
 }
 
-static bool is_top(const struct canopy *c, int column, int row)
+/* ---- tops ---- */
+
+/* Cells from the highest down join the top that they lie beside; where two meet, the lower one is a top of its own only if it rises
+ * enough above the saddle between them. */
+struct summits {
+	uint32_t *top; /* the top that each cell belongs to, its cell; or a way to it */
+	const struct canopy *c;
+};
+
+static uint32_t top_of(struct summits *s, uint32_t cell)
 {
-	float here = c->height_m[(size_t)row * c->columns + (uint32_t)column];
-	double apart = fmin(APART_M + APART_RISE * here, APART_MOST_M);
-	int reach = (int)(apart / c->cell_m);
-	for (int y = MAX(row - reach, 0); y <= MIN(row + reach, (int)c->rows - 1); y++)
-		for (int x = MAX(column - reach, 0); x <= MIN(column + reach, (int)c->columns - 1);
-			x++) {
-			float other = c->height_m[(size_t)y * c->columns + (uint32_t)x];
-			bool is_near = hypot(x - column, y - row) * c->cell_m <= apart;
-			/* of equal ones, the first */
-			if (is_near &&
-				(other > here ||
-					(other == here && (y < row || (y == row && x < column)))))
-				return false;
-		}
-	return true;
+	while (s->top[cell] != cell) {
+		s->top[cell] = s->top[s->top[cell]];
+		cell = s->top[cell];
+	}
+	return cell;
+}
+
+static bool is_one_crown(const struct canopy *c, uint32_t a, uint32_t b, float saddle_m)
+{
+	float lower = fminf(c->height_m[a], c->height_m[b]);
+	double apart = c->cell_m * hypot((double)(a % c->columns) - (double)(b % c->columns),
+					   (double)(a / c->columns) - (double)(b / c->columns));
+	return lower - saddle_m < fmaxf(RISE_M, RISE_SHARE * lower) || apart < APART_M;
+}
+
+static void join_beside(struct summits *s, uint32_t cell)
+{
+	const struct canopy *c = s->c;
+	int column = (int)(cell % c->columns), row = (int)(cell / c->columns);
+	for (int k = 0; k < 9; k++) {
+		int x = column + k % 3 - 1, y = row + k / 3 - 1;
+		if (x < 0 || y < 0 || x >= (int)c->columns || y >= (int)c->rows)
+			continue;
+		uint32_t other = (uint32_t)y * c->columns + (uint32_t)x;
+		if (other == cell || s->top[other] == UINT32_MAX)
+			continue;
+		uint32_t a = top_of(s, cell), b = top_of(s, other);
+		if (a == b || !(a == cell || is_one_crown(c, a, b, c->height_m[cell])))
+			continue;
+		/* of equal ones, the first */
+		bool a_stays = c->height_m[a] > c->height_m[b] ||
+			       (c->height_m[a] == c->height_m[b] && a < b);
+		s->top[a_stays && a != cell ? b : a] = a_stays && a != cell ? a : b;
+	}
+}
+
+struct by_height {
+	float height_m;
+	uint32_t cell;
+};
+
+static int highest_first(const void *a, const void *b)
+{
+	const struct by_height *x = a, *y = b;
+	int by = (x->height_m < y->height_m) - (x->height_m > y->height_m);
+	return by ? by : (x->cell > y->cell) - (x->cell < y->cell);
 }
 
 static uint32_t mark_tops(struct canopy *c)
 {
+	size_t cells = (size_t)c->columns * c->rows, count = 0;
 	uint32_t tops = 0;
-	c->label = g_new0(int32_t, (size_t)c->columns * c->rows);
-	for (uint32_t row = 0; row < c->rows; row++)
-		for (uint32_t column = 0; column < c->columns; column++) {
-			size_t i = (size_t)row * c->columns + column;
-			if (!(c->height_m[i] > 0))
-				c->label[i] = -1;
-			else if (c->height_m[i] >= TREE_LEAST_M && is_top(c, (int)column, (int)row))
-				c->label[i] = (int32_t)++tops;
-		}
+	g_autofree struct by_height *order = g_new(struct by_height, cells);
+	g_autofree uint32_t *top = g_new(uint32_t, cells);
+	struct summits s = { top, c };
+	c->label = g_new0(int32_t, cells);
+	memset(top, 0xFF, cells * sizeof *top);
+	for (size_t i = 0; i < cells; i++)
+		if (c->height_m[i] > 0)
+			order[count++] = (struct by_height){ c->height_m[i], (uint32_t)i };
+		else
+			c->label[i] = -1;
+	qsort(order, count, sizeof *order, highest_first);
+	for (size_t k = 0; k < count; k++) {
+		top[order[k].cell] = order[k].cell;
+		join_beside(&s, order[k].cell);
+	}
+	for (size_t k = 0; k < count; k++)
+		if (top[order[k].cell] == order[k].cell && order[k].height_m >= TREE_LEAST_M)
+			c->label[order[k].cell] = (int32_t)++tops;
 	return tops;
 }
 

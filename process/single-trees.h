@@ -1,7 +1,8 @@
 #ifndef PROCESS_SINGLE_TREES_H
 #define PROCESS_SINGLE_TREES_H
 /* Single trees in voxels of vegetation, by marker-controlled watershed on the canopy's height (Wegen et al. 2024, section 4.1): over
- * a plan of cells, the height of the vegetation, smoothed; its local maxima are the markers; what drains to one of them is one
+ * a plan of cells, the height of the vegetation, smoothed; its local maxima, those that rise enough above the saddles to others,
+ * are the markers; what drains to one of them is one
  * tree, with all that stands below. Bushes, lower than TREE_LEAST_M and tied to no tree, are what hangs together. */
 #include "process/voxels.h"
 

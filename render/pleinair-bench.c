@@ -33,7 +33,8 @@ static const GOptionEntry entries[] = {
 		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
-		"register, segments, features: of the first sites; another one gives others (default "
+		"register, segments, features: of the first sites; another one gives others "
+		"(default "
 		"1)",
 		"S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
