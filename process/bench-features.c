@@ -146,7 +146,8 @@ static double compute(struct station *stations)
 	for (int i = 0; i < STATIONS; i++) {
 		struct features_input of = { .grid = stations[i].grid, .pose = stations[i].pose };
 		stations[i].features = features_estimate(&of, NULL);
-		views[i] = (struct features_view){ of, stations[i].features->degree };
+		views[i] = (struct features_view){ of, stations[i].features->degree,
+			stations[i].features->cuts };
 	}
 	for (int i = 0; i < STATIONS; i++)
 		features_fit_lines(stations[i].features, &views[i].scan, views, STATIONS, NULL);
@@ -160,11 +161,17 @@ static double percent(uint64_t part, uint64_t all)
 
 static void print_score(const char *scene, int station, const struct feature_score *s)
 {
-	printf("%-7s %d  %8.1f %8.1f %8.1f  %8.1f  %8.1f %6.1f %6.1f  %8.1f ", scene, station,
-		percent(s->edges_found, s->edges), percent(s->depth_found, s->depth_edges),
-		percent(s->creases_found, s->creases), percent(s->false_points, s->points),
-		percent(s->directed, s->straight), s->direction_p50_deg, s->direction_p90_deg,
-		percent(s->leaves_directed, s->leaves));
+	printf("%-7s %d  %8.1f %8.1f %8.1f  %8.1f  %8.1f %6.1f %6.1f  %8.1f %6.1f  %8.1f %6.1f  "
+	       "%8.1f ",
+		scene, station, percent(s->edges_found, s->edges),
+		percent(s->depth_found, s->depth_edges), percent(s->creases_found, s->creases),
+		percent(s->false_points, s->points),
+		percent(s->straight.directed, s->straight.straight), s->straight.p50_deg,
+		s->straight.p90_deg,
+		percent(s->straight_creases.directed, s->straight_creases.straight),
+		s->straight_creases.p90_deg,
+		percent(s->straight_silhouettes.directed, s->straight_silhouettes.straight),
+		s->straight_silhouettes.p90_deg, percent(s->leaves_directed, s->leaves));
 	for (int b = 0; b < FEATURE_BANDS; b++)
 		if (s->band_m2[b] >= 5)
 			printf(" %.0f:%.0f", s->band_m[b], s->density_per_m2[b]);
@@ -177,6 +184,16 @@ static void add_number(JsonObject *o, const char *key, double value)
 		json_object_set_double_member(o, key, value);
 }
 
+static void add_lines(JsonObject *o, const char *of, const struct feature_lines *l)
+{
+	g_autofree char *share = g_strconcat(of, "_directed_percent", NULL);
+	g_autofree char *median = g_strconcat(of, "_direction_median_deg", NULL);
+	g_autofree char *p90 = g_strconcat(of, "_direction_p90_deg", NULL);
+	add_number(o, share, percent(l->directed, l->straight));
+	add_number(o, median, l->p50_deg);
+	add_number(o, p90, l->p90_deg);
+}
+
 static JsonObject *score_to_json(const char *scene, int station, const struct feature_score *s)
 {
 	JsonObject *o = json_object_new();
@@ -187,9 +204,9 @@ static JsonObject *score_to_json(const char *scene, int station, const struct fe
 	add_number(o, "depth_edges_found_percent", percent(s->depth_found, s->depth_edges));
 	add_number(o, "creases_found_percent", percent(s->creases_found, s->creases));
 	add_number(o, "false_percent", percent(s->false_points, s->points));
-	add_number(o, "straight_directed_percent", percent(s->directed, s->straight));
-	add_number(o, "direction_median_deg", s->direction_p50_deg);
-	add_number(o, "direction_p90_deg", s->direction_p90_deg);
+	add_lines(o, "straight", &s->straight);
+	add_lines(o, "crease", &s->straight_creases);
+	add_lines(o, "silhouette", &s->straight_silhouettes);
 	add_number(o, "leaves_directed_percent", percent(s->leaves_directed, s->leaves));
 	for (int b = 0; b < FEATURE_BANDS; b++) {
 		JsonObject *band = json_object_new();
@@ -256,12 +273,13 @@ bool bench_features(const struct bench_features_options *o, GError **error)
 	if (good && !o->json)
 		puts("features, in percent: edges within a cell of a feature point (>= 90; depth "
 		     "edges, creases); feature "
-		     "points on even surface (<= 10);\nat straight creases directional, off by "
-		     "degrees (median, p90 <= 3); "
+		     "points on even surface (<= 10);\nat straight edges directional (>= 60), off "
+		     "by "
+		     "degrees (median, p90 <= 3), the same of creases and of silhouettes; "
 		     "on leaves directional (<= 10);\ndithering points per m2 of black by range in "
 		     "m, of 60 wanted\n"
 		     "scene      edges    depth    crease     false  directed   p50    p90    "
-		     "leaves  dithering");
+		     "crease    p90  silhouette p90    leaves  dithering");
 	for (int i = 0; good && scenes[i]; i++)
 		good = run_scene(folder, scenes[i], o, &seconds, stations, error);
 	if (own && !files_remove_tree(own, good ? error : NULL))

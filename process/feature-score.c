@@ -16,6 +16,12 @@
 #define COLOUR_STEP    0.06f
 #define NEARBY         2
 #define MEASURED_OFF_M 0.15f
+/* Silhouettes: cells each way; how far off a line their centres are, at most (0.29 by the grid alone); how long it is, 1 sigma. */
+#define ALONG_CELLS    12
+#define STRAIGHT_CELLS 0.5
+#define LONG_CELLS     4.0
+/* Of a face that is seen from its side the line is not known well. */
+#define SEEN_FROM_SIDE 0.94f
 
 enum { EDGE_DEPTH = 1, EDGE_CREASE = 2, SMOOTH = 3, PLANT_EDGE = 4 };
 
@@ -265,36 +271,159 @@ static bool crease_direction(
 	return any;
 }
 
+/* ---- straight silhouettes ---- */
+
+/* The near side of a depth edge. */
+static bool is_silhouette(
+	const struct scene *s, const uint8_t *marks, uint32_t row, uint32_t column)
+{
+	static const int8_t way[4][2] = { { 0, 1 }, { 0, -1 }, { 1, 0 }, { -1, 0 } };
+	size_t i = (size_t)row * s->g->columns + column, k;
+	float least_m = fmaxf(DEPTH_STEP_M, DEPTH_SIGMAS * s->noise_m);
+	for (int w = 0; w < 4 && marks[i] == EDGE_DEPTH; w++)
+		if (feature_step(s->g, row, column, way[w][0], way[w][1], &k) &&
+			(!(s->t[k].range_m > 0) ||
+				(s->t[k].range_m > s->t[i].range_m && step_m(s, i, k) > least_m)))
+			return true;
+	return false;
+}
+
+/* Cells of one silhouette around one of them: moments of rows and columns, in cells of equal angle. */
+struct silhouette {
+	double n, x, y, xx, xy, yy;
+};
+
+/* false: another edge is near. */
+static bool gather_silhouette(const struct scene *s, const uint8_t *marks, uint32_t row,
+	uint32_t column, struct silhouette *ret)
+{
+	const struct feature_truth *own = &s->t[(size_t)row * s->g->columns + column];
+	size_t k;
+	for (int y = -ALONG_CELLS; y <= ALONG_CELLS; y++)
+		for (int x = -ALONG_CELLS; x <= ALONG_CELLS; x++) {
+			if (!feature_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
+				!marks[k])
+				continue;
+			const struct feature_truth *t = &s->t[k];
+			bool same = t->instance == own->instance &&
+				    dot(t->normal, own->normal) > SAME_FACE_COS;
+			bool ahead = is_silhouette(s, marks, (uint32_t)(k / s->g->columns),
+				(uint32_t)(k % s->g->columns));
+			if (abs(y) <= 3 && abs(x) <= 3 &&
+				(marks[k] != EDGE_DEPTH || (ahead && !same)))
+				return false;
+			if (!same || !ahead)
+				continue;
+			ret->n++;
+			ret->x += x;
+			ret->y += y;
+			ret->xx += x * x;
+			ret->xy += x * y;
+			ret->yy += y * y;
+		}
+	return true;
+}
+
+/* The direction of a straight silhouette of an even face: where the plane that it is seen in meets the face. */
+static bool silhouette_direction(
+	const struct scene *s, const uint8_t *marks, uint32_t row, uint32_t column, float ret[3])
+{
+	const range_grid *g = s->g;
+	size_t i = (size_t)row * g->columns + column;
+	struct silhouette e = { 0 };
+	if (!is_silhouette(s, marks, row, column) ||
+		!gather_silhouette(s, marks, row, column, &e) || e.n < ALONG_CELLS)
+		return false;
+	double x = e.x / e.n, y = e.y / e.n, xx = e.xx / e.n - x * x, xy = e.xy / e.n - x * y,
+	       yy = e.yy / e.n - y * y;
+	double half = hypot(0.5 * (xx - yy), xy), mean = 0.5 * (xx + yy),
+	       angle = 0.5 * atan2(2 * xy, xx - yy);
+	if (sqrt(fmax(mean - half, 0)) > STRAIGHT_CELLS || sqrt(mean + half) < LONG_CELLS ||
+		fabs((0 - x) * sin(angle) - (0 - y) * cos(angle)) > 1)
+		return false;
+	double azimuth =
+		       g->lattice.azimuth_min_rad + ((double)column + 0.5) * g->lattice.column_rad,
+	       elevation = g->lattice.elevation_max_rad - ((double)row + 0.5) * g->lattice.row_rad;
+	double right = cos(angle) * g->lattice.column_rad * cos(elevation),
+	       down = sin(angle) * g->lattice.row_rad;
+	float ahead[3], along[3], across[3], size = (float)hypot(right, down);
+	look(g, i, ahead);
+	along[0] = (float)(right * cos(azimuth) + down * sin(elevation) * sin(azimuth)) / size;
+	along[1] = (float)(-right * sin(azimuth) + down * sin(elevation) * cos(azimuth)) / size;
+	along[2] = (float)(-down * cos(elevation)) / size;
+	for (int c = 0; c < 3; c++)
+		across[c] = ahead[(c + 1) % 3] * along[(c + 2) % 3] -
+			    ahead[(c + 2) % 3] * along[(c + 1) % 3];
+	const float *n = s->t[i].normal;
+	if (fabsf(dot(across, n)) > SEEN_FROM_SIDE)
+		return false;
+	for (int c = 0; c < 3; c++)
+		ret[c] =
+			across[(c + 1) % 3] * n[(c + 2) % 3] - across[(c + 2) % 3] * n[(c + 1) % 3];
+	float length = sqrtf(dot(ret, ret));
+	for (int c = 0; c < 3; c++)
+		ret[c] /= length;
+	return true;
+}
+
 static int by_value(const void *a, const void *b)
 {
 	double x = *(const double *)a, y = *(const double *)b;
 	return (x > y) - (x < y);
 }
 
+static double share_of(GArray *sorted, double share)
+{
+	return sorted->len ? g_array_index(sorted, double, (guint)(sorted->len * share)) : NAN;
+}
+
+static void score_direction(
+	const features *f, size_t i, const float truth[3], struct feature_lines *ret, GArray *off)
+{
+	float ours[3];
+	ret->straight++;
+	if (f->kind[i] != FEATURE_DIRECTED)
+		return;
+	model_unpack_normal(f->direction[i], ours);
+	double angle = acos(fmin(fabsf(dot(truth, ours)), 1)) * 180 / G_PI;
+	g_array_append_val(off, angle);
+	ret->directed++;
+}
+
+static void finish_lines(struct feature_lines *l, GArray *off)
+{
+	g_array_sort(off, by_value);
+	l->p50_deg = share_of(off, 0.5);
+	l->p90_deg = share_of(off, 0.9);
+}
+
 static void score_directions(
 	const features *f, const struct scene *s, const uint8_t *marks, struct feature_score *ret)
 {
 	const range_grid *g = s->g;
-	g_autoptr(GArray) off = g_array_new(FALSE, FALSE, sizeof(double));
+	g_autoptr(GArray) creases = g_array_new(FALSE, FALSE, sizeof(double));
+	g_autoptr(GArray) silhouettes = g_array_new(FALSE, FALSE, sizeof(double));
 	for (uint32_t row = 0; row < g->rows; row++)
 		for (uint32_t column = 0; column < g->columns; column++) {
 			size_t i = (size_t)row * g->columns + column;
-			float truth[3] = { 0 }, ours[3];
-			if (!is_feature(f, i) || marks[i] != EDGE_CREASE ||
-				!crease_direction(s, marks, row, column, truth))
+			float truth[3] = { 0 };
+			if (!is_feature(f, i))
 				continue;
-			ret->straight++;
-			if (f->kind[i] != FEATURE_DIRECTED)
-				continue;
-			model_unpack_normal(f->direction[i], ours);
-			double angle = acos(fmin(fabsf(dot(truth, ours)), 1)) * 180 / G_PI;
-			g_array_append_val(off, angle);
-			ret->directed++;
+			if (marks[i] == EDGE_CREASE &&
+				crease_direction(s, marks, row, column, truth))
+				score_direction(f, i, truth, &ret->straight_creases, creases);
+			else if (silhouette_direction(s, marks, row, column, truth))
+				score_direction(
+					f, i, truth, &ret->straight_silhouettes, silhouettes);
 		}
-	g_array_sort(off, by_value);
-	ret->direction_p50_deg = off->len ? g_array_index(off, double, off->len / 2) : NAN;
-	ret->direction_p90_deg =
-		off->len ? g_array_index(off, double, (guint)(off->len * 0.9)) : NAN;
+	finish_lines(&ret->straight_creases, creases);
+	finish_lines(&ret->straight_silhouettes, silhouettes);
+	g_array_append_vals(creases, silhouettes->data, silhouettes->len);
+	ret->straight.straight =
+		ret->straight_creases.straight + ret->straight_silhouettes.straight;
+	ret->straight.directed =
+		ret->straight_creases.directed + ret->straight_silhouettes.directed;
+	finish_lines(&ret->straight, creases);
 }
 
 static bool is_leaf(const struct scene *s, uint32_t row, uint32_t column)

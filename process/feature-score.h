@@ -9,6 +9,9 @@
  *   nor glass.
  * - A false feature: a feature point such that within 2 cells there is no depth step of 3 sigma, no two normals more than 12 degrees
  *   apart, no plant, no border of instances, and no step in colour (0.06 of the display's scale within 3 x 3 cells).
+ * - A straight crease: no edge within 3 cells but creases of the same direction, which is that of the cut of both true planes.
+ * - A straight silhouette: near sides of depth edges within 12 cells lie on a line in the picture, on one face of one thing; its
+ *   direction is that of the cut of the plane that it is seen in with the true face. No other edge within 3 cells.
  * - Leaves: plants where the nine normals around do not agree (a trunk's do). */
 #include "process/features.h"
 
@@ -20,14 +23,19 @@ struct feature_truth {
 	bool is_plant, is_glass;
 };
 
+/* Feature points at straight edges, the directed ones of them, and how far off these are. */
+struct feature_lines {
+	uint64_t straight, directed;
+	double p50_deg, p90_deg;
+};
+
 #define FEATURE_BANDS 8
 struct feature_score {
 	uint64_t edges, edges_found; /* depth edges and creases, but of plants */
 	uint64_t depth_edges, depth_found, creases, creases_found, plant_edges, plant_found;
-	uint64_t points, false_points; /* feature points */
-	uint64_t directed, straight; /* feature points at straight creases; directed ones of them */
-	double direction_p50_deg, direction_p90_deg; /* of those */
-	uint64_t leaves, leaves_directed;            /* feature points on leaves */
+	uint64_t points, false_points;                                         /* feature points */
+	struct feature_lines straight, straight_creases, straight_silhouettes; /* both; each */
+	uint64_t leaves, leaves_directed; /* feature points on leaves */
 	/* Of dithering points: bands of range from 5 m on, each wider than the last by a third; per area of surface times darkness. */
 	double band_m[FEATURE_BANDS + 1], density_per_m2[FEATURE_BANDS], band_m2[FEATURE_BANDS];
 };

@@ -281,7 +281,7 @@ static void gather_point(uint32_t i, const float off[3], void *data)
 				 (g->radius_m * g->radius_m);
 	float degree = g->f->degree[i] * (1 / 255.f);
 	if (near > 0)
-		feature_keep_point(&g->around, off, near * degree * degree);
+		feature_keep_point(&g->around, off, NULL, near * degree * degree);
 }
 
 static void fit_point(const struct job *j, const struct voxels *x, size_t i, float radius_m)
@@ -294,7 +294,7 @@ static void fit_point(const struct job *j, const struct voxels *x, size_t i, flo
 	model_unpack_normal(j->of->normal[i], ahead);
 	position(&j->of->view, i, at);
 	visit_around(x, at, radius_m, gather_point, &g);
-	bool is = feature_fit_line(&g.around, ahead, explained_m, radius_m, &line);
+	bool is = feature_fit_line(&g.around, NULL, ahead, explained_m, radius_m, &line);
 	feature_keep_line(j->f, i, &line, is);
 }
 

@@ -10,6 +10,10 @@
 #define CREASE_SIGMAS 4.0f
 #define ANSWER_MOST   8.0f
 #define RIDGE_LEAST   0.2f /* answers to less are nothing */
+/* The sine of the angle of planes that cut each other in a line that is known well. */
+#define CUT_LEAST 0.3f
+/* That line is not further off than this share of how far the planes are apart. */
+#define MOVED_MOST 0.5f
 
 /* ---- how far it is to the next depth edge ---- */
 
@@ -49,6 +53,7 @@ struct creases {
 	float *error; /* of the planes on both sides, over the distance in between: the sine of their angle */
 	uint8_t *reach; /* cells to either side */
 	float *ridge;   /* the filter's answer */
+	float *best;    /* of all ways so far, sharpened */
 };
 
 static const int8_t ways[4][2] = { { 0, 1 }, { 1, 0 }, { 1, 1 }, { 1, -1 } };
@@ -166,15 +171,73 @@ static float sharpen(const struct creases *c, uint32_t row, uint32_t column, con
 	return here * share * share * share * share;
 }
 
+/* Where the planes on both sides cut each other; false: nowhere near, or not well. */
+static bool cut_at(const struct creases *c, uint32_t row, uint32_t column, const int8_t way[2],
+	struct feature_cut *ret)
+{
+	const range_grid *g = c->of->grid;
+	size_t i = (size_t)row * g->columns + column, a, b;
+	int reach = reach_of(c, i, row, column, way);
+	float pa[3], pb[3], n[2][3], off_m[2] = { 0 }, sine2 = 0, cosine = 0;
+	if (!feature_step(g, row, column, way[0] * reach, way[1] * reach, &a) ||
+		!feature_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) ||
+		!point_on(c, a, pa) || !point_on(c, b, pb))
+		return false;
+	const float at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+	for (int k = 0; k < 3; k++) {
+		n[0][k] = c->planes->normal[k][a];
+		n[1][k] = c->planes->normal[k][b];
+		off_m[0] += n[0][k] * (at[k] - pa[k]);
+		off_m[1] += n[1][k] * (at[k] - pb[k]);
+		cosine += n[0][k] * n[1][k];
+	}
+	for (int k = 0; k < 3; k++) {
+		int p = (k + 1) % 3, q = (k + 2) % 3;
+		ret->direction[k] = n[0][p] * n[1][q] - n[0][q] * n[1][p];
+		sine2 += ret->direction[k] * ret->direction[k];
+	}
+	if (!(sine2 > CUT_LEAST * CUT_LEAST))
+		return false;
+	/* The foot of the perpendicular from the cell's own point. */
+	float s0 = (off_m[0] - cosine * off_m[1]) / sine2,
+	      s1 = (off_m[1] - cosine * off_m[0]) / sine2, moved2 = 0, apart2 = 0;
+	for (int k = 0; k < 3; k++) {
+		float move = -s0 * n[0][k] - s1 * n[1][k];
+		ret->at_m[k] = at[k] + move;
+		moved2 += move * move;
+		apart2 += (pa[k] - pb[k]) * (pa[k] - pb[k]);
+		ret->direction[k] /= sqrtf(sine2);
+	}
+	ret->cell = (uint32_t)i;
+	return moved2 < MOVED_MOST * MOVED_MOST * apart2;
+}
+
+/* way_of: of each cell, 1 + that of its highest answer; 0: no crease. */
+static GArray *find_cuts(const struct creases *c, const uint8_t *way_of)
+{
+	GArray *ret = g_array_new(FALSE, FALSE, sizeof(struct feature_cut));
+	const range_grid *g = c->of->grid;
+	for (uint32_t row = 0; row < g->rows; row++)
+		for (uint32_t column = 0; column < g->columns; column++) {
+			uint8_t way = way_of[(size_t)row * g->columns + column];
+			struct feature_cut cut;
+			if (way && cut_at(c, row, column, ways[way - 1], &cut))
+				g_array_append_val(ret, cut);
+		}
+	return ret;
+}
+
 void feature_creases(const struct features_input *of, const struct feature_planes *p,
-	const struct features_options *o, float *answer, uint8_t *flags)
+	const struct features_options *o, float *answer, uint8_t *flags, GArray **ret_cuts)
 {
 	const range_grid *g = of->grid;
 	size_t cells = range_grid_cells(g);
 	g_autofree uint8_t *distance = g_malloc(cells + 1), *reach = g_malloc(cells + 1);
 	g_autofree float *error = g_new(float, cells + 1);
 	g_autofree float *ridge = g_new(float, cells + 1);
-	struct creases c = { of, p, o, distance, error, reach, ridge };
+	g_autofree uint8_t *way_of = g_malloc0(cells + 1);
+	g_autofree float *best = g_new0(float, cells + 1);
+	struct creases c = { of, p, o, distance, error, reach, ridge, best };
 	measure_distance(of, flags, distance);
 	for (int w = 0; w < 4; w++) {
 #pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
@@ -198,7 +261,12 @@ void feature_creases(const struct features_input *of, const struct feature_plane
 						      : 0;
 				if (sharp >= 1)
 					flags[i] |= FEATURE_CREASE;
+				if (sharp >= 1 && sharp > best[i]) {
+					best[i] = sharp;
+					way_of[i] = (uint8_t)(w + 1);
+				}
 				answer[i] = fminf(fmaxf(answer[i], sharp), ANSWER_MOST);
 			}
 	}
+	*ret_cuts = find_cuts(&c, way_of);
 }

@@ -8,6 +8,7 @@
 #define TRUST_LEAST  0.2f
 #define WINDOW_CLIP  40
 #define WINDOW_LEAST 2
+#define STRIDE_MOST  4 /* by the two above */
 /* The window is at least so many beams wide each way. */
 #define BEAMS_WIDE 10.0f
 /* And so many windows of planes: where those waver from noise, edges do, as far as they reach. */
@@ -21,16 +22,33 @@
 #define OTHERS     6
 #define ERROR_MOST 1.2f
 /* The direction's own error, from how far the points are off the line, 1 sigma. */
-#define CERTAIN_RAD  0.028f
+#define CERTAIN_RAD  0.024f
 #define LONG_ENOUGH  0.27f /* standard deviation along it, in the radius */
 #define POINTS_LEAST 6
-#define ROUNDS       3
-#define TUBE         1.5f
+/* Directions of the halves of a line are apart by less, in rad; of one that the cuts agree with. */
+#define HALVES_APART     0.1f
+#define CUT_HALVES_APART 0.2f
+/* Cuts of planes along a crease: the cosine of what they may be apart, how many, how far they are off their mean. */
+#define SAME_CUT        0.966f
+#define CUTS_LEAST      4
+#define CUT_CERTAIN_RAD 0.12f
+#define CUT_STANDS_OUT  1.3f
+/* A line that they agree with is not further from their mean (8 degrees), and may be this uncertain; without one they must be
+ * this close to each other: planes that hold something else beside are tilted alike. */
+#define CUT_AGREES          0.99f
+#define CUT_FIT_CERTAIN_RAD 0.03f
+#define CUT_ALONE_RAD       0.03f
+#define ROUNDS              3
+#define TUBE                1.5f
 /* Lines that are tried first, to points in this part of the radius. */
 #define STARTS      16
 #define START_SHARE 0.4f
 #define OWN_WEIGHT  2.0f
-#define NEAR_CELLS  4.0f
+/* What is not moved to a cut counts less among what is. */
+#define UNMOVED_WEIGHT 0.25f
+#define NEAR_CELLS     4.0f
+/* Cells so far off a line are passed by it. */
+#define PASSING_CELLS 1.5f
 
 struct fitter {
 	features *f;
@@ -38,6 +56,7 @@ struct fitter {
 	const struct features_view *views;
 	size_t count;
 	const struct features_options *o;
+	const struct ridges *own;
 	struct pose *to_view;  /* from the scan's frame into each view's */
 	struct ridges *ridges; /* of each view */
 	uint8_t least;         /* degree of a feature point */
@@ -48,6 +67,7 @@ struct fitter {
 /* A feature point, in the frame of the scan whose lines are fitted. */
 struct ridge_point {
 	float x, y, z, weight;
+	float cut[3]; /* its direction; 0 0 0: none, else the point is moved there */
 };
 
 /* Which cells are feature points as high as those beside them: a bit each, rows begin with whole words. And these points side by
@@ -57,7 +77,18 @@ struct ridges {
 	uint64_t *bits;
 	uint32_t *place;
 	struct ridge_point *point;
+	struct ridges
+		*sparser; /* half of them, on every second diagonal; NULL: there are no more */
 };
+
+/* Of a cell that is one. */
+static inline const struct ridge_point *ridge_at(
+	const struct ridges *r, uint32_t row, uint32_t column)
+{
+	size_t word = (size_t)row * r->words + column / 64;
+	return r->point + r->place[word] +
+	       __builtin_popcountll(r->bits[word] & (((uint64_t)1 << column % 64) - 1));
+}
 
 static inline bool is_ridge(const struct ridges *r, uint32_t row, uint32_t column)
 {
@@ -80,37 +111,99 @@ static bool is_highest(const struct features_view *v, uint32_t row, uint32_t col
 	return false;
 }
 
+static struct ridge_point point_of(const struct features_view *v, size_t i,
+	const struct feature_cut *cut, const struct pose *to_scan)
+{
+	const range_grid *g = v->scan.grid;
+	double at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+	float degree = v->degree[i] * (1 / 255.f);
+	struct ridge_point ret = { .weight = degree * degree };
+	for (int k = 0; cut && k < 3; k++) {
+		at[k] = cut->at_m[k];
+		ret.cut[k] = cut->direction[k];
+		if (to_scan)
+			ret.cut[k] = (float)(to_scan->rotation[k][0] * (double)cut->direction[0] +
+					     to_scan->rotation[k][1] * (double)cut->direction[1] +
+					     to_scan->rotation[k][2] * (double)cut->direction[2]);
+	}
+	if (to_scan)
+		pose_apply(to_scan, at, at);
+	ret.x = (float)at[0];
+	ret.y = (float)at[1];
+	ret.z = (float)at[2];
+	return ret;
+}
+
+/* The cut of a cell, if it has one; *at goes on with the cells. */
+static const struct feature_cut *next_cut(const GArray *cuts, guint *at, size_t i)
+{
+	while (cuts && *at < cuts->len && g_array_index(cuts, struct feature_cut, *at).cell < i)
+		++*at;
+	const struct feature_cut *ret =
+		cuts && *at < cuts->len ? &g_array_index(cuts, struct feature_cut, *at) : NULL;
+	return ret && ret->cell == i ? ret : NULL;
+}
+
 static void list_points(struct ridges *r, const struct features_view *v, const struct pose *to_scan)
 {
 	const range_grid *g = v->scan.grid;
 	const size_t words = (size_t)r->words * g->rows;
 	uint32_t count = 0;
+	guint at_cut = 0;
 	r->place = g_new(uint32_t, words + 1);
 	for (size_t w = 0; w < words; w++) {
 		r->place[w] = count;
 		count += (uint32_t)__builtin_popcountll(r->bits[w]);
 	}
+	r->place[words] = count;
 	r->point = g_new(struct ridge_point, count + 1);
 	for (size_t w = 0; w < words; w++) {
 		struct ridge_point *to = r->point + r->place[w];
 		for (uint64_t bits = r->bits[w]; bits; bits &= bits - 1) {
 			size_t i = w / r->words * g->columns + w % r->words * 64 +
 				   (size_t)__builtin_ctzll(bits);
-			double at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
-			float degree = v->degree[i] * (1 / 255.f);
-			if (to_scan)
-				pose_apply(to_scan, at, at);
-			*to++ = (struct ridge_point){ (float)at[0], (float)at[1], (float)at[2],
-				degree * degree };
+			*to++ = point_of(v, i, next_cut(v->cuts, &at_cut, i), to_scan);
 		}
 	}
 }
 
 static void ridges_clear(struct ridges *r)
 {
+	if (r->sparser)
+		ridges_clear(r->sparser);
+	g_free(r->sparser);
 	g_free(r->bits);
 	g_free(r->place);
 	g_free(r->point);
+}
+
+/* Of the diagonals of a stride those of the next. */
+static struct ridges *thin_out(const struct ridges *r, uint32_t rows, uint32_t stride)
+{
+	struct ridges *ret = g_new0(struct ridges, 1);
+	const size_t words = (size_t)r->words * rows;
+	uint32_t count = 0;
+	ret->words = r->words;
+	ret->bits = g_new(uint64_t, words + 1);
+	ret->place = g_new(uint32_t, words + 1);
+	ret->point = g_new(struct ridge_point, r->place[words] + 1);
+	for (size_t w = 0; w < words; w++) {
+		const uint32_t row = (uint32_t)(w / r->words);
+		const struct ridge_point *p = r->point + r->place[w];
+		ret->bits[w] = 0;
+		ret->place[w] = count;
+		for (uint64_t bits = r->bits[w]; bits; bits &= bits - 1, p++) {
+			uint32_t bit = (uint32_t)__builtin_ctzll(bits);
+			if (((row + bit) & (stride - 1)) != 0)
+				continue;
+			ret->bits[w] |= (uint64_t)1 << bit;
+			ret->point[count++] = *p;
+		}
+	}
+	ret->place[words] = count;
+	if (2 * stride <= STRIDE_MOST)
+		ret->sparser = thin_out(ret, rows, 2 * stride);
+	return ret;
 }
 
 /* to_scan: from the view's frame; NULL: it is the scan itself. */
@@ -129,10 +222,12 @@ static struct ridges find_ridges(const struct features_view *v, const struct pos
 										   << column % 64;
 		}
 	list_points(&ret, v, to_scan);
+	ret.sparser = thin_out(&ret, g->rows, 2);
 	return ret;
 }
 
-void feature_keep_point(struct feature_around *a, const float at[3], float weight)
+void feature_keep_point(
+	struct feature_around *a, const float at[3], const float cut[3], float weight)
 {
 	if (a->count ==
 		FEATURE_POINTS_MOST) { /* a window wider than it must be: half of them are enough */
@@ -141,23 +236,31 @@ void feature_keep_point(struct feature_around *a, const float at[3], float weigh
 			a->y[i] = a->y[2 * i];
 			a->z[i] = a->z[2 * i];
 			a->weight[i] = 2 * a->weight[2 * i];
+			memcpy(a->cut[i], a->cut[2 * i], sizeof a->cut[i]);
 		}
 		a->count = FEATURE_POINTS_MOST / 2;
 	}
 	a->x[a->count] = at[0];
 	a->y[a->count] = at[1];
 	a->z[a->count] = at[2];
+	for (int k = 0; k < 3; k++)
+		a->cut[a->count][k] = cut ? cut[k] : 0;
 	a->weight[a->count++] = weight;
 }
 
 /* Where one view is looked around in. */
 struct window {
 	const struct features_view *view;
-	const struct ridges *ridges;
-	uint16_t leaf;                  /* of the point; 0: not known */
+	const struct ridges *ridges; /* of many cells every second is enough, or every fourth ... */
+	uint16_t leaf;               /* of the point; 0: not known */
 	float here[3], radius_m, trust; /* in the scan's frame */
-	uint32_t stride; /* of a window of many cells every second is enough, or every fourth ... */
+	bool is_cut;                    /* the point is moved to a cut */
 };
+
+static bool has_cut(const struct ridge_point *p)
+{
+	return p->cut[0] != 0 || p->cut[1] != 0 || p->cut[2] != 0;
+}
 
 static void add_point(const struct window *w, const struct ridge_point *p, struct feature_around *a)
 {
@@ -165,7 +268,9 @@ static void add_point(const struct window *w, const struct ridge_point *p, struc
 	float near = 1 - (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) /
 				 (w->radius_m * w->radius_m);
 	if (near > 0)
-		feature_keep_point(a, off, w->trust * near * p->weight);
+		feature_keep_point(a, off, p->cut,
+			w->trust * near * p->weight *
+				(w->is_cut && !has_cut(p) ? UNMOVED_WEIGHT : 1));
 }
 
 static bool is_of_leaf(const struct window *w, uint32_t row, uint32_t column)
@@ -185,16 +290,16 @@ static void add_run(
 		const size_t at = (size_t)row * r->words + (size_t)word;
 		uint64_t bits = r->bits[at],
 			 before = word == from / 64 ? ((uint64_t)1 << from % 64) - 1 : 0;
-		const struct ridge_point *p =
-			r->point + r->place[at] + __builtin_popcountll(bits & before);
+		const struct ridge_point *p = r->point + r->place[at];
+		if (bits & before)
+			p += __builtin_popcountll(bits & before);
 		bits &= ~before;
 		if (word == to / 64)
 			bits &= ~(uint64_t)0 >> (63 - to % 64);
-		for (; bits; bits &= bits - 1, p++) {
-			uint32_t c = (uint32_t)word * 64 + (uint32_t)__builtin_ctzll(bits);
-			if (((row + c) & (w->stride - 1)) == 0 && is_of_leaf(w, row, c))
+		for (; bits; bits &= bits - 1, p++)
+			if (is_of_leaf(
+				    w, row, (uint32_t)word * 64 + (uint32_t)__builtin_ctzll(bits)))
 				add_point(w, p, a);
-		}
 	}
 }
 
@@ -216,8 +321,8 @@ static void add_view(struct window *w, float spacing_m, uint32_t cell, const dou
 	w->trust = fminf(1, spacing_m * spacing_m / (row_m * row_m));
 	if (w->trust < TRUST_LEAST)
 		return;
-	for (w->stride = 1; MAX(down, right) >= WINDOW_MOST * (int32_t)w->stride;)
-		w->stride *= 2;
+	for (int32_t most = WINDOW_MOST; MAX(down, right) >= most && w->ridges->sparser; most *= 2)
+		w->ridges = w->ridges->sparser;
 	for (int32_t r = MAX(row - down, 0); r <= MIN(row + down, (int32_t)g->rows - 1); r++) {
 		add_run(w, (uint32_t)r, MAX(column - right, 0), MIN(column + right, width - 1), a);
 		if (g->wraps && column < right)
@@ -342,13 +447,12 @@ static float weight_of_others(const struct feature_around *a, const float ahead[
 	return sum / OTHERS;
 }
 
-/* Whether it is one: it stands out, its direction is certain, and the point itself is on it. */
-static bool is_line(const struct feature_around *a, struct feature_line *l, const float ahead[3],
-	float explained_m, float radius_m)
+/* Measures what lies on the line; 0: nothing, or not the point itself; else how many points, if all had the same weight. */
+static float measure_line(
+	const struct feature_around *a, struct feature_line *l, float on_m2, float *ret_on)
 {
-	const float on_m2 = ON_LINE * ON_LINE * explained_m * explained_m, ux = l->direction[0],
-		    uy = l->direction[1], uz = l->direction[2], ox = l->middle[0],
-		    oy = l->middle[1], oz = l->middle[2];
+	const float ux = l->direction[0], uy = l->direction[1], uz = l->direction[2],
+		    ox = l->middle[0], oy = l->middle[1], oz = l->middle[2];
 	float on = 0, on2 = 0, error = 0, along2 = 0, mean = 0;
 #pragma omp simd reduction(+ : on, on2, error, along2, mean)
 	for (uint32_t i = 0; i < a->count; i++) {
@@ -363,22 +467,144 @@ static bool is_line(const struct feature_around *a, struct feature_line *l, cons
 		along2 += w * along * along;
 	}
 	float own = ox * ux + oy * uy + oz * uz, own2 = ox * ox + oy * oy + oz * oz - own * own;
+	*ret_on = on;
 	if (!(on > 0))
-		return false;
-	float count = on * on / on2; /* if all had the same weight */
+		return 0;
 	l->error_m = sqrtf(fmaxf(error / on, 0));
 	l->spread_m = sqrtf(fmaxf(along2 / on - mean * mean / (on * on), 0));
-	return l->error_m <= ERROR_MOST * explained_m &&
+	return own2 < on_m2 ? on * on / on2 : 0;
+}
+
+/* By how much the directions of the two halves of a line differ, as the sine. */
+static float halves_apart(const struct feature_around *a, const struct feature_line *l, float on_m2)
+{
+	float n[2] = { 0 }, t[2] = { 0 }, tt[2] = { 0 }, p[2][3] = { { 0 } }, tp[2][3] = { { 0 } };
+	const float *u = l->direction, *o = l->middle;
+	for (uint32_t i = 0; i < a->count; i++) {
+		float d[3] = { a->x[i] - o[0], a->y[i] - o[1], a->z[i] - o[2] },
+		      along = d[0] * u[0] + d[1] * u[1] + d[2] * u[2], off2 = 0;
+		for (int k = 0; k < 3; k++) {
+			d[k] -= along * u[k];
+			off2 += d[k] * d[k];
+		}
+		if (off2 >= on_m2)
+			continue;
+		int h = along > 0;
+		float w = a->weight[i];
+		n[h] += w;
+		t[h] += w * along;
+		tt[h] += w * along * along;
+		for (int k = 0; k < 3; k++) {
+			p[h][k] += w * d[k];
+			tp[h][k] += w * along * d[k];
+		}
+	}
+	float apart2 = 0;
+	for (int k = 0; k < 3; k++) {
+		float slope[2];
+		for (int h = 0; h < 2; h++)
+			slope[h] =
+				(tp[h][k] - t[h] * p[h][k] / n[h]) / (tt[h] - t[h] * t[h] / n[h]);
+		apart2 += (slope[0] - slope[1]) * (slope[0] - slope[1]);
+	}
+	return isfinite(apart2) ? sqrtf(apart2) : INFINITY;
+}
+
+/* Whether it is one: it stands out, its direction is certain, and the point itself is on it. */
+static bool is_line(const struct feature_around *a, struct feature_line *l, const float ahead[3],
+	float explained_m, float radius_m)
+{
+	const float on_m2 = ON_LINE * ON_LINE * explained_m * explained_m;
+	float on, count = measure_line(a, l, on_m2, &on);
+	return count > 0 && l->error_m <= ERROR_MOST * explained_m &&
 	       l->error_m <= CERTAIN_RAD * l->spread_m * sqrtf(count) &&
-	       l->spread_m >= LONG_ENOUGH * radius_m && own2 < on_m2 &&
+	       l->spread_m >= LONG_ENOUGH * radius_m && halves_apart(a, l, on_m2) <= HALVES_APART &&
 	       on >= STANDS_OUT * weight_of_others(a, ahead, ON_LINE * explained_m);
 }
 
-bool feature_fit_line(const struct feature_around *a, const float ahead[3], float explained_m,
-	float radius_m, struct feature_line *ret)
+/* The mean of the cuts of planes about a line through the point that agree with one, and how far off it they are, in rad;
+ * the number of them. */
+static uint32_t mean_cut(const struct feature_around *a, const float with[3], float on_m2,
+	float ret[3], float *ret_off_rad)
 {
-	*ret = (struct feature_line){ .error_m = NAN };
-	if (a->count < POINTS_LEAST || !find_start(ret, a, radius_m, ON_LINE * explained_m))
+	float sum[3] = { 0 }, all = 0;
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < a->count; i++) {
+		const float *c = a->cut[i];
+		float cosine = c[0] * with[0] + c[1] * with[1] + c[2] * with[2];
+		float along = a->x[i] * with[0] + a->y[i] * with[1] + a->z[i] * with[2];
+		float off2 =
+			a->x[i] * a->x[i] + a->y[i] * a->y[i] + a->z[i] * a->z[i] - along * along;
+		if (fabsf(cosine) < SAME_CUT || off2 > on_m2)
+			continue;
+		float w = cosine > 0 ? a->weight[i] : -a->weight[i];
+		for (int k = 0; k < 3; k++)
+			sum[k] += w * c[k];
+		all += a->weight[i];
+		count++;
+	}
+	float length = sqrtf(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+	if (!(length > 0))
+		return 0;
+	for (int k = 0; k < 3; k++)
+		ret[k] = sum[k] / length;
+	*ret_off_rad = sqrtf(fmaxf(2 * (1 - length / all), 0));
+	return count;
+}
+
+/* At a crease: the line that the planes' cuts along it agree on, if the points do. */
+static bool fit_cut(const struct feature_around *a, const float cut[3], const float ahead[3],
+	float explained_m, float radius_m, struct feature_line *ret, float *ret_off)
+{
+	const float on_m2 = ON_LINE * ON_LINE * explained_m * explained_m;
+	float off_rad = 0, on;
+	uint32_t count = mean_cut(a, cut, on_m2, ret->direction, &off_rad);
+	for (int round = 0; round < 2 && count; round++) {
+		float with[3] = { ret->direction[0], ret->direction[1], ret->direction[2] };
+		count = mean_cut(a, with, on_m2, ret->direction, &off_rad);
+	}
+	if (count < CUTS_LEAST || off_rad > CUT_CERTAIN_RAD)
+		return false;
+	memset(ret->middle, 0, sizeof ret->middle);
+	*ret_off = off_rad;
+	return measure_line(a, ret, on_m2, &on) > 0 && ret->spread_m >= LONG_ENOUGH * radius_m &&
+	       on >= CUT_STANDS_OUT * weight_of_others(a, ahead, ON_LINE * explained_m);
+}
+
+/* The line of the points, begun with the cuts' own; they need to agree. Or the cuts' own, where these agree very well. */
+static bool fit_with_cuts(const struct feature_around *a, struct feature_line *cuts, float off_rad,
+	const float ahead[3], float explained_m, float radius_m, struct feature_line *ret)
+{
+	const float on_m2 = ON_LINE * ON_LINE * explained_m * explained_m;
+	float on, cosine = 0;
+	memcpy(ret->direction, cuts->direction, sizeof ret->direction);
+	for (int round = 0; round < ROUNDS; round++)
+		fit_round(ret, a, explained_m * TUBE);
+	for (int k = 0; k < 3; k++)
+		cosine += cuts->direction[k] * ret->direction[k];
+	float count = measure_line(a, ret, on_m2, &on);
+	if (count > 0 && fabsf(cosine) > CUT_AGREES && ret->error_m <= ERROR_MOST * explained_m &&
+		ret->error_m <= CUT_FIT_CERTAIN_RAD * ret->spread_m * sqrtf(count) &&
+		ret->spread_m >= LONG_ENOUGH * radius_m &&
+		halves_apart(a, ret, on_m2) <= CUT_HALVES_APART &&
+		on >= CUT_STANDS_OUT * weight_of_others(a, ahead, ON_LINE * explained_m))
+		return true;
+	if (off_rad < CUT_ALONE_RAD)
+		*ret = *cuts;
+	return off_rad < CUT_ALONE_RAD;
+}
+
+bool feature_fit_line(const struct feature_around *a, const float cut[3], const float ahead[3],
+	float explained_m, float radius_m, struct feature_line *ret)
+{
+	struct feature_line cuts = { .error_m = NAN };
+	float off_rad;
+	*ret = cuts;
+	if (a->count < POINTS_LEAST)
+		return false;
+	if (cut && fit_cut(a, cut, ahead, explained_m, radius_m, &cuts, &off_rad))
+		return fit_with_cuts(a, &cuts, off_rad, ahead, explained_m, radius_m, ret);
+	if (!find_start(ret, a, radius_m, ON_LINE * explained_m))
 		return false;
 	for (int round = 0; round < ROUNDS; round++)
 		fit_round(ret, a, explained_m * TUBE);
@@ -397,14 +623,17 @@ void feature_keep_line(features *f, size_t i, const struct feature_line *l, bool
 static void fit_cell(const struct fitter *t, size_t i)
 {
 	const range_grid *g = t->of->grid;
-	struct feature_around a = { 0 };
+	struct feature_around a;
 	const float spacing_m = g->range_m[i] * (float)MAX(g->row_rad, g->column_rad);
 	const float window_m = sqrtf(62 * t->o->range_noise_m * spacing_m);
 	const float radius_m =
 		fmaxf(t->o->line_radius_m, fmaxf(BEAMS_WIDE * spacing_m, WINDOWS_WIDE * window_m));
 	const float explained_m =
 		t->o->line_error * hypotf(t->o->range_noise_m, SPACING_SHARE * spacing_m);
-	const double point[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+	a.count = 0;
+	const struct ridge_point *here =
+		ridge_at(t->own, (uint32_t)(i / g->columns), (uint32_t)(i % g->columns));
+	const double point[3] = { here->x, here->y, here->z };
 	for (size_t k = 0; k < t->count; k++) {
 		bool is_own = t->views[k].scan.grid == g;
 		double at[3] = { point[0], point[1], point[2] };
@@ -417,15 +646,17 @@ static void fit_cell(const struct fitter *t, size_t i)
 			.ridges = &t->ridges[k],
 
 			.leaf = t->of->leaf ? t->of->leaf[i] : 0,
-			.here = { g->x_m[i], g->y_m[i], g->z_m[i] },
-			.radius_m = radius_m };
+			.here = { here->x, here->y, here->z },
+			.radius_m = radius_m,
+			.is_cut = has_cut(here) };
 		if (cell != RANGE_GRID_NONE)
 			add_view(&w, spacing_m, cell, at, &a);
 	}
 	const float ahead[3] = { g->x_m[i] / g->range_m[i], g->y_m[i] / g->range_m[i],
 		g->z_m[i] / g->range_m[i] };
 	struct feature_line l;
-	bool is = feature_fit_line(&a, ahead, explained_m, radius_m, &l);
+	bool is = feature_fit_line(
+		&a, has_cut(here) ? here->cut : NULL, ahead, explained_m, radius_m, &l);
 	feature_keep_line(t->f, i, &l, is);
 }
 
@@ -435,25 +666,30 @@ static bool is_chosen(const struct ridges *ridges, uint32_t row, uint32_t column
 	return (row + 2 * column) % 5 == 0 && is_ridge(ridges, row, column);
 }
 
-/* Whether the line of cell k passes cell i. */
+/* Whether the line of cell k passes cell i, as the scanner sees it: what lies beside an edge may be far off it in depth. */
 static bool passes(const struct fitter *t, size_t k, size_t i)
 {
 	const range_grid *g = t->of->grid;
-	const float off[3] = { g->x_m[i] - g->x_m[k], g->y_m[i] - g->y_m[k],
-		g->z_m[i] - g->z_m[k] };
-	float u[3], explained_m = hypotf(t->o->range_noise_m,
-			    g->range_m[i] * (float)MAX(g->row_rad, g->column_rad));
+	const float at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
+	const struct ridge_point *p =
+		ridge_at(t->own, (uint32_t)(k / g->columns), (uint32_t)(k % g->columns));
+	const float on[3] = { p->x, p->y, p->z };
+	float u[3], off_m = 0, size2 = 0;
 	if (t->f->kind[k] != FEATURE_DIRECTED)
 		return false;
 	model_unpack_normal(t->f->direction[k], u);
-	float along = off[0] * u[0] + off[1] * u[1] + off[2] * u[2];
-	return off[0] * off[0] + off[1] * off[1] + off[2] * off[2] - along * along <
-	       4 * explained_m * explained_m;
+	for (int c = 0; c < 3; c++) {
+		float across = on[(c + 1) % 3] * u[(c + 2) % 3] - on[(c + 2) % 3] * u[(c + 1) % 3];
+		off_m += across * at[c];
+		size2 += across * across;
+	}
+	return fabsf(off_m) <
+	       PASSING_CELLS * g->range_m[i] * (float)MAX(g->row_rad, g->column_rad) * sqrtf(size2);
 }
 
 /* A chosen cell near by, on the same surface: the nearest whose line passes here, else the nearest; false: there is none. */
 static bool find_chosen(const struct fitter *t, const struct ridges *ridges, uint32_t row,
-	uint32_t column, size_t *ret)
+	uint32_t column, size_t *ret, bool *ret_passes)
 {
 	static const int8_t way[24][2] = { { 0, 1 }, { 0, -1 }, { 1, 0 }, { -1, 0 }, { 1, 1 },
 		{ 1, -1 }, { -1, 1 }, { -1, -1 }, { 0, 2 }, { 0, -2 }, { 2, 0 }, { -2, 0 },
@@ -463,7 +699,7 @@ static bool find_chosen(const struct fitter *t, const struct ridges *ridges, uin
 	const size_t i = (size_t)row * g->columns + column;
 	const float near_m = NEAR_CELLS * g->range_m[i] * (float)MAX(g->row_rad, g->column_rad) +
 			     3 * t->o->range_noise_m;
-	bool found = false;
+	bool found = *ret_passes = false;
 	for (int w = 0; w < 24; w++) {
 		size_t k;
 		if (!feature_step(g, row, column, way[w][0], way[w][1], &k) ||
@@ -475,6 +711,7 @@ static bool find_chosen(const struct fitter *t, const struct ridges *ridges, uin
 		if (is_line || !found)
 			*ret = k;
 		found = true;
+		*ret_passes = is_line;
 		if (is_line)
 			break;
 	}
@@ -487,12 +724,13 @@ static void take_over(
 {
 	features *f = t->f;
 	size_t i = (size_t)row * t->of->grid->columns + column, k;
-	if (!find_chosen(t, ridges, row, column, &k)) {
+	bool is_line;
+	if (!find_chosen(t, ridges, row, column, &k, &is_line)) {
 		if (is_ridge(ridges, row, column))
 			fit_cell(t, i);
 		return;
 	}
-	f->kind[i] = f->kind[k];
+	f->kind[i] = is_line ? f->kind[k] : FEATURE_UNDIRECTED;
 	memcpy(f->direction[i], f->direction[k], sizeof f->direction[i]);
 	f->line_error[i] = f->line_error[k];
 }
@@ -506,8 +744,8 @@ void features_fit_lines(features *f, const struct features_input *of,
 		o.range_noise_m = normals_range_noise_m(g);
 	g_autofree struct pose *to_view = g_new0(struct pose, count + 1);
 	g_autofree struct ridges *ridges = g_new0(struct ridges, count + 1);
-	struct fitter t = { f, of, views, count, &o, to_view, ridges, feature_least(&o) };
 	const struct ridges *own = NULL;
+	struct fitter t = { f, of, views, count, &o, NULL, to_view, ridges, feature_least(&o) };
 	for (size_t k = 0; k < count; k++) {
 		to_view[k] = pose_between(&views[k].scan.pose, &of->pose);
 		struct pose to_scan = pose_inverse(&to_view[k]);
@@ -516,6 +754,7 @@ void features_fit_lines(features *f, const struct features_input *of,
 		own = views[k].scan.grid == g ? &ridges[k] : own;
 	}
 	g_assert(own);
+	t.own = own;
 #pragma omp parallel for schedule(dynamic, 4) if (!o.single_thread)
 	for (uint32_t row = 0; row < g->rows; row++)
 		for (uint32_t column = 0; column < g->columns; column++)

@@ -41,8 +41,11 @@ struct feature_around {
 	uint32_t count;
 	float x[FEATURE_POINTS_MOST], y[FEATURE_POINTS_MOST], z[FEATURE_POINTS_MOST],
 		weight[FEATURE_POINTS_MOST];
+	float cut[FEATURE_POINTS_MOST][3]; /* of the planes at a crease; 0 0 0: none */
 };
-void feature_keep_point(struct feature_around *a, const float at[3], float weight);
+/* cut: a direction; may be NULL. */
+void feature_keep_point(
+	struct feature_around *a, const float at[3], const float cut[3], float weight);
 
 struct feature_line {
 	float direction[3], middle[3];
@@ -51,8 +54,8 @@ struct feature_line {
 };
 /* Whether there is a line through the point itself. ahead: across all lines that it is compared with, as where the scanner looks;
  * explained_m: how far points may be off it; radius_m: how far off the point they are. */
-bool feature_fit_line(const struct feature_around *a, const float ahead[3], float explained_m,
-	float radius_m, struct feature_line *ret);
+bool feature_fit_line(const struct feature_around *a, const float cut[3], const float ahead[3],
+	float explained_m, float radius_m, struct feature_line *ret);
 void feature_keep_line(features *f, size_t i, const struct feature_line *l, bool is_line);
 
 features *features_new(uint32_t columns, uint32_t rows); /* all without features */
@@ -77,8 +80,9 @@ static inline float feature_darkness(float tone, float exponent)
 /* Edges of the geometry: answers, 1 at the threshold. Sets FEATURE_SILHOUETTE, _BEHIND and _CREASE. */
 void feature_depth_edges(const struct features_input *of, const struct feature_planes *p,
 	const struct features_options *o, float *answer, uint8_t *flags);
+/* ret_cuts: of struct feature_cut. */
 void feature_creases(const struct features_input *of, const struct feature_planes *p,
-	const struct features_options *o, float *answer, uint8_t *flags);
+	const struct features_options *o, float *answer, uint8_t *flags, GArray **ret_cuts);
 /* Edges of what it looks like. */
 void feature_colour_edges(const range_grid *g, const struct features_options *o, float *answer);
 void feature_intensity_edges(const range_grid *g, const struct features_options *o, float *answer);

@@ -33,6 +33,7 @@ void features_free(features *f)
 	g_free(f->kind);
 	g_free(f->flags);
 	g_free(f->direction);
+	g_clear_pointer(&f->cuts, g_array_unref);
 	g_free(f->line_error);
 	g_free(f->k1);
 	g_free(f->k2);
@@ -122,7 +123,7 @@ static void estimate_degree(features *f, const struct features_input *of,
 	g_autofree float *answer = g_new0(float, cells + 1);
 	g_autofree float *degree = g_new0(float, cells + 1);
 	feature_depth_edges(of, p, o, answer, f->flags);
-	feature_creases(of, p, o, answer, f->flags);
+	feature_creases(of, p, o, answer, f->flags, &f->cuts);
 	add_edges(g, answer, w.geometry, 0, f, degree);
 	if (g->rgb) {
 		feature_colour_edges(g, o, answer);
@@ -185,7 +186,7 @@ features *features_of_scans(const struct features_input *scans, size_t count, si
 	g_autofree features **all = g_new0(features *, count);
 	for (size_t k = 0; k < count; k++) {
 		all[k] = features_estimate(&scans[k], options);
-		views[k] = (struct features_view){ scans[k], all[k]->degree };
+		views[k] = (struct features_view){ scans[k], all[k]->degree, all[k]->cuts };
 	}
 	features_fit_lines(all[which], &scans[which], views, count, options);
 	for (size_t k = 0; k < count; k++)

@@ -34,6 +34,13 @@ enum feature_flag {
 
 #define FEATURE_LINE_ERROR_NONE UINT16_MAX
 
+/* Where the planes on both sides of a crease cut each other, next to the cell's point. A cell of a slanted surface is far off its
+ * edge; this is not. The direction of one alone is uncertain by some degrees. */
+struct feature_cut {
+	uint32_t cell;
+	float at_m[3], direction[3]; /* scanner frame; unit, its sign is free */
+};
+
 typedef struct features features;
 struct features {
 	uint32_t columns, rows;
@@ -46,6 +53,7 @@ struct features {
 	 * scanner; NAN: none. And the direction of k1, packed, sign free. */
 	float *k1, *k2;
 	int16_t (*principal)[2];
+	GArray *cuts; /* of struct feature_cut, by cell; NULL: none are known */
 };
 void features_free(features *f); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(features, features_free)
@@ -82,6 +90,7 @@ features *features_estimate(
 struct features_view {
 	struct features_input scan;
 	const uint8_t *degree;
+	const GArray *cuts; /* as in features; may be NULL */
 };
 /* Kind, direction and line error of the feature points, from those of all views; the scan itself must be one of them. */
 void features_fit_lines(features *f, const struct features_input *of,

@@ -304,7 +304,7 @@ static bool make_grid(struct maker *m, const struct source *s, GError **error)
 		if (!e || !go_on(m, (i + 1.0) / (s->neighbour_count + 2.0), error))
 			return false;
 		own = (struct features_input){ .grid = e->data->grid, .pose = of->pose };
-		views[i] = (struct features_view){ own, e->features->degree };
+		views[i] = (struct features_view){ own, e->features->degree, e->features->cuts };
 		f = e->features;
 	}
 	features_fit_lines(f, &own, views, s->neighbour_count + 1, options_of(m));
