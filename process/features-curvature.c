@@ -47,8 +47,9 @@ static void add_neighbour(const struct features_input *of, const float *const no
 	const float there[3] = { normal[0][k], normal[1][k], normal[2][k] };
 	const float off[3] = { g->x_m[k] - g->x_m[i], g->y_m[k] - g->y_m[i],
 		g->z_m[k] - g->z_m[i] };
+	const float ahead = dot(off, f->normal);
 	if (!(g->range_m[k] > 0) || !(dot(there, f->normal) > SAME_FACE) ||
-		fabsf(dot(off, f->normal)) > OFF_PLANE * sqrtf(dot(off, off)) ||
+		ahead * ahead > OFF_PLANE * OFF_PLANE * dot(off, off) ||
 		(of->leaf && of->leaf[i] && of->leaf[k] && of->leaf[i] != of->leaf[k]))
 		return;
 	float a = dot(off, f->first), b = dot(off, f->second), p = dot(there, f->first),
@@ -92,18 +93,21 @@ static bool solve(const struct form *s, float ret[3])
 static void keep_form(features *f, size_t i, const struct frame *frame, const float s[3])
 {
 	float mean = 0.5f * (s[0] + s[2]), half = 0.5f * (s[0] - s[2]),
-	      apart = sqrtf(half * half + s[1] * s[1]);
-	float angle = 0.5f * atan2f(s[1], half), along[3];
+	      apart = sqrtf(half * half + s[1] * s[1]), along[3];
+	/* Half the angle of (half, s[1]), without its sine. */
+	float cosine = apart > 0 ? sqrtf(fmaxf(0.5f + 0.5f * half / apart, 0)) : 1;
+	float sine = apart > 0 ? copysignf(sqrtf(fmaxf(0.5f - 0.5f * half / apart, 0)), s[1]) : 0;
 	f->k1[i] = mean + apart;
 	f->k2[i] = mean - apart;
 	if (fabsf(f->k2[i]) > fabsf(f->k1[i])) {
-		float swap = f->k1[i];
+		float swap = f->k1[i], turned = -sine;
 		f->k1[i] = f->k2[i];
 		f->k2[i] = swap;
-		angle += (float)(G_PI / 2);
+		sine = cosine;
+		cosine = turned;
 	}
 	for (int k = 0; k < 3; k++)
-		along[k] = cosf(angle) * frame->first[k] + sinf(angle) * frame->second[k];
+		along[k] = cosine * frame->first[k] + sine * frame->second[k];
 	model_pack_normal(along, f->principal[i]);
 }
 
@@ -127,7 +131,8 @@ static void bend_cell(const struct features_input *of, const float *const normal
 	const float own[3] = { normal[0][i], normal[1][i], normal[2][i] };
 	if (!(g->range_m[i] > 0) || !(dot(own, own) > 0))
 		return;
-	const float level = fmaxf(hypotf(g->x_m[i], g->y_m[i]) / g->range_m[i], 0.05f);
+	const float level =
+		fmaxf(sqrtf(g->x_m[i] * g->x_m[i] + g->y_m[i] * g->y_m[i]) / g->range_m[i], 0.05f);
 	const int down = cells_of(g, o, g->range_m[i], (float)g->row_rad);
 	const int right = cells_of(g, o, g->range_m[i], (float)g->column_rad * level);
 	const struct frame frame = frame_of(own);

@@ -8,7 +8,8 @@
 #define TRUST_LEAST  0.2f
 #define WINDOW_CLIP  40
 #define WINDOW_LEAST 2
-#define STRIDE_MOST  4 /* by the two above */
+#define LEVELS       3 /* by the two above: of every cell, every second, every fourth */
+#define TILE_CELLS   8
 /* The window is at least so many beams wide each way. */
 #define BEAMS_WIDE 10.0f
 /* And so many windows of planes: where those waver from noise, edges do, as far as they reach. */
@@ -67,18 +68,26 @@ struct fitter {
 /* A feature point, in the frame of the scan whose lines are fitted. */
 struct ridge_point {
 	float x, y, z, weight;
+	uint32_t cell;
 	float cut[3]; /* its direction; 0 0 0: none, else the point is moved there */
 };
 
-/* Which cells are feature points as high as those beside them: a bit each, rows begin with whole words. And these points side by
- * side, for a window looks at few of many cells: those of a word begin at its place. */
+/* Those of squares of cells side by side, for a window looks at few of many; of every cell, of every second diagonal, of every
+ * fourth. */
+struct tiles {
+	uint32_t size, across; /* cells, tiles in a row of them */
+	uint32_t *first;       /* of each tile, and the end */
+	struct ridge_point *point;
+};
+
+/* Which cells are feature points as high as those beside them: a bit each, rows begin with whole words; those of a word begin at
+ * its place. */
 struct ridges {
 	uint32_t words; /* of a row */
 	uint64_t *bits;
 	uint32_t *place;
 	struct ridge_point *point;
-	struct ridges
-		*sparser; /* half of them, on every second diagonal; NULL: there are no more */
+	struct tiles tiles[LEVELS];
 };
 
 /* Of a cell that is one. */
@@ -117,7 +126,7 @@ static struct ridge_point point_of(const struct features_view *v, size_t i,
 	const range_grid *g = v->scan.grid;
 	double at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };
 	float degree = v->degree[i] * (1 / 255.f);
-	struct ridge_point ret = { .weight = degree * degree };
+	struct ridge_point ret = { .weight = degree * degree, .cell = (uint32_t)i };
 	for (int k = 0; cut && k < 3; k++) {
 		at[k] = cut->at_m[k];
 		ret.cut[k] = cut->direction[k];
@@ -169,40 +178,41 @@ static void list_points(struct ridges *r, const struct features_view *v, const s
 
 static void ridges_clear(struct ridges *r)
 {
-	if (r->sparser)
-		ridges_clear(r->sparser);
-	g_free(r->sparser);
+	for (int level = 0; level < LEVELS; level++) {
+		g_free(r->tiles[level].first);
+		g_free(r->tiles[level].point);
+	}
 	g_free(r->bits);
 	g_free(r->place);
 	g_free(r->point);
 }
 
-/* Of the diagonals of a stride those of the next. */
-static struct ridges *thin_out(const struct ridges *r, uint32_t rows, uint32_t stride)
+/* The tile of a cell; false: it is not on one of the diagonals. */
+static bool find_tile(
+	const struct tiles *t, const range_grid *g, uint32_t cell, uint32_t stride, size_t *ret)
 {
-	struct ridges *ret = g_new0(struct ridges, 1);
-	const size_t words = (size_t)r->words * rows;
-	uint32_t count = 0;
-	ret->words = r->words;
-	ret->bits = g_new(uint64_t, words + 1);
-	ret->place = g_new(uint32_t, words + 1);
-	ret->point = g_new(struct ridge_point, r->place[words] + 1);
-	for (size_t w = 0; w < words; w++) {
-		const uint32_t row = (uint32_t)(w / r->words);
-		const struct ridge_point *p = r->point + r->place[w];
-		ret->bits[w] = 0;
-		ret->place[w] = count;
-		for (uint64_t bits = r->bits[w]; bits; bits &= bits - 1, p++) {
-			uint32_t bit = (uint32_t)__builtin_ctzll(bits);
-			if (((row + bit) & (stride - 1)) != 0)
-				continue;
-			ret->bits[w] |= (uint64_t)1 << bit;
-			ret->point[count++] = *p;
-		}
-	}
-	ret->place[words] = count;
-	if (2 * stride <= STRIDE_MOST)
-		ret->sparser = thin_out(ret, rows, 2 * stride);
+	const uint32_t row = cell / g->columns, column = cell % g->columns;
+	*ret = (size_t)(row / t->size) * t->across + column / t->size;
+	return ((row + column) & (stride - 1)) == 0;
+}
+
+static struct tiles lay_tiles(const struct ridges *r, const range_grid *g, uint32_t stride)
+{
+	const uint32_t count = r->place[(size_t)r->words * g->rows];
+	struct tiles ret = { .size = TILE_CELLS * MAX(stride / 2, 1) };
+	ret.across = (g->columns + ret.size - 1) / ret.size;
+	const size_t tiles = (size_t)ret.across * ((g->rows + ret.size - 1) / ret.size);
+	size_t tile;
+	ret.first = g_new0(uint32_t, tiles + 2);
+	for (uint32_t n = 0; n < count; n++)
+		if (find_tile(&ret, g, r->point[n].cell, stride, &tile))
+			ret.first[tile + 2]++;
+	for (size_t k = 2; k < tiles + 2; k++)
+		ret.first[k] += ret.first[k - 1];
+	ret.point = g_new(struct ridge_point, ret.first[tiles + 1] + 1);
+	for (uint32_t n = 0; n < count; n++)
+		if (find_tile(&ret, g, r->point[n].cell, stride, &tile))
+			ret.point[ret.first[tile + 1]++] = r->point[n];
 	return ret;
 }
 
@@ -222,7 +232,8 @@ static struct ridges find_ridges(const struct features_view *v, const struct pos
 										   << column % 64;
 		}
 	list_points(&ret, v, to_scan);
-	ret.sparser = thin_out(&ret, g->rows, 2);
+	for (int level = 0; level < LEVELS; level++)
+		ret.tiles[level] = lay_tiles(&ret, g, 1u << level);
 	return ret;
 }
 
@@ -251,8 +262,9 @@ void feature_keep_point(
 /* Where one view is looked around in. */
 struct window {
 	const struct features_view *view;
-	const struct ridges *ridges; /* of many cells every second is enough, or every fourth ... */
-	uint16_t leaf;               /* of the point; 0: not known */
+	const struct ridges *ridges;
+	const struct tiles *tiles;      /* of many cells every second is enough, or every fourth */
+	uint16_t leaf;                  /* of the point; 0: not known */
 	float here[3], radius_m, trust; /* in the scan's frame */
 	bool is_cut;                    /* the point is moved to a cut */
 };
@@ -273,34 +285,23 @@ static void add_point(const struct window *w, const struct ridge_point *p, struc
 				(w->is_cut && !has_cut(p) ? UNMOVED_WEIGHT : 1));
 }
 
-static bool is_of_leaf(const struct window *w, uint32_t row, uint32_t column)
+static bool is_of_leaf(const struct window *w, uint32_t cell)
 {
 	const uint16_t *leaf = w->view->scan.leaf;
-	uint16_t there =
-		leaf && w->leaf ? leaf[(size_t)row * w->view->scan.grid->columns + column] : 0;
+	uint16_t there = leaf && w->leaf ? leaf[cell] : 0;
 	return there == 0 || there == w->leaf;
 }
 
-/* Columns from..to of a row, both included. */
+/* Tiles that hold columns from..to, both included, of a row of tiles. */
 static void add_run(
 	const struct window *w, uint32_t row, int32_t from, int32_t to, struct feature_around *a)
 {
-	const struct ridges *r = w->ridges;
-	for (int32_t word = from / 64; from <= to && word <= to / 64; word++) {
-		const size_t at = (size_t)row * r->words + (size_t)word;
-		uint64_t bits = r->bits[at],
-			 before = word == from / 64 ? ((uint64_t)1 << from % 64) - 1 : 0;
-		const struct ridge_point *p = r->point + r->place[at];
-		if (bits & before)
-			p += __builtin_popcountll(bits & before);
-		bits &= ~before;
-		if (word == to / 64)
-			bits &= ~(uint64_t)0 >> (63 - to % 64);
-		for (; bits; bits &= bits - 1, p++)
-			if (is_of_leaf(
-				    w, row, (uint32_t)word * 64 + (uint32_t)__builtin_ctzll(bits)))
-				add_point(w, p, a);
-	}
+	const struct tiles *t = w->tiles;
+	const size_t at = (size_t)row * t->across;
+	const uint32_t end = t->first[at + (uint32_t)to / t->size + 1];
+	for (uint32_t n = t->first[at + (uint32_t)from / t->size]; n < end; n++)
+		if (is_of_leaf(w, t->point[n].cell))
+			add_point(w, &t->point[n], a);
 }
 
 /* Adds what is around a place, `at` in the view's frame; cell: which looks there. */
@@ -321,14 +322,20 @@ static void add_view(struct window *w, float spacing_m, uint32_t cell, const dou
 	w->trust = fminf(1, spacing_m * spacing_m / (row_m * row_m));
 	if (w->trust < TRUST_LEAST)
 		return;
-	for (int32_t most = WINDOW_MOST; MAX(down, right) >= most && w->ridges->sparser; most *= 2)
-		w->ridges = w->ridges->sparser;
-	for (int32_t r = MAX(row - down, 0); r <= MIN(row + down, (int32_t)g->rows - 1); r++) {
-		add_run(w, (uint32_t)r, MAX(column - right, 0), MIN(column + right, width - 1), a);
-		if (g->wraps && column < right)
-			add_run(w, (uint32_t)r, column - right + width, width - 1, a);
-		if (g->wraps && column + right >= width)
-			add_run(w, (uint32_t)r, 0, column + right - width, a);
+	w->tiles = w->ridges->tiles;
+	for (int32_t most = WINDOW_MOST; MAX(down, right) >= most; most *= 2)
+		w->tiles++;
+	const int32_t size = (int32_t)w->tiles->size, low = MAX(row - down, 0),
+		      high = MIN(row + down, (int32_t)g->rows - 1);
+	const int32_t left = MAX(column - right, 0), end = MIN(column + right, width - 1);
+	/* Those that begin beyond the seam; tiles there are not to be looked at twice. */
+	const int32_t beyond = column - right + width, after = column + right - width;
+	for (int32_t r = low / size; r <= high / size; r++) {
+		add_run(w, (uint32_t)r, left, end, a);
+		if (g->wraps && column < right && beyond / size > end / size)
+			add_run(w, (uint32_t)r, beyond, width - 1, a);
+		if (g->wraps && after >= 0 && after / size < left / size)
+			add_run(w, (uint32_t)r, 0, after, a);
 	}
 }
 
