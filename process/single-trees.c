@@ -10,7 +10,7 @@
 #define CELLS_MAX    (16u << 20)
 /* A top rises so much above the saddle to the next, in metres and as a share of its height; nearer than this it is none. */
 #define RISE_M     0.5f
-#define RISE_SHARE 0.15f
+#define RISE_SHARE 0.1f
 #define APART_M    1.5
 
 struct canopy {

@@ -135,12 +135,12 @@ static void test_apart(void)
 	check(tree, G_N_ELEMENTS(tree), 1);
 }
 
-/* An avenue whose crowns run into each other. */
+/* An avenue whose crowns come near each other. */
 static void test_touching(void)
 {
 	static const struct made_tree tree[] = { { { 0, 0 }, 7, 2.1, false },
-		{ { 4, 0 }, 7.5, 2.1, false }, { { 8, 0 }, 7.2, 2.1, false },
-		{ { 4, 4 }, 8.3, 2.1, false } };
+		{ { 5, 0 }, 7.5, 2.1, false }, { { 10, 0 }, 7.2, 2.1, false },
+		{ { 5, 5 }, 8.3, 2.1, false } };
 	check(tree, G_N_ELEMENTS(tree), 0.75);
 }
 
