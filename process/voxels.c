@@ -283,8 +283,9 @@ void voxels_link(voxels *v, double gap_points)
 		v->first_link[i + 1] += v->first_link[i];
 	v->link = g_new(uint32_t, v->first_link[v->count] + 1);
 	for (uint32_t b = 0; b < blocks; b++) {
-		memcpy(v->link + v->first_link[b * BLOCK], found[b]->data,
-			found[b]->len * sizeof(uint32_t));
+		if (found[b]->len)
+			memcpy(v->link + v->first_link[b * BLOCK], found[b]->data,
+				found[b]->len * sizeof(uint32_t));
 		g_array_unref(found[b]);
 	}
 }
