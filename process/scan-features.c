@@ -3,13 +3,11 @@
 #include "process/features-cloud.h"
 #include "process/scan-data.h"
 #include "process/scan-geometry.h"
+#include "process/scan-sources.h"
 #include <string.h>
 
 /* Scans that stay in memory with their features: the neighbours of scans next to each other are mostly the same. */
 #define CACHED 5
-/* Poses that differ by less make the same lines. */
-#define POSE_STEP_M 0.0005
-#define POSE_STEP   2e-5
 
 static char *path_of(const site *s, uint32_t number)
 {
@@ -17,67 +15,6 @@ static char *path_of(const site *s, uint32_t number)
 }
 
 /* ---- what goes into each ---- */
-
-struct source {
-	uint32_t number, group;
-	enum scan_kind kind;
-	struct pose pose;
-	char *fingerprint, *geometry;
-	uint32_t neighbours[FEATURES_NEIGHBOURS],
-		neighbour_count; /* indices of sources, nearest first */
-	char *key;
-};
-
-static void source_clear(gpointer data)
-{
-	struct source *s = data;
-	g_free(s->fingerprint);
-	g_free(s->geometry);
-	g_free(s->key);
-}
-
-static struct source *source_at(GArray *sources, guint i)
-{
-	return &g_array_index(sources, struct source, i);
-}
-
-static const struct placed_scan *placed(const scan_graph *g, uint32_t number)
-{
-	for (guint i = 0; i < g->scans->len; i++) {
-		const struct placed_scan *p = &g_array_index(g->scans, struct placed_scan, i);
-		if (p->number == number && p->group)
-			return p;
-	}
-	return NULL;
-}
-
-static double apart_m(const struct source *a, const struct source *b)
-{
-	struct pose between = pose_between(&a->pose, &b->pose);
-	return pose_distance_m(&between);
-}
-
-/* The nearest scans with a grid in its group. */
-static void find_neighbours(GArray *sources, guint of)
-{
-	struct source *s = source_at(sources, of);
-	for (guint i = 0; i < sources->len; i++) {
-		const struct source *other = source_at(sources, i);
-		if (i == of || !s->group || other->group != s->group || other->kind == SCAN_CLOUD ||
-			apart_m(s, other) > FEATURES_REACH_M)
-			continue;
-		uint32_t at = s->neighbour_count;
-		while (at > 0 &&
-			apart_m(s, source_at(sources, s->neighbours[at - 1])) > apart_m(s, other))
-			at--;
-		if (at == FEATURES_NEIGHBOURS)
-			continue;
-		s->neighbour_count = MIN(s->neighbour_count + 1, FEATURES_NEIGHBOURS);
-		memmove(s->neighbours + at + 1, s->neighbours + at,
-			(s->neighbour_count - at - 1) * sizeof *s->neighbours);
-		s->neighbours[at] = i;
-	}
-}
 
 static void append_number(GString *text, double value)
 {
@@ -95,28 +32,6 @@ static void append_options(GString *text, const struct features_options *options
 		append_number(text, all[i]);
 }
 
-static char *key_of(GArray *sources, guint of, const struct features_options *options)
-{
-	const struct source *s = source_at(sources, of);
-	g_autoptr(GString) text = g_string_new(NULL);
-	g_string_append_printf(text, "%s %d %s %s", SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION,
-		s->fingerprint, s->geometry);
-	append_options(text, options);
-	for (uint32_t i = 0; i < s->neighbour_count; i++) {
-		const struct source *other = source_at(sources, s->neighbours[i]);
-		struct pose p = pose_between(&s->pose, &other->pose);
-		g_string_append_printf(text, "\n%s", other->fingerprint);
-		for (int a = 0; a < 3; a++)
-			for (int b = 0; b < 3; b++)
-				g_string_append_printf(
-					text, " %ld", lround(p.rotation[a][b] / POSE_STEP));
-		for (int a = 0; a < 3; a++)
-			g_string_append_printf(
-				text, " %ld", lround(p.translation_m[a] / POSE_STEP_M));
-	}
-	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text->str, -1);
-}
-
 /* "" where there is none. */
 static char *geometry_checksum(const site *s, uint32_t number)
 {
@@ -127,35 +42,17 @@ static char *geometry_checksum(const site *s, uint32_t number)
 static GArray *find_sources(const site *s, const scan_graph *graph,
 	const struct features_options *options, GError **error)
 {
-	g_autoptr(GArray) numbers = site_scans(s, error);
-	g_autoptr(GArray) sources = g_array_new(FALSE, TRUE, sizeof(struct source));
-	g_array_set_clear_func(sources, source_clear);
-	for (guint i = 0; numbers && i < numbers->len; i++) {
-		uint32_t number = g_array_index(numbers, uint32_t, i);
-		g_autoptr(scan_data) d = scan_data_peek(s, number, error);
-		if (!d)
-			return NULL;
-		const struct placed_scan *p = placed(graph, number);
-		struct source source = { .number = number,
-			.group = p ? p->group : 0,
-			.kind = d->kind,
-			.pose = p ? p->pose : POSE_IDENTITY,
-			.fingerprint = g_strdup(d->fingerprint),
-			.geometry = geometry_checksum(s, number) };
-		g_array_append_val(sources, source);
-	}
-	if (!numbers)
-		return NULL;
-	for (guint i = 0; i < sources->len; i++)
-		if (source_at(sources, i)->kind != SCAN_CLOUD)
-			find_neighbours(sources, i);
-	for (guint i = 0; i < sources->len; i++)
-		source_at(sources, i)->key = key_of(sources, i, options);
-	return g_steal_pointer(&sources);
+	_Static_assert(FEATURES_NEIGHBOURS <= SCAN_SOURCE_NEIGHBOURS, "a source has room for them");
+	g_autoptr(GString) method = g_string_new(NULL);
+	g_string_printf(method, "%s %d", SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION);
+	append_options(method, options);
+	struct scan_sources_desc desc = { FEATURES_NEIGHBOURS, FEATURES_REACH_M, method->str,
+		geometry_checksum };
+	return scan_sources_find(s, graph, &desc, error);
 }
 
 /* Why it must be made; NULL: it need not. What cannot be read is made again. */
-static const char *why_due(const site *s, const struct source *source)
+static const char *why_due(const site *s, const struct scan_source *source)
 {
 	g_autofree char *path = path_of(s, source->number);
 	if (!g_file_test(path, G_FILE_TEST_EXISTS))
@@ -176,16 +73,15 @@ bool features_site_is_due(const site *s, const scan_graph *graph,
 	*ret_due = false;
 	if (ret_why)
 		*ret_why = NULL;
-	for (guint i = 0; sources && i < sources->len && !*ret_due; i++) {
-		const char *why = why_due(s, source_at(sources, i));
-		if (!why)
-			continue;
-		*ret_due = true;
-		if (ret_why)
-			*ret_why =
-				g_strdup_printf("scan %u %s", source_at(sources, i)->number, why);
-	}
-	return sources;
+	if (!sources)
+		return false;
+	char *why = scan_sources_why_due(s, sources, why_due);
+	*ret_due = why;
+	if (ret_why)
+		*ret_why = why;
+	else
+		g_free(why);
+	return true;
 }
 
 /* ---- making them ---- */
@@ -229,7 +125,7 @@ static const struct features_options *options_of(const struct maker *m)
 	return m->options ? &m->options->features : NULL;
 }
 
-static struct entry *read_entry(struct maker *m, const struct source *s, GError **error)
+static struct entry *read_entry(struct maker *m, const struct scan_source *s, GError **error)
 {
 	g_autoptr(scan_data) d = scan_data_load(m->site, s->number, error);
 	if (!d)
@@ -242,7 +138,7 @@ static struct entry *read_entry(struct maker *m, const struct source *s, GError 
 }
 
 /* Owned by the cache, until CACHED others were asked for. */
-static struct entry *load(struct maker *m, const struct source *s, GError **error)
+static struct entry *load(struct maker *m, const struct scan_source *s, GError **error)
 {
 	struct entry *e = NULL;
 	for (guint i = 0; i < m->cache->len && !e; i++)
@@ -264,7 +160,8 @@ static bool write_section(product_writer *w, const char *name, uint32_t bytes, c
 	       product_writer_append(w, values, count, error);
 }
 
-static bool write_file(struct maker *m, const struct source *s, const features *f, GError **error)
+static bool write_file(
+	struct maker *m, const struct scan_source *s, const features *f, GError **error)
 {
 	g_autofree char *path = path_of(m->site, s->number);
 	g_autoptr(product_writer) w = product_writer_new(path, error);
@@ -281,7 +178,8 @@ static bool write_file(struct maker *m, const struct source *s, const features *
 	JsonObject *made_from = json_object_new();
 	JsonArray *with = json_array_new();
 	for (uint32_t i = 0; i < s->neighbour_count; i++)
-		json_array_add_int_element(with, source_at(m->sources, s->neighbours[i])->number);
+		json_array_add_int_element(
+			with, scan_sources_at(m->sources, s->neighbours[i])->number);
 	json_object_set_int_member(made_from, "scan", s->number);
 	json_object_set_array_member(made_from, "with", with);
 	json_object_set_string_member(made_from, "key", s->key);
@@ -290,7 +188,7 @@ static bool write_file(struct maker *m, const struct source *s, const features *
 }
 
 /* The scan itself is asked for last, so that it stays; and all of them fit into the cache. */
-static bool make_grid(struct maker *m, const struct source *s, GError **error)
+static bool make_grid(struct maker *m, const struct scan_source *s, GError **error)
 {
 	_Static_assert(FEATURES_NEIGHBOURS + 1 <= CACHED,
 		"a scan and its neighbours are in memory together");
@@ -298,8 +196,8 @@ static bool make_grid(struct maker *m, const struct source *s, GError **error)
 	struct features_input own = { 0 };
 	features *f = NULL;
 	for (uint32_t i = 0; i <= s->neighbour_count; i++) {
-		const struct source *of =
-			i < s->neighbour_count ? source_at(m->sources, s->neighbours[i]) : s;
+		const struct scan_source *of =
+			i < s->neighbour_count ? scan_sources_at(m->sources, s->neighbours[i]) : s;
 		struct entry *e = load(m, of, error);
 		if (!e || !go_on(m, (i + 1.0) / (s->neighbour_count + 2.0), error))
 			return false;
@@ -316,7 +214,7 @@ static bool cloud_progress(double fraction, gpointer user_data)
 	return go_on(user_data, fraction, NULL);
 }
 
-static bool make_cloud(struct maker *m, const struct source *s, GError **error)
+static bool make_cloud(struct maker *m, const struct scan_source *s, GError **error)
 {
 	struct entry *e = load(m, s, error);
 	g_autoptr(scan_geometry) g = e ? scan_geometry_open(m->site, s->number, error) : NULL;
@@ -335,7 +233,7 @@ static bool make_cloud(struct maker *m, const struct source *s, GError **error)
 	return f ? write_file(m, s, f, error) : go_on(m, 0, error);
 }
 
-static bool make(struct maker *m, const struct source *s, GError **error)
+static bool make(struct maker *m, const struct scan_source *s, GError **error)
 {
 	m->number = s->number;
 	return go_on(m, 0, error) &&
@@ -356,11 +254,11 @@ bool features_site(site *s, const scan_graph *graph, const struct features_site_
 	struct maker m = { .site = s, .sources = sources, .options = options, .cache = cache };
 	g_autofree bool *due = g_new0(bool, sources->len + 1);
 	for (guint i = 0; i < sources->len; i++)
-		m.due += due[i] = why_due(s, source_at(sources, i));
+		m.due += due[i] = why_due(s, scan_sources_at(sources, i));
 	for (guint i = 0; i < sources->len; i++) {
 		if (!due[i])
 			continue;
-		if (!make(&m, source_at(sources, i), error))
+		if (!make(&m, scan_sources_at(sources, i), error))
 			return false;
 		m.made++;
 		if (ret_made)

@@ -4,14 +4,12 @@
 #include "process/geometry.h"
 #include "process/model.h"
 #include "process/scan-cache.h"
+#include "process/scan-sources.h"
 #include <string.h>
 
 /* Grids that stay in memory: the scan itself and the neighbours of the scans next to it are mostly the same. */
 #define CACHED         4
 #define PACKED_AT_ONCE 65536u
-/* Poses that differ by less make the same normals. */
-#define POSE_STEP_M 0.0005
-#define POSE_STEP   2e-5
 
 static char *path_of(const site *s, uint32_t number)
 {
@@ -20,117 +18,17 @@ static char *path_of(const site *s, uint32_t number)
 
 /* ---- what goes into each ---- */
 
-struct source {
-	uint32_t number, group;
-	enum scan_kind kind;
-	struct pose pose;
-	char *fingerprint;
-	uint32_t neighbours[GEOMETRY_NEIGHBOURS],
-		neighbour_count; /* indices of sources, nearest first */
-	char *key;
-};
-
-static void source_clear(gpointer data)
-{
-	struct source *s = data;
-	g_free(s->fingerprint);
-	g_free(s->key);
-}
-
-static struct source *source_at(GArray *sources, guint i)
-{
-	return &g_array_index(sources, struct source, i);
-}
-
-static const struct placed_scan *placed(const scan_graph *g, uint32_t number)
-{
-	for (guint i = 0; i < g->scans->len; i++) {
-		const struct placed_scan *p = &g_array_index(g->scans, struct placed_scan, i);
-		if (p->number == number && p->group)
-			return p;
-	}
-	return NULL;
-}
-
-static double apart_m(const struct source *a, const struct source *b)
-{
-	struct pose between = pose_between(&a->pose, &b->pose);
-	return pose_distance_m(&between);
-}
-
-/* The nearest scans with a grid in its group. */
-static void find_neighbours(GArray *sources, guint of)
-{
-	struct source *s = source_at(sources, of);
-	for (guint i = 0; i < sources->len; i++) {
-		const struct source *other = source_at(sources, i);
-		if (i == of || !s->group || other->group != s->group || other->kind == SCAN_CLOUD ||
-			apart_m(s, other) > GEOMETRY_REACH_M)
-			continue;
-		uint32_t at = s->neighbour_count;
-		while (at > 0 &&
-			apart_m(s, source_at(sources, s->neighbours[at - 1])) > apart_m(s, other))
-			at--;
-		if (at == GEOMETRY_NEIGHBOURS)
-			continue;
-		s->neighbour_count = MIN(s->neighbour_count + 1, GEOMETRY_NEIGHBOURS);
-		memmove(s->neighbours + at + 1, s->neighbours + at,
-			(s->neighbour_count - at - 1) * sizeof *s->neighbours);
-		s->neighbours[at] = i;
-	}
-}
-
-static char *key_of(GArray *sources, guint of)
-{
-	const struct source *s = source_at(sources, of);
-	g_autoptr(GString) text = g_string_new(NULL);
-	g_string_append_printf(
-		text, "%s %d %s", SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION, s->fingerprint);
-	for (uint32_t i = 0; i < s->neighbour_count; i++) {
-		const struct source *other = source_at(sources, s->neighbours[i]);
-		struct pose p = pose_between(&s->pose, &other->pose);
-		g_string_append_printf(text, "\n%s", other->fingerprint);
-		for (int a = 0; a < 3; a++)
-			for (int b = 0; b < 3; b++)
-				g_string_append_printf(
-					text, " %ld", lround(p.rotation[a][b] / POSE_STEP));
-		for (int a = 0; a < 3; a++)
-			g_string_append_printf(
-				text, " %ld", lround(p.translation_m[a] / POSE_STEP_M));
-	}
-	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text->str, -1);
-}
-
 static GArray *find_sources(const site *s, const scan_graph *graph, GError **error)
 {
-	g_autoptr(GArray) numbers = site_scans(s, error);
-	g_autoptr(GArray) sources = g_array_new(FALSE, TRUE, sizeof(struct source));
-	g_array_set_clear_func(sources, source_clear);
-	for (guint i = 0; numbers && i < numbers->len; i++) {
-		uint32_t number = g_array_index(numbers, uint32_t, i);
-		g_autoptr(scan_data) d = scan_data_peek(s, number, error);
-		if (!d)
-			return NULL;
-		const struct placed_scan *p = placed(graph, number);
-		struct source source = { .number = number,
-			.group = p ? p->group : 0,
-			.kind = d->kind,
-			.pose = p ? p->pose : POSE_IDENTITY,
-			.fingerprint = g_strdup(d->fingerprint) };
-		g_array_append_val(sources, source);
-	}
-	if (!numbers)
-		return NULL;
-	for (guint i = 0; i < sources->len; i++)
-		if (source_at(sources, i)->kind != SCAN_CLOUD)
-			find_neighbours(sources, i);
-	for (guint i = 0; i < sources->len; i++)
-		source_at(sources, i)->key = key_of(sources, i);
-	return g_steal_pointer(&sources);
+	_Static_assert(GEOMETRY_NEIGHBOURS <= SCAN_SOURCE_NEIGHBOURS, "a source has room for them");
+	g_autofree char *method =
+		g_strdup_printf("%s %d", SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION);
+	struct scan_sources_desc desc = { GEOMETRY_NEIGHBOURS, GEOMETRY_REACH_M, method, NULL };
+	return scan_sources_find(s, graph, &desc, error);
 }
 
 /* Why it must be made; NULL: it need not. What cannot be read is made again. */
-static const char *why_due(const site *s, const struct source *source)
+static const char *why_due(const site *s, const struct scan_source *source)
 {
 	g_autofree char *path = path_of(s, source->number);
 	if (!g_file_test(path, G_FILE_TEST_EXISTS))
@@ -151,16 +49,15 @@ bool geometry_site_is_due(
 	*ret_due = false;
 	if (ret_why)
 		*ret_why = NULL;
-	for (guint i = 0; sources && i < sources->len && !*ret_due; i++) {
-		const char *why = why_due(s, source_at(sources, i));
-		if (!why)
-			continue;
-		*ret_due = true;
-		if (ret_why)
-			*ret_why =
-				g_strdup_printf("scan %u %s", source_at(sources, i)->number, why);
-	}
-	return sources;
+	if (!sources)
+		return false;
+	char *why = scan_sources_why_due(s, sources, why_due);
+	*ret_due = why;
+	if (ret_why)
+		*ret_why = why;
+	else
+		g_free(why);
+	return true;
 }
 
 /* ---- making them ---- */
@@ -217,7 +114,7 @@ static bool go_on(struct maker *m, double fraction, GError **error)
 }
 
 static geometry *fit_grid(
-	struct maker *m, const struct source *s, const range_grid *grid, GError **error)
+	struct maker *m, const struct scan_source *s, const range_grid *grid, GError **error)
 {
 	struct posed_grid of = { .grid = grid, .pose = s->pose };
 	if (!s->neighbour_count)
@@ -225,7 +122,7 @@ static geometry *fit_grid(
 	struct box box = box_of(grid, &s->pose);
 	g_autoptr(geometry_union) all = geometry_union_new(&of, NULL);
 	for (uint32_t i = 0; i < s->neighbour_count; i++) {
-		const struct source *other = source_at(m->sources, s->neighbours[i]);
+		const struct scan_source *other = scan_sources_at(m->sources, s->neighbours[i]);
 		if (!go_on(m, (i + 1.0) / (s->neighbour_count + 2.0), error))
 			return NULL;
 		const scan_data *d = scan_cache_load(m->cache, other->number, error);
@@ -276,7 +173,7 @@ static bool write_floats(
 }
 
 static bool write_file(
-	struct maker *m, const struct source *s, const struct planes *p, GError **error)
+	struct maker *m, const struct scan_source *s, const struct planes *p, GError **error)
 {
 	g_autofree char *path = path_of(m->site, s->number);
 	g_autoptr(product_writer) w = product_writer_new(path, error);
@@ -288,7 +185,8 @@ static bool write_file(
 	JsonObject *made_from = json_object_new();
 	JsonArray *with = json_array_new();
 	for (uint32_t i = 0; i < s->neighbour_count; i++)
-		json_array_add_int_element(with, source_at(m->sources, s->neighbours[i])->number);
+		json_array_add_int_element(
+			with, scan_sources_at(m->sources, s->neighbours[i])->number);
 	json_object_set_int_member(made_from, "scan", s->number);
 	json_object_set_array_member(made_from, "with", with);
 	json_object_set_string_member(made_from, "key", s->key);
@@ -297,7 +195,7 @@ static bool write_file(
 }
 
 static bool make_grid(
-	struct maker *m, const struct source *s, const range_grid *grid, GError **error)
+	struct maker *m, const struct scan_source *s, const range_grid *grid, GError **error)
 {
 	g_autoptr(geometry) g = fit_grid(m, s, grid, error);
 	if (!g)
@@ -316,7 +214,8 @@ static bool cloud_progress(double fraction, gpointer user_data)
 	return go_on(user_data, fraction, NULL);
 }
 
-static bool make_cloud(struct maker *m, const struct source *s, const points *cloud, GError **error)
+static bool make_cloud(
+	struct maker *m, const struct scan_source *s, const points *cloud, GError **error)
 {
 	struct cloud_view v = cloud_view_of(cloud);
 	struct cloud_geometry_options options = { .progress = cloud_progress, .user_data = m };
@@ -329,7 +228,7 @@ static bool make_cloud(struct maker *m, const struct source *s, const points *cl
 	return write_file(m, s, &p, error);
 }
 
-static bool make(struct maker *m, const struct source *s, GError **error)
+static bool make(struct maker *m, const struct scan_source *s, GError **error)
 {
 	m->number = s->number;
 	if (!go_on(m, 0, error))
@@ -352,11 +251,11 @@ bool geometry_site(site *s, const scan_graph *graph, const struct geometry_site_
 	struct maker m = { .site = s, .sources = sources, .options = options, .cache = cache };
 	g_autofree bool *due = g_new0(bool, sources->len + 1);
 	for (guint i = 0; i < sources->len; i++)
-		m.due += due[i] = why_due(s, source_at(sources, i));
+		m.due += due[i] = why_due(s, scan_sources_at(sources, i));
 	for (guint i = 0; i < sources->len; i++) {
 		if (!due[i])
 			continue;
-		if (!make(&m, source_at(sources, i), error))
+		if (!make(&m, scan_sources_at(sources, i), error))
 			return false;
 		m.made++;
 		if (ret_made)
