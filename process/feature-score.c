@@ -71,7 +71,7 @@ static bool is_measured(const struct scene *s, uint32_t row, uint32_t column)
 	size_t i = (size_t)row * g->columns + column, k;
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++)
-			if (feature_step(g, row, column, y, x, &k) &&
+			if (range_grid_step(g, row, column, y, x, &k) &&
 				fabsf(g->range_m[i] - s->t[k].range_m) <
 					MEASURED_OFF_M + 0.02f * g->range_m[i])
 				return g->range_m[i] > 0;
@@ -84,7 +84,7 @@ static bool is_depth_edge(const struct scene *s, uint32_t row, uint32_t column)
 	size_t i = (size_t)row * s->g->columns + column, k;
 	float least_m = fmaxf(DEPTH_STEP_M, DEPTH_SIGMAS * s->noise_m);
 	for (int w = 0; w < 4; w++)
-		if (feature_step(s->g, row, column, way[w][0], way[w][1], &k) &&
+		if (range_grid_step(s->g, row, column, way[w][0], way[w][1], &k) &&
 			step_m(s, i, k) > least_m)
 			return s->t[i].range_m > 0;
 	return false;
@@ -97,7 +97,7 @@ static bool goes_on(const struct scene *s, uint32_t row, uint32_t column, int do
 	float da[3], db[3], wide_m = 0;
 	look(s->g, i, da);
 	for (int n = 1; n <= FACE_CELLS || wide_m < FACE_M; n++) {
-		if (!feature_step(s->g, row, column, n * down, n * right, &k) ||
+		if (!range_grid_step(s->g, row, column, n * down, n * right, &k) ||
 			!(s->t[k].range_m > 0) ||
 			dot(s->t[k].normal, s->t[i].normal) < SAME_FACE_COS ||
 			step_m(s, before, k) > TOUCH_M)
@@ -120,7 +120,8 @@ static bool is_crease(const struct scene *s, uint32_t row, uint32_t column, floa
 	const struct feature_truth *a = &s->t[i];
 	for (int w = 0; w < 4; w++) {
 		int64_t r = (int64_t)row + way[w][0];
-		if (!(a->range_m > 0) || !feature_step(s->g, row, column, way[w][0], way[w][1], &k))
+		if (!(a->range_m > 0) ||
+			!range_grid_step(s->g, row, column, way[w][0], way[w][1], &k))
 			continue;
 		const struct feature_truth *b = &s->t[k];
 		if (!(b->range_m > 0) || a->is_plant || b->is_plant || a->is_glass || b->is_glass ||
@@ -159,7 +160,7 @@ static bool is_even(const struct scene *s, uint32_t row, uint32_t column)
 		return false;
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++) {
-			if (!feature_step(s->g, row, column, y, x, &k))
+			if (!range_grid_step(s->g, row, column, y, x, &k))
 				continue;
 			const struct feature_truth *t = &s->t[k];
 			if (!(t->range_m > 0) || t->instance != here->instance ||
@@ -212,7 +213,7 @@ static bool feature_near(const features *f, const range_grid *g, uint32_t row, u
 	size_t k;
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++)
-			if (feature_step(g, row, column, y, x, &k) && is_feature(f, k))
+			if (range_grid_step(g, row, column, y, x, &k) && is_feature(f, k))
 				return true;
 	return false;
 }
@@ -222,7 +223,7 @@ static bool all_smooth(const range_grid *g, const uint8_t *marks, uint32_t row, 
 	size_t k;
 	for (int y = -NEARBY; y <= NEARBY; y++)
 		for (int x = -NEARBY; x <= NEARBY; x++)
-			if (feature_step(g, row, column, y, x, &k) && marks[k] != SMOOTH)
+			if (range_grid_step(g, row, column, y, x, &k) && marks[k] != SMOOTH)
 				return false;
 	return true;
 }
@@ -257,7 +258,7 @@ static bool crease_direction(
 	for (int y = -3; y <= 3; y++)
 		for (int x = -3; x <= 3; x++) {
 			float d[3];
-			if (!feature_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
+			if (!range_grid_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
 				!marks[k])
 				continue;
 			if (marks[k] != EDGE_CREASE ||
@@ -281,7 +282,7 @@ static bool is_silhouette(
 	size_t i = (size_t)row * s->g->columns + column, k;
 	float least_m = fmaxf(DEPTH_STEP_M, DEPTH_SIGMAS * s->noise_m);
 	for (int w = 0; w < 4 && marks[i] == EDGE_DEPTH; w++)
-		if (feature_step(s->g, row, column, way[w][0], way[w][1], &k) &&
+		if (range_grid_step(s->g, row, column, way[w][0], way[w][1], &k) &&
 			(!(s->t[k].range_m > 0) ||
 				(s->t[k].range_m > s->t[i].range_m && step_m(s, i, k) > least_m)))
 			return true;
@@ -301,7 +302,7 @@ static bool gather_silhouette(const struct scene *s, const uint8_t *marks, uint3
 	size_t k;
 	for (int y = -ALONG_CELLS; y <= ALONG_CELLS; y++)
 		for (int x = -ALONG_CELLS; x <= ALONG_CELLS; x++) {
-			if (!feature_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
+			if (!range_grid_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
 				!marks[k])
 				continue;
 			const struct feature_truth *t = &s->t[k];
@@ -433,7 +434,7 @@ static bool is_leaf(const struct scene *s, uint32_t row, uint32_t column)
 	size_t k;
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++)
-			if (feature_step(s->g, row, column, y, x, &k) && s->t[k].is_plant) {
+			if (range_grid_step(s->g, row, column, y, x, &k) && s->t[k].is_plant) {
 				for (int c = 0; c < 3; c++)
 					sum[c] += s->t[k].normal[c];
 				count++;

@@ -37,7 +37,7 @@ static void measure_distance(
 			static const int8_t side[4][2] = { { 1, -1 }, { 1, 0 }, { 1, 1 },
 				{ 0, 1 } };
 			for (int s = 0; s < 4 && distance[i]; s++)
-				if (feature_step(
+				if (range_grid_step(
 					    g, row, column, way * side[s][0], way * side[s][1], &k))
 					distance[i] = MIN(distance[i], distance[k] + 1);
 		}
@@ -89,8 +89,8 @@ static int reach_of(
 	const range_grid *g = c->of->grid;
 	float away_m = 0;
 	size_t a, b;
-	if (feature_step(g, row, column, way[0], way[1], &a) &&
-		feature_step(g, row, column, -way[0], -way[1], &b)) {
+	if (range_grid_step(g, row, column, way[0], way[1], &a) &&
+		range_grid_step(g, row, column, -way[0], -way[1], &b)) {
 		float pa[3], pb[3];
 		if (point_on(c, a, pa) && point_on(c, b, pb))
 			away_m = 0.5f * sqrtf((pa[0] - pb[0]) * (pa[0] - pb[0]) +
@@ -124,8 +124,8 @@ static void measure_error(
 		return;
 	int reach = reach_of(c, i, row, column, way);
 	c->reach[i] = (uint8_t)reach;
-	if (!feature_step(g, row, column, way[0] * reach, way[1] * reach, &a) ||
-		!feature_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) ||
+	if (!range_grid_step(g, row, column, way[0] * reach, way[1] * reach, &a) ||
+		!range_grid_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) ||
 		!point_on(c, a, pa) || !point_on(c, b, pb))
 		return;
 	float between[3] = { pa[0] - pb[0], pa[1] - pb[1], pa[2] - pb[2] };
@@ -148,7 +148,7 @@ static float ridge_at(const struct creases *c, uint32_t row, uint32_t column, co
 	int half = MAX((2 * c->reach[i] + 2) / 3, 1);
 	float beside = 0;
 	for (int side = -1; side <= 1; side += 2) {
-		bool known = feature_step(g, row, column, side * way[0] * half,
+		bool known = range_grid_step(g, row, column, side * way[0] * half,
 				     side * way[1] * half, &k) &&
 			     c->reach[k];
 		beside += known ? c->error[k]
@@ -165,7 +165,7 @@ static float sharpen(const struct creases *c, uint32_t row, uint32_t column, con
 	float here = c->ridge[i], most = here;
 	for (int n = 1; n <= c->reach[i]; n++)
 		for (int side = -n; side <= n; side += 2 * n)
-			if (feature_step(g, row, column, side * way[0], side * way[1], &k))
+			if (range_grid_step(g, row, column, side * way[0], side * way[1], &k))
 				most = fmaxf(most, c->ridge[k]);
 	float share = here / most;
 	return here * share * share * share * share;
@@ -179,8 +179,8 @@ static bool cut_at(const struct creases *c, uint32_t row, uint32_t column, const
 	size_t i = (size_t)row * g->columns + column, a, b;
 	int reach = reach_of(c, i, row, column, way);
 	float pa[3], pb[3], n[2][3], off_m[2] = { 0 }, sine2 = 0, cosine = 0;
-	if (!feature_step(g, row, column, way[0] * reach, way[1] * reach, &a) ||
-		!feature_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) ||
+	if (!range_grid_step(g, row, column, way[0] * reach, way[1] * reach, &a) ||
+		!range_grid_step(g, row, column, -way[0] * reach, -way[1] * reach, &b) ||
 		!point_on(c, a, pa) || !point_on(c, b, pb))
 		return false;
 	const float at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] };

@@ -142,7 +142,7 @@ static void bend_cell(const struct features_input *of, const float *const normal
 			size_t k;
 			int y = way[w][0] * MAX(down / half, 1),
 			    x = way[w][1] * MAX(right / half, 1);
-			if (feature_step(g, row, column, y, x, &k))
+			if (range_grid_step(g, row, column, y, x, &k))
 				add_neighbour(of, normal, &frame, i, k, w, &form);
 		}
 	float s[3];

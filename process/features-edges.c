@@ -59,7 +59,7 @@ static bool is_void(const range_grid *g, uint32_t row, uint32_t column, int down
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++) {
 			size_t k;
-			none += !feature_step(g, row, column, down + y, right + x, &k) ||
+			none += !range_grid_step(g, row, column, down + y, right + x, &k) ||
 				!(g->range_m[k] > 0);
 		}
 	return none >= VOID_CELLS;
@@ -75,7 +75,7 @@ static void mark_cell(const struct features_input *of, const struct feature_plan
 	float most = 0;
 	uint8_t found = 0;
 	for (int w = 0; w < 4; w++) {
-		if (!feature_step(g, row, column, way[w][0], way[w][1], &k))
+		if (!range_grid_step(g, row, column, way[w][0], way[w][1], &k))
 			continue;
 		bool none = !(g->range_m[k] > 0);
 		float jump = none ? VOID_ANSWER * is_void(g, row, column, way[w][0], way[w][1])

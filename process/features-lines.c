@@ -111,8 +111,8 @@ static bool is_highest(const struct features_view *v, uint32_t row, uint32_t col
 	const range_grid *g = v->scan.grid;
 	size_t i = (size_t)row * g->columns + column, a = i, b = i;
 	for (int w = 0; w < 2; w++) {
-		bool is_a = feature_step(g, row, column, way[w][0], way[w][1], &a);
-		bool is_b = feature_step(g, row, column, -way[w][0], -way[w][1], &b);
+		bool is_a = range_grid_step(g, row, column, way[w][0], way[w][1], &a);
+		bool is_b = range_grid_step(g, row, column, -way[w][0], -way[w][1], &b);
 		if ((!is_a || v->degree[a] < v->degree[i]) &&
 			(!is_b || v->degree[b] <= v->degree[i]))
 			return true;
@@ -709,7 +709,7 @@ static bool find_chosen(const struct fitter *t, const struct ridges *ridges, uin
 	bool found = *ret_passes = false;
 	for (int w = 0; w < 24; w++) {
 		size_t k;
-		if (!feature_step(g, row, column, way[w][0], way[w][1], &k) ||
+		if (!range_grid_step(g, row, column, way[w][0], way[w][1], &k) ||
 			!is_chosen(
 				ridges, (uint32_t)(k / g->columns), (uint32_t)(k % g->columns)) ||
 			fabsf(g->range_m[k] - g->range_m[i]) > near_m)

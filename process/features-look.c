@@ -17,7 +17,7 @@ static float gradient(const range_grid *g, const float *value, uint32_t row, uin
 	for (int y = -1; y <= 1; y++)
 		for (int x = -1; x <= 1; x++)
 			at[y + 1][x + 1] =
-				feature_step(g, row, column, y, x, &k) && g->range_m[k] > 0
+				range_grid_step(g, row, column, y, x, &k) && g->range_m[k] > 0
 					? value[k]
 					: value[i];
 	float right = 0, down = 0;

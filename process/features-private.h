@@ -10,19 +10,6 @@ struct feature_planes {
 void feature_planes_init(struct feature_planes *p, size_t cells);
 void feature_planes_clear(struct feature_planes *p);
 
-/* Where a cell's neighbour is. false: beyond the grid. */
-static inline bool feature_step(
-	const range_grid *g, uint32_t row, uint32_t column, int down, int right, size_t *ret)
-{
-	int64_t r = (int64_t)row + down, c = (int64_t)column + right;
-	if (g->wraps)
-		c = c < 0 ? c + g->columns : c >= g->columns ? c - g->columns : c;
-	if (r < 0 || r >= g->rows || c < 0 || c >= g->columns)
-		return false;
-	*ret = (size_t)r * g->columns + (size_t)c;
-	return true;
-}
-
 /* Feature points are those of a higher degree. */
 static inline uint8_t feature_least(const struct features_options *o)
 {

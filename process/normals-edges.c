@@ -12,19 +12,6 @@ INLINE const float *offset_at(const struct normals_planes *p, size_t i)
 	return p->offset_m + (i - p->offset_from);
 }
 
-/* The cell that many rows and columns away; false: beyond the grid. */
-static bool step(
-	const range_grid *g, uint32_t row, uint32_t column, int down, int right, size_t *ret)
-{
-	int64_t r = (int64_t)row + down, c = (int64_t)column + right;
-	if (g->wraps)
-		c = c < 0 ? c + g->columns : c >= g->columns ? c - g->columns : c;
-	if (r < 0 || r >= g->rows || c < 0 || c >= g->columns)
-		return false;
-	*ret = (size_t)r * g->columns + (size_t)c;
-	return true;
-}
-
 /* How far the point is from the plane of cell k's window, along the ray. */
 static float off_plane_m(const range_grid *g, const struct normals_planes *p, size_t i, size_t k)
 {
@@ -52,8 +39,8 @@ static size_t find_plane(const range_grid *g, const struct normals_options *o,
 	float least = ON_PLANE * o->range_noise_m, cells = window_cells(g, o, g->range_m[i]);
 	for (int shift = 0; shift < 2 && best == i; shift++, cells /= 2)
 		for (int w = 0; w < 8; w++) {
-			if (!step(g, row, column, (int)(down[w] * cells), (int)(right[w] * cells),
-				    &k) ||
+			if (!range_grid_step(g, row, column, (int)(down[w] * cells),
+				    (int)(right[w] * cells), &k) ||
 				!(*offset_at(p, k) > 0))
 				continue;
 			float off = off_plane_m(g, p, i, k);

@@ -90,6 +90,19 @@ static inline uint32_t range_grid_find(const range_grid *g, double x, double y, 
 	return at < 0 ? RANGE_GRID_NONE : g->lattice.cell ? g->lattice.cell[at] : (uint32_t)at;
 }
 
+/* The cell that many rows down and columns to the right, over the seam where there is one; false: beyond the grid. */
+static inline bool range_grid_step(
+	const range_grid *g, uint32_t row, uint32_t column, int down, int right, size_t *ret)
+{
+	int64_t r = (int64_t)row + down, c = (int64_t)column + right;
+	if (g->wraps)
+		c = c < 0 ? c + g->columns : c >= g->columns ? c - g->columns : c;
+	if (r < 0 || r >= g->rows || c < 0 || c >= g->columns)
+		return false;
+	*ret = (size_t)r * g->columns + (size_t)c;
+	return true;
+}
+
 /* Diameter of the patch that a point stands for: range times the angle between beams (Xu & Chen 2004, section 3). */
 static inline float range_grid_point_size_m(const range_grid *g, size_t index)
 {
