@@ -1,6 +1,7 @@
 #include "process/feature-score.h"
 #include "process/features-private.h"
 #include "process/model.h"
+#include "process/vector3.h"
 #include <string.h>
 
 #define DEPTH_STEP_M   0.1f
@@ -31,11 +32,6 @@ struct scene {
 	float noise_m;
 };
 
-static float dot(const float a[3], const float b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The direction that a cell's centre looks in. */
 static void look(const range_grid *g, size_t i, float ret[3])
 {
@@ -57,9 +53,9 @@ static float step_m(const struct scene *s, size_t i, size_t k)
 		return a->range_m > 0 || b->range_m > 0 ? INFINITY : 0;
 	look(s->g, i, da);
 	look(s->g, k, db);
-	float there = dot(a->normal, db), here = dot(b->normal, da);
-	float ahead = there < 0 ? a->range_m * dot(a->normal, da) / there : INFINITY;
-	float back = here < 0 ? b->range_m * dot(b->normal, db) / here : INFINITY;
+	float there = vector3_dot(a->normal, db), here = vector3_dot(b->normal, da);
+	float ahead = there < 0 ? a->range_m * vector3_dot(a->normal, da) / there : INFINITY;
+	float back = here < 0 ? b->range_m * vector3_dot(b->normal, db) / here : INFINITY;
 	float step = fminf(fabsf(ahead - b->range_m) - SLOPE_SHARE * fabsf(ahead - a->range_m),
 		fabsf(back - a->range_m) - SLOPE_SHARE * fabsf(back - b->range_m));
 	return fminf(fmaxf(step, 0), fabsf(a->range_m - b->range_m));
@@ -99,7 +95,7 @@ static bool goes_on(const struct scene *s, uint32_t row, uint32_t column, int do
 	for (int n = 1; n <= FACE_CELLS || wide_m < FACE_M; n++) {
 		if (!range_grid_step(s->g, row, column, n * down, n * right, &k) ||
 			!(s->t[k].range_m > 0) ||
-			dot(s->t[k].normal, s->t[i].normal) < SAME_FACE_COS ||
+			vector3_dot(s->t[k].normal, s->t[i].normal) < SAME_FACE_COS ||
 			step_m(s, before, k) > TOUCH_M)
 			return false;
 		look(s->g, k, db);
@@ -125,7 +121,8 @@ static bool is_crease(const struct scene *s, uint32_t row, uint32_t column, floa
 			continue;
 		const struct feature_truth *b = &s->t[k];
 		if (!(b->range_m > 0) || a->is_plant || b->is_plant || a->is_glass || b->is_glass ||
-			dot(a->normal, b->normal) > CREASE_COS || step_m(s, i, k) > TOUCH_M ||
+			vector3_dot(a->normal, b->normal) > CREASE_COS ||
+			step_m(s, i, k) > TOUCH_M ||
 			!goes_on(s, row, column, -way[w][0], -way[w][1]) ||
 			!goes_on(s, (uint32_t)r, (uint32_t)(k % s->g->columns), way[w][0],
 				way[w][1]))
@@ -136,7 +133,7 @@ static bool is_crease(const struct scene *s, uint32_t row, uint32_t column, floa
 				ret_direction[c] =
 					a->normal[p] * b->normal[q] - a->normal[q] * b->normal[p];
 			}
-			float length = sqrtf(dot(ret_direction, ret_direction));
+			float length = sqrtf(vector3_dot(ret_direction, ret_direction));
 			for (int c = 0; c < 3; c++)
 				ret_direction[c] /= length;
 		}
@@ -164,7 +161,7 @@ static bool is_even(const struct scene *s, uint32_t row, uint32_t column)
 				continue;
 			const struct feature_truth *t = &s->t[k];
 			if (!(t->range_m > 0) || t->instance != here->instance ||
-				dot(t->normal, here->normal) < SMOOTH_COS ||
+				vector3_dot(t->normal, here->normal) < SMOOTH_COS ||
 				step_m(s, i, k) > SMOOTH_SIGMAS * s->noise_m)
 				return false;
 			for (int c = 0; c < 3; c++) {
@@ -264,7 +261,7 @@ static bool crease_direction(
 			if (marks[k] != EDGE_CREASE ||
 				!is_crease(s, (uint32_t)(k / s->g->columns),
 					(uint32_t)(k % s->g->columns), d) ||
-				(any && fabsf(dot(d, ret)) < 0.9986f))
+				(any && fabsf(vector3_dot(d, ret)) < 0.9986f))
 				return false;
 			memcpy(ret, d, sizeof d);
 			any = true;
@@ -307,7 +304,7 @@ static bool gather_silhouette(const struct scene *s, const uint8_t *marks, uint3
 				continue;
 			const struct feature_truth *t = &s->t[k];
 			bool same = t->instance == own->instance &&
-				    dot(t->normal, own->normal) > SAME_FACE_COS;
+				    vector3_dot(t->normal, own->normal) > SAME_FACE_COS;
 			bool ahead = is_silhouette(s, marks, (uint32_t)(k / s->g->columns),
 				(uint32_t)(k % s->g->columns));
 			if (abs(y) <= 3 && abs(x) <= 3 &&
@@ -356,12 +353,12 @@ static bool silhouette_direction(
 		across[c] = ahead[(c + 1) % 3] * along[(c + 2) % 3] -
 			    ahead[(c + 2) % 3] * along[(c + 1) % 3];
 	const float *n = s->t[i].normal;
-	if (fabsf(dot(across, n)) > SEEN_FROM_SIDE)
+	if (fabsf(vector3_dot(across, n)) > SEEN_FROM_SIDE)
 		return false;
 	for (int c = 0; c < 3; c++)
 		ret[c] =
 			across[(c + 1) % 3] * n[(c + 2) % 3] - across[(c + 2) % 3] * n[(c + 1) % 3];
-	float length = sqrtf(dot(ret, ret));
+	float length = sqrtf(vector3_dot(ret, ret));
 	for (int c = 0; c < 3; c++)
 		ret[c] /= length;
 	return true;
@@ -386,7 +383,7 @@ static void score_direction(
 	if (f->kind[i] != FEATURE_DIRECTED)
 		return;
 	model_unpack_normal(f->direction[i], ours);
-	double angle = acos(fmin(fabsf(dot(truth, ours)), 1)) * 180 / G_PI;
+	double angle = acos(fmin(fabsf(vector3_dot(truth, ours)), 1)) * 180 / G_PI;
 	g_array_append_val(off, angle);
 	ret->directed++;
 }
@@ -439,7 +436,7 @@ static bool is_leaf(const struct scene *s, uint32_t row, uint32_t column)
 					sum[c] += s->t[k].normal[c];
 				count++;
 			}
-	return count >= 5 && sqrtf(dot(sum, sum)) < 0.85f * (float)count;
+	return count >= 5 && sqrtf(vector3_dot(sum, sum)) < 0.85f * (float)count;
 }
 
 static void count_leaves(const features *f, const struct scene *s, struct feature_score *ret)
@@ -471,7 +468,7 @@ static void score_dithering(const features *f, const struct scene *s, const uint
 			continue;
 		int b = MIN((int)(FEATURE_BANDS * log10(range_m / 5)), FEATURE_BANDS - 1);
 		look(g, i, d);
-		float cosine = -dot(d, s->t[i].normal), level = sqrtf(1 - d[2] * d[2]);
+		float cosine = -vector3_dot(d, s->t[i].normal), level = sqrtf(1 - d[2] * d[2]);
 		float m2 = range_m * range_m * (float)(g->column_rad * g->row_rad) * level / cosine;
 		float dark = 1 - (0.299f * g->rgb[3 * i] + 0.587f * g->rgb[3 * i + 1] +
 					 0.114f * g->rgb[3 * i + 2]) /

@@ -43,6 +43,20 @@ struct feature_line {
  * explained_m: how far points may be off it; radius_m: how far off the point they are. */
 bool feature_fit_line(const struct feature_around *a, const float cut[3], const float ahead[3],
 	float explained_m, float radius_m, struct feature_line *ret);
+
+/* What the line is of the surface around it in its own scan. */
+enum feature_faces {
+	FEATURE_FACES_UNKNOWN,
+	FEATURE_FACES_DISAGREE, /* they tell of another line, or of none that is certain */
+	FEATURE_FACES_CUT,      /* two that cut each other in it */
+	FEATURE_FACES_ONE,      /* one that goes on, so that it is an edge of what it looks like */
+	FEATURE_FACES_END,      /* one that ends there */
+};
+/* Fits planes to the points on both sides of the line in the picture, for many cells of a face together know its tilt much better than
+ * the feature points, each off by a cell, know the line. Sets its direction to what they tell; otherwise leaves it as it is. cell, here: the
+ * point itself. */
+enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const float here[3],
+	float noise_m, float explained_m, float radius_m, struct feature_line *l);
 void feature_keep_line(features *f, size_t i, const struct feature_line *l, bool is_line);
 
 features *features_new(uint32_t columns, uint32_t rows); /* all without features */

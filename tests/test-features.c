@@ -551,11 +551,10 @@ static void test_simulated(void)
 		g_assert_cmpfloat(recall, >, 0.9);
 		g_assert_cmpfloat(wrong, <, 0.1);
 		g_assert_cmpfloat(leaves, <, 0.1);
-		g_test_message("straight: %.3f of %u directed, creases p90 %.2f degrees, "
-			       "silhouettes %.2f",
-			(double)score.straight.directed / (double)score.straight.straight,
-			(unsigned)score.straight.straight, score.straight_creases.p90_deg,
-			score.straight_silhouettes.p90_deg);
+		const struct feature_lines *l = &score.straight;
+		g_test_message("straight: %.3f of %u directed, off by %.2f degrees, p90 %.2f",
+			(double)l->directed / (double)l->straight, (unsigned)l->straight,
+			l->p50_deg, l->p90_deg);
 	}
 }
 
