@@ -1,4 +1,5 @@
 #include "process/features-cloud.h"
+#include "process/cloud-cells.h"
 #include "process/features-private.h"
 #include "process/model.h"
 #include <stdlib.h>
@@ -7,8 +8,9 @@
 /* What stands around: this many point sizes away. */
 #define AROUND_SIZES 4.0f
 #define AROUND_LEAST 8
-/* More points of a voxel than this are not looked at. */
-#define VOXEL_POINTS 24
+/* More points of a cell than these are not looked at; for curvature, of a cell as wide as the radius. */
+#define CELL_POINTS 24
+#define BEND_POINTS 16
 /* How much errors vary, of the least of them, by chance alone: of planes through some 16 points. */
 #define ERROR_VARIES 0.55f
 /* All stand on one side: how far their middle is away, in the radius; of half a disc it is 0.42. */
@@ -19,129 +21,13 @@
 #define SIZE_SHARE  0.7f
 #define ANSWER_MOST 8.0f
 #define LEVELS_MOST 12
-
-/* ---- points by voxel ---- */
-
-struct voxels {
-	const struct cloud_view *view;
-	float side_m;
-	uint32_t *order; /* points, voxel by voxel */
-	uint64_t *key;   /* of each in order */
-	uint32_t *slot;  /* of a hash table: place in order of the first of a voxel, plus one */
-	uint32_t slots, count;
-};
+/* Curvature is looked for within so many widths of windows for normals (features-curvature.c), which noise and point size widen. */
+#define BEND_WIDTHS  1.5f
+#define NOISE_WIDENS 62
 
 static void position(const struct cloud_view *v, size_t i, double ret[3])
 {
 	memcpy(ret, cloud_view_at(v, i), 3 * sizeof *ret);
-}
-
-static uint64_t voxel_key(const int64_t at[3])
-{
-	return ((uint64_t)at[0] & 0x1fffff) | ((uint64_t)at[1] & 0x1fffff) << 21 |
-	       ((uint64_t)at[2] & 0x1fffff) << 42;
-}
-
-static void voxel_at(const struct voxels *x, const double p[3], int64_t ret[3])
-{
-	for (int k = 0; k < 3; k++)
-		ret[k] = (int64_t)floor(p[k] / x->side_m);
-}
-
-static uint32_t hash_of(const struct voxels *x, uint64_t key)
-{
-	key *= 0x9e3779b97f4a7c15U;
-	return (uint32_t)(key >> 32) & (x->slots - 1);
-}
-
-struct keyed {
-	uint64_t key;
-	uint32_t point;
-};
-
-static int by_key(const void *a, const void *b)
-{
-	const struct keyed *x = a, *y = b;
-	return x->key != y->key ? (x->key > y->key) - (x->key < y->key)
-				: (x->point > y->point) - (x->point < y->point);
-}
-
-/* use: which points; NULL: all. */
-static void voxels_init(
-	struct voxels *x, const struct cloud_view *v, float side_m, const uint8_t *use)
-{
-	*x = (struct voxels){ .view = v, .side_m = side_m, .slots = 64 };
-	g_autofree struct keyed *all = g_new(struct keyed, v->count + 1);
-	for (size_t i = 0; i < v->count; i++) {
-		double p[3];
-		int64_t at[3];
-		if (use && !use[i])
-			continue;
-		position(v, i, p);
-		voxel_at(x, p, at);
-		all[x->count++] = (struct keyed){ voxel_key(at), (uint32_t)i };
-	}
-	qsort(all, x->count, sizeof *all, by_key);
-	while (x->slots < 2 * x->count)
-		x->slots *= 2;
-	x->order = g_new(uint32_t, x->count + 1);
-	x->key = g_new(uint64_t, x->count + 1);
-	x->slot = g_new0(uint32_t, x->slots);
-	for (uint32_t i = 0; i < x->count; i++) {
-		x->order[i] = all[i].point;
-		x->key[i] = all[i].key;
-		if (i && all[i].key == all[i - 1].key)
-			continue;
-		uint32_t h = hash_of(x, all[i].key);
-		while (x->slot[h])
-			h = (h + 1) & (x->slots - 1);
-		x->slot[h] = i + 1;
-	}
-}
-
-static void voxels_clear(struct voxels *x)
-{
-	g_free(x->order);
-	g_free(x->key);
-	g_free(x->slot);
-}
-
-/* Points of a voxel, from *ret_first on in order. */
-static uint32_t find_voxel(const struct voxels *x, uint64_t key, uint32_t *ret_first)
-{
-	for (uint32_t h = hash_of(x, key); x->slot[h]; h = (h + 1) & (x->slots - 1)) {
-		uint32_t first = x->slot[h] - 1, end = first;
-		if (x->key[first] != key)
-			continue;
-		while (end < x->count && x->key[end] == key)
-			end++;
-		*ret_first = first;
-		return end - first;
-	}
-	return 0;
-}
-
-/* Calls visit for the points within radius_m (at most a voxel's side), with what each is off. */
-static void visit_around(const struct voxels *x, const double at[3], float radius_m,
-	void (*visit)(uint32_t point, const float off[3], void *data), void *data)
-{
-	int64_t middle[3];
-	voxel_at(x, at, middle);
-	for (int n = 0; n < 27; n++) {
-		int64_t there[3] = { middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1,
-			middle[2] + n / 9 - 1 };
-		uint32_t first = 0, count = find_voxel(x, voxel_key(there), &first);
-		uint32_t stride = count / VOXEL_POINTS + 1;
-		for (uint32_t i = 0; i < count; i += stride) {
-			double p[3];
-			position(x->view, x->order[first + i], p);
-			float off[3] = { (float)(p[0] - at[0]), (float)(p[1] - at[1]),
-				(float)(p[2] - at[2]) };
-			if (off[0] * off[0] + off[1] * off[1] + off[2] * off[2] <=
-				radius_m * radius_m)
-				visit(x->order[first + i], off, data);
-		}
-	}
 }
 
 /* ---- the degree ---- */
@@ -149,7 +35,7 @@ static void visit_around(const struct voxels *x, const double at[3], float radiu
 /* What is summed up around a point. */
 struct sums {
 	const struct features_cloud_input *of;
-	float axis[2][3]; /* along the surface */
+	struct feature_frame frame;
 	float n, error, error2, least, a, b, aa, ab, bb;
 	float c[4], ca[4], cb[4], cc[4]; /* red, green, blue, intensity */
 };
@@ -170,8 +56,7 @@ static void add_look(struct sums *s, uint32_t i, float a, float b)
 static void add_neighbour(uint32_t i, const float off[3], void *data)
 {
 	struct sums *s = data;
-	float a = off[0] * s->axis[0][0] + off[1] * s->axis[0][1] + off[2] * s->axis[0][2];
-	float b = off[0] * s->axis[1][0] + off[1] * s->axis[1][1] + off[2] * s->axis[1][2];
+	float a = feature_dot(off, s->frame.first), b = feature_dot(off, s->frame.second);
 	float error = s->of->plane_error_m[i];
 	if (!isfinite(error))
 		return;
@@ -239,23 +124,15 @@ static float look_degree(const struct job *j, const struct sums *s, float radius
 	return weight * feature_soft(fmaxf(edge, lit));
 }
 
-static void estimate_point(const struct job *j, const struct voxels *x, size_t i, float radius_m)
+static void estimate_point(
+	const struct job *j, const struct cloud_cells *x, size_t i, float radius_m)
 {
-	struct sums s = { .of = j->of, .least = INFINITY };
 	float normal[3];
 	double at[3];
 	model_unpack_normal(j->of->normal[i], normal);
-	int low = fabsf(normal[0]) < fabsf(normal[1])
-			  ? (fabsf(normal[0]) < fabsf(normal[2]) ? 0 : 2)
-			  : (fabsf(normal[1]) < fabsf(normal[2]) ? 1 : 2);
-	float length = sqrtf(fmaxf(1 - normal[low] * normal[low], 1e-6f));
-	for (int k = 0; k < 3; k++)
-		s.axis[0][k] = ((k == low) - normal[low] * normal[k]) / length;
-	for (int k = 0; k < 3; k++)
-		s.axis[1][k] = normal[(k + 1) % 3] * s.axis[0][(k + 2) % 3] -
-			       normal[(k + 2) % 3] * s.axis[0][(k + 1) % 3];
+	struct sums s = { .of = j->of, .least = INFINITY, .frame = feature_frame_of(normal) };
 	position(&j->of->view, i, at);
-	visit_around(x, at, radius_m, add_neighbour, &s);
+	cloud_cells_visit(x, at, radius_m, CELL_POINTS, add_neighbour, &s);
 	if (s.n < AROUND_LEAST)
 		return;
 	float degree = j->o->geometry_weight *
@@ -264,6 +141,48 @@ static void estimate_point(const struct job *j, const struct voxels *x, size_t i
 	j->f->degree[i] = (uint8_t)lrintf(255 * fminf(degree, 1));
 	if (j->f->degree[i] > feature_least(j->o))
 		j->f->kind[i] = FEATURE_UNDIRECTED;
+}
+
+/* ---- curvature ---- */
+
+struct bend {
+	const struct features_cloud_input *of;
+	struct feature_frame frame;
+	struct feature_form form;
+};
+
+/* Which eighth of the turn, from a towards b. */
+static int way_of(float a, float b)
+{
+	static const int8_t ways[8] = { 0, 1, 3, 2, 7, 6, 4, 5 };
+	return ways[(b < 0) << 2 | (a < 0) << 1 | (fabsf(b) > fabsf(a))];
+}
+
+/* Normals of a cloud may look to either side: they are turned to that of the point. */
+static void add_normal(uint32_t i, const float off[3], void *data)
+{
+	struct bend *b = data;
+	float there[3];
+	if (b->of->normal[i][0] == MODEL_NORMAL_NONE || !(feature_dot(off, off) > 0))
+		return;
+	model_unpack_normal(b->of->normal[i], there);
+	if (feature_dot(there, b->frame.normal) < 0)
+		for (int k = 0; k < 3; k++)
+			there[k] = -there[k];
+	feature_form_add(&b->form, &b->frame, off, there,
+		way_of(feature_dot(off, b->frame.first), feature_dot(off, b->frame.second)));
+}
+
+static void bend_point(const struct job *j, const struct cloud_cells *x, size_t i, float radius_m)
+{
+	float normal[3];
+	double at[3];
+	model_unpack_normal(j->of->normal[i], normal);
+	position(&j->of->view, i, at);
+	struct bend b = { .of = j->of, .frame = feature_frame_of(normal) };
+	float wide = x->side_m / radius_m;
+	cloud_cells_visit(x, at, radius_m, (uint32_t)(BEND_POINTS * wide * wide), add_normal, &b);
+	feature_form_keep(&b.form, &b.frame, j->f, i);
 }
 
 /* ---- lines ---- */
@@ -284,7 +203,7 @@ static void gather_point(uint32_t i, const float off[3], void *data)
 		feature_keep_point(&g->around, off, NULL, near * degree * degree);
 }
 
-static void fit_point(const struct job *j, const struct voxels *x, size_t i, float radius_m)
+static void fit_point(const struct job *j, const struct cloud_cells *x, size_t i, float radius_m)
 {
 	struct gather g = { .f = j->f, .radius_m = radius_m };
 	struct feature_line line;
@@ -293,7 +212,7 @@ static void fit_point(const struct job *j, const struct voxels *x, size_t i, flo
 	double at[3];
 	model_unpack_normal(j->of->normal[i], ahead);
 	position(&j->of->view, i, at);
-	visit_around(x, at, radius_m, gather_point, &g);
+	cloud_cells_visit(x, at, radius_m, CELL_POINTS, gather_point, &g);
 	bool is = feature_fit_line(&g.around, NULL, ahead, explained_m, radius_m, &line);
 	feature_keep_line(j->f, i, &line, is);
 }
@@ -303,6 +222,13 @@ static void fit_point(const struct job *j, const struct voxels *x, size_t i, flo
 static float around_m(const struct job *j, size_t i)
 {
 	return AROUND_SIZES * j->of->point_size_m[i];
+}
+
+/* Normals are of windows of two point sizes, or of half radius_m at least; and they need more the noisier they are. */
+static float bend_m(const struct job *j, size_t i)
+{
+	float noise_m = sqrtf(NOISE_WIDENS * j->noise_m * j->of->point_size_m[i]);
+	return fmaxf(around_m(j, i), BEND_WIDTHS * fmaxf(j->o->radius_m, noise_m));
 }
 
 static float line_m(const struct job *j, size_t i)
@@ -320,11 +246,11 @@ static int level_of(float radius_m, float least_m)
 	return CLAMP((int)ceilf(log2f(fmaxf(radius_m / least_m, 1))), 0, LEVELS_MOST - 1);
 }
 
-/* Runs work on the points that use names (NULL: all), with voxels of about the radius of each. */
+/* Runs work on the points that use names (NULL: all), with cells of about the radius of each. */
 static bool for_all(const struct job *j, const uint8_t *use,
 	float (*radius_m)(const struct job *, size_t),
-	void (*work)(const struct job *, const struct voxels *, size_t, float),
-	bool (*progress)(double, gpointer), gpointer user_data, double from)
+	void (*work)(const struct job *, const struct cloud_cells *, size_t, float),
+	bool (*progress)(double, gpointer), gpointer user_data, double from, double share)
 {
 	const size_t count = j->of->view.count;
 	float least_m = INFINITY;
@@ -336,27 +262,27 @@ static bool for_all(const struct job *j, const uint8_t *use,
 		if (has_place(j, i) && (!use || use[i]))
 			wanted[level_of(radius_m(j, i), least_m)] = true;
 	for (int level = 0; level < LEVELS_MOST; level++) {
-		struct voxels x;
+		struct cloud_cells x;
 		float side_m = ldexpf(least_m, level);
 		if (!wanted[level])
 			continue;
-		if (progress && !progress(from + 0.5 * level / LEVELS_MOST, user_data))
+		if (progress && !progress(from + share * level / LEVELS_MOST, user_data))
 			return false;
-		voxels_init(&x, &j->of->view, side_m, use);
+		cloud_cells_init(&x, &j->of->view, side_m, use);
 #pragma omp parallel for schedule(dynamic, 1024) if (!j->o->single_thread)
 		for (size_t i = 0; i < count; i++) {
 			float r = has_place(j, i) && (!use || use[i]) ? radius_m(j, i) : 0;
 			if (r > 0 && level_of(r, least_m) == level)
 				work(j, &x, i, fminf(r, side_m));
 		}
-		voxels_clear(&x);
+		cloud_cells_clear(&x);
 	}
 	return true;
 }
 
 /* ---- dithering ---- */
 
-/* Interleaves the bits of a place among voxels: near along the curve is near in space. */
+/* Interleaves the bits of a place among cubes: near along the curve is near in space. */
 static uint64_t spread_bits(uint64_t x)
 {
 	x &= 0x1fffff;
@@ -387,7 +313,7 @@ static void dither(const struct job *j)
 {
 	const size_t count = j->of->view.count;
 	const double side_m = 0.25 / sqrt(j->o->dither_per_m2 + 1e-3);
-	g_autofree struct keyed *order = g_new(struct keyed, count + 1);
+	g_autofree struct cloud_keyed *order = g_new(struct cloud_keyed, count + 1);
 	const float white = white_of(j->of);
 	size_t used = 0;
 	for (size_t i = 0; i < count; i++) {
@@ -399,9 +325,9 @@ static void dither(const struct job *j)
 		for (int k = 0; k < 3; k++)
 			key |= spread_bits((uint64_t)((int64_t)floor(p[k] / side_m) + (1 << 20)))
 			       << k;
-		order[used++] = (struct keyed){ key, (uint32_t)i };
+		order[used++] = (struct cloud_keyed){ key, (uint32_t)i };
 	}
-	qsort(order, used, sizeof *order, by_key);
+	cloud_keyed_sort(order, used);
 	double together = 0.5, next = 1;
 	for (size_t n = 0; n < used; n++) {
 		size_t i = order[n].point;
@@ -445,12 +371,13 @@ features *features_of_cloud(const struct features_cloud_input *of,
 	struct features_options o = features_defaults(options);
 	g_autoptr(features) f = features_new((uint32_t)of->view.count, 1);
 	struct job j = { of, &o, f, noise_of(of) };
-	if (!for_all(&j, NULL, around_m, estimate_point, progress, user_data, 0))
+	if (!for_all(&j, NULL, around_m, estimate_point, progress, user_data, 0, 0.4) ||
+		!for_all(&j, NULL, bend_m, bend_point, progress, user_data, 0.4, 0.3))
 		return NULL;
 	g_autofree uint8_t *use = g_malloc(of->view.count + 1);
 	for (size_t i = 0; i < of->view.count; i++)
 		use[i] = f->kind[i] == FEATURE_UNDIRECTED;
-	if (!for_all(&j, use, line_m, fit_point, progress, user_data, 0.5))
+	if (!for_all(&j, use, line_m, fit_point, progress, user_data, 0.7, 0.3))
 		return NULL;
 	dither(&j);
 	return g_steal_pointer(&f);

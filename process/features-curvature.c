@@ -9,24 +9,9 @@
 #define OFF_PLANE        0.5f
 #define NEIGHBOURS_LEAST 6
 
-/* What the neighbours say of the second fundamental form: a a, a b, b b and the products with the change of the normal. */
-struct form {
-	float aa, ab, bb, ap, aq_bp, bq;
-	unsigned count, ways; /* ways: of the eight directions, one bit each */
-};
-
-struct frame {
-	float normal[3], first[3], second[3];
-};
-
-static float dot(const float a[3], const float b[3])
+struct feature_frame feature_frame_of(const float normal[3])
 {
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static struct frame frame_of(const float normal[3])
-{
-	struct frame f;
+	struct feature_frame f;
 	const float level = sqrtf(normal[0] * normal[0] + normal[1] * normal[1]);
 	memcpy(f.normal, normal, sizeof f.normal);
 	f.first[0] = level > 1e-3f ? -normal[1] / level : 1;
@@ -40,48 +25,50 @@ static struct frame frame_of(const float normal[3])
 	return f;
 }
 
-static void add_neighbour(const struct features_input *of, const float *const normal[3],
-	const struct frame *f, size_t i, size_t k, int way, struct form *into)
+void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
+	const float there[3], int way)
 {
-	const range_grid *g = of->grid;
-	const float there[3] = { normal[0][k], normal[1][k], normal[2][k] };
-	const float off[3] = { g->x_m[k] - g->x_m[i], g->y_m[k] - g->y_m[i],
-		g->z_m[k] - g->z_m[i] };
-	const float ahead = dot(off, f->normal);
-	if (!(g->range_m[k] > 0) || !(dot(there, f->normal) > SAME_FACE) ||
-		ahead * ahead > OFF_PLANE * OFF_PLANE * dot(off, off) ||
-		(of->leaf && of->leaf[i] && of->leaf[k] && of->leaf[i] != of->leaf[k]))
+	const float ahead = feature_dot(off, f->normal);
+	if (!(feature_dot(there, f->normal) > SAME_FACE) ||
+		ahead * ahead > OFF_PLANE * OFF_PLANE * feature_dot(off, off))
 		return;
-	float a = dot(off, f->first), b = dot(off, f->second), p = dot(there, f->first),
-	      q = dot(there, f->second);
-	into->aa += a * a;
-	into->ab += a * b;
-	into->bb += b * b;
-	into->ap += a * p;
-	into->aq_bp += a * q + b * p;
-	into->bq += b * q;
-	into->count++;
-	into->ways |= 1u << way;
+	float a = feature_dot(off, f->first), b = feature_dot(off, f->second),
+	      p = feature_dot(there, f->first), q = feature_dot(there, f->second);
+	s->a += a;
+	s->b += b;
+	s->p += p;
+	s->q += q;
+	s->aa += a * a;
+	s->ab += a * b;
+	s->bb += b * b;
+	s->ap += a * p;
+	s->aq_bp += a * q + b * p;
+	s->bq += b * q;
+	s->count++;
+	s->ways |= 1u << way;
 }
 
 /* Neighbours on all sides, or at least on three of the four axes: an edge's own side alone tells nothing. */
-static bool is_around(const struct form *s)
+static bool is_around(const struct feature_form *s)
 {
 	unsigned both = s->ways & s->ways >> 4 & 15;
 	return s->count >= NEIGHBOURS_LEAST && (both & (both - 1));
 }
 
-/* The symmetric matrix that takes a step to the change of the normal, by least squares; false: it is not determined. */
-static bool solve(const struct form *s, float ret[3])
+/* The symmetric matrix that takes a step to the change of the normal, by least squares. The point's own normal is one of them, as
+ * noisy as the others. False: it is not determined. */
+static bool solve(const struct feature_form *s, float ret[3])
 {
-	const float m[3][3] = { { s->aa, s->ab, 0 }, { s->ab, s->aa + s->bb, s->ab },
-		{ 0, s->ab, s->bb } };
-	const float r[3] = { s->ap, s->aq_bp, s->bq };
+	const float n = 1.f / (float)(s->count + 1), aa = s->aa - n * s->a * s->a,
+		    ab = s->ab - n * s->a * s->b, bb = s->bb - n * s->b * s->b;
+	const float m[3][3] = { { aa, ab, 0 }, { ab, aa + bb, ab }, { 0, ab, bb } };
+	const float r[3] = { s->ap - n * s->a * s->p, s->aq_bp - n * (s->a * s->q + s->b * s->p),
+		s->bq - n * s->b * s->q };
 	float c00 = m[1][1] * m[2][2] - m[1][2] * m[2][1], c01 = -(m[1][0] * m[2][2]),
 	      c02 = m[1][0] * m[2][1];
 	float det = m[0][0] * c00 + m[0][1] * c01, c11 = m[0][0] * m[2][2],
 	      c12 = -(m[0][0] * m[1][2]);
-	float c22 = m[0][0] * m[1][1] - m[0][1] * m[1][0], scale = s->aa + s->bb;
+	float c22 = m[0][0] * m[1][1] - m[0][1] * m[1][0], scale = aa + bb;
 	if (!(det > 1e-4f * scale * scale * scale))
 		return false;
 	ret[0] = (c00 * r[0] + c01 * r[1] + c02 * r[2]) / det;
@@ -90,8 +77,12 @@ static bool solve(const struct form *s, float ret[3])
 	return true;
 }
 
-static void keep_form(features *f, size_t i, const struct frame *frame, const float s[3])
+void feature_form_keep(
+	const struct feature_form *form, const struct feature_frame *frame, features *f, size_t i)
 {
+	float s[3];
+	if (!is_around(form) || !solve(form, s))
+		return;
 	float mean = 0.5f * (s[0] + s[2]), half = 0.5f * (s[0] - s[2]),
 	      apart = sqrtf(half * half + s[1] * s[1]), along[3];
 	/* Half the angle of (half, s[1]), without its sine. */
@@ -111,12 +102,24 @@ static void keep_form(features *f, size_t i, const struct frame *frame, const fl
 	model_pack_normal(along, f->principal[i]);
 }
 
-static int cells_of(
-	const range_grid *g, const struct features_options *o, float range_m, float beam_rad)
+/* ---- of grids ---- */
+
+static void add_cell(const struct features_input *of, const float *const normal[3],
+	const struct feature_frame *f, size_t i, size_t k, int way, struct feature_form *into)
+{
+	const range_grid *g = of->grid;
+	const float there[3] = { normal[0][k], normal[1][k], normal[2][k] };
+	const float off[3] = { g->x_m[k] - g->x_m[i], g->y_m[k] - g->y_m[i],
+		g->z_m[k] - g->z_m[i] };
+	if (g->range_m[k] > 0 &&
+		!(of->leaf && of->leaf[i] && of->leaf[k] && of->leaf[i] != of->leaf[k]))
+		feature_form_add(into, f, off, there, way);
+}
+
+static int cells_of(const struct features_options *o, float range_m, float beam_rad)
 {
 	float beam_m = range_m * beam_rad,
 	      wide_m = fmaxf(o->radius_m, sqrtf(62 * o->range_noise_m * beam_m));
-	(void)g;
 	return CLAMP((int)lrintf(1.5f * wide_m / beam_m), 1, REACH_MOST);
 }
 
@@ -129,25 +132,23 @@ static void bend_cell(const struct features_input *of, const float *const normal
 	const range_grid *g = of->grid;
 	const size_t i = (size_t)row * g->columns + column;
 	const float own[3] = { normal[0][i], normal[1][i], normal[2][i] };
-	if (!(g->range_m[i] > 0) || !(dot(own, own) > 0))
+	if (!(g->range_m[i] > 0) || !(feature_dot(own, own) > 0))
 		return;
 	const float level =
 		fmaxf(sqrtf(g->x_m[i] * g->x_m[i] + g->y_m[i] * g->y_m[i]) / g->range_m[i], 0.05f);
-	const int down = cells_of(g, o, g->range_m[i], (float)g->row_rad);
-	const int right = cells_of(g, o, g->range_m[i], (float)g->column_rad * level);
-	const struct frame frame = frame_of(own);
-	struct form form = { 0 };
+	const int down = cells_of(o, g->range_m[i], (float)g->row_rad);
+	const int right = cells_of(o, g->range_m[i], (float)g->column_rad * level);
+	const struct feature_frame frame = feature_frame_of(own);
+	struct feature_form form = { 0 };
 	for (int half = 2; half >= 1; half--)
 		for (int w = 0; w < 8; w++) {
 			size_t k;
 			int y = way[w][0] * MAX(down / half, 1),
 			    x = way[w][1] * MAX(right / half, 1);
 			if (range_grid_step(g, row, column, y, x, &k))
-				add_neighbour(of, normal, &frame, i, k, w, &form);
+				add_cell(of, normal, &frame, i, k, w, &form);
 		}
-	float s[3];
-	if (is_around(&form) && solve(&form, s))
-		keep_form(f, i, &frame, s);
+	feature_form_keep(&form, &frame, f, i);
 }
 
 void feature_curvature(const struct features_input *of, const float *const normal[3],

@@ -87,6 +87,31 @@ void feature_creases(const struct features_input *of, const struct feature_plane
 /* Edges of what it looks like. */
 void feature_colour_edges(const range_grid *g, const struct features_options *o, float *answer);
 void feature_intensity_edges(const range_grid *g, const struct features_options *o, float *answer);
+
+/* Normal and two tangents of a point. */
+struct feature_frame {
+	float normal[3], first[3], second[3];
+};
+struct feature_frame feature_frame_of(const float normal[3]);
+
+static inline float feature_dot(const float a[3], const float b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* What the neighbours of a point say of its second fundamental form, which takes a step (a, b) along the surface to the change of
+ * the normal (p, q): sums over them. Zero to begin with. */
+struct feature_form {
+	float a, b, p, q, aa, ab, bb, ap, aq_bp, bq;
+	unsigned count,
+		ways; /* ways: one bit each of eight directions, the opposite of each four later */
+};
+/* off: of the neighbour from the point, which is not added itself; there: its normal. What is of another face is left out. */
+void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
+	const float there[3], int way);
+/* Principal curvatures and direction of point i, if neighbours stand around it and determine them. */
+void feature_form_keep(
+	const struct feature_form *s, const struct feature_frame *frame, features *f, size_t i);
 /* Normals as of whole planes, mended at creases. */
 void feature_curvature(const struct features_input *of, const float *const normal[3],
 	const struct features_options *o, features *f);

@@ -51,7 +51,7 @@ struct features {
 	uint16_t *
 		line_error; /* root mean square distance from the line, 0.1 mm; FEATURE_LINE_ERROR_NONE */
 	/* Principal curvatures, 1/m, k1 the one of the greater magnitude; positive where the surface bulges towards the
-	 * scanner; NAN: none. And the direction of k1, packed, sign free. */
+	 * scanner, of a cloud along the normal; NAN: none. And the direction of k1, packed, sign free. */
 	float *k1, *k2;
 	int16_t (*principal)[2];
 	GArray *cuts; /* of struct feature_cut, by cell; NULL: none are known */

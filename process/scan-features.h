@@ -16,7 +16,7 @@
 #include "process/scan-graph.h"
 
 #define SCAN_FEATURES_KIND    "features"
-#define SCAN_FEATURES_VERSION 2
+#define SCAN_FEATURES_VERSION 3
 /* Further away scanners see little of the same, and not as well. */
 #define FEATURES_NEIGHBOURS 4
 #define FEATURES_REACH_M    30.0
