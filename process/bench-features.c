@@ -2,16 +2,28 @@
 #include "acquire/cli.h"
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
+#include "process/bench-run.h"
+#include "process/bench-truth.h"
 #include "process/feature-score.h"
 #include "process/normals.h"
 #include <stdio.h>
 #include <string.h>
-#include <sys/resource.h>
+#include <unistd.h>
 
 #define STATIONS 4
-#define PLANTS   2 /* their class in the truth */
 
 static const char *const scenes[] = { "court", "street", "bridge", NULL };
+
+static const char heading[] = "features, in percent: edges within a cell of a feature point (>= "
+			      "90; depth edges, creases); feature "
+			      "points on even surface (<= 10);\nat straight edges directional (>= "
+			      "60), off by degrees (median, p90 "
+			      "<= 3), the same of creases and of silhouettes; on leaves "
+			      "directional (<= 10);\ndithering points per "
+			      "m2 of black by range in m, of 60 wanted\n"
+			      "scene      edges    depth    crease     false  directed   p50    "
+			      "p90    crease    p90  silhouette "
+			      "p90    leaves  dithering";
 
 struct station {
 	range_grid *grid;
@@ -19,79 +31,6 @@ struct station {
 	struct feature_truth *truth;
 	features *features;
 };
-
-/* ---- the truth, as pleinair-sim writes it (sim/truth.h) ---- */
-
-struct truth_header {
-	char magic[8];
-	uint32_t columns, rows;
-	double elevation_max_rad, elevation_min_rad, position_m[3], rotation[9];
-};
-struct truth_record {
-	float range_m, normal[3];
-	uint16_t instance;
-	uint8_t class, optics;
-};
-_Static_assert(sizeof(struct truth_header) == 128 && sizeof(struct truth_record) == 20,
-	"the file's own layout");
-
-static char *find_simulator(void)
-{
-	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
-	g_autofree char *folder = g_path_get_dirname(self ? self : ".");
-	char *beside = g_build_filename(folder, "pleinair-sim", NULL);
-	if (g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE))
-		return beside;
-	g_free(beside);
-	return g_strdup("pleinair-sim");
-}
-
-/* The file that the simulator writes, of so many bytes; caller frees. */
-static char *ask(const range_grid *g, const char *what, const char *description, const char *path,
-	size_t bytes, GError **error)
-{
-	g_autofree char *simulator = find_simulator();
-	g_autofree char *columns = g_strdup_printf("--columns=%u", g->columns);
-	g_autofree char *rows = g_strdup_printf("--rows=%u", g->rows);
-	size_t length = 0;
-	g_autoptr(GSubprocess) p = g_subprocess_new(G_SUBPROCESS_FLAGS_NONE, error, simulator, what,
-		columns, rows, "-o", path, description, NULL);
-	if (!p || !g_subprocess_wait_check(p, NULL, error))
-		return NULL;
-	char *ret = files_read(path, bytes, &length, error);
-	if (ret && length == bytes)
-		return ret;
-	if (ret)
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
-			"%s: is not the truth of this scan", path);
-	g_free(ret);
-	return NULL;
-}
-
-static bool read_truth(struct station *s, const char *description, const char *path, GError **error)
-{
-	const size_t cells = range_grid_cells(s->grid);
-	g_autofree char *seen = ask(s->grid, "--truth", description, path,
-		sizeof(struct truth_header) + cells * sizeof(struct truth_record), error);
-	g_autofree char *lit =
-		seen ? ask(s->grid, "--light", description, path, 16 + cells * 12, error) : NULL;
-	if (!lit)
-		return false;
-	const struct truth_header *h = (const struct truth_header *)seen;
-	const struct truth_record *t = (const struct truth_record *)(seen + sizeof *h);
-	memcpy(s->pose.translation_m, h->position_m, sizeof h->position_m);
-	memcpy(s->pose.rotation, h->rotation, sizeof h->rotation);
-	s->truth = g_new0(struct feature_truth, cells);
-	for (size_t i = 0; i < cells; i++) {
-		s->truth[i].range_m = t[i].range_m;
-		memcpy(s->truth[i].normal, t[i].normal, sizeof t[i].normal);
-		memcpy(s->truth[i].rgb, lit + 16 + 12 * i, 12);
-		s->truth[i].instance = t[i].instance;
-		s->truth[i].is_plant = t[i].class == PLANTS;
-		s->truth[i].is_glass = t[i].optics != 0;
-	}
-	return true;
-}
 
 /* ---- scans ---- */
 
@@ -118,14 +57,37 @@ static bool scan_missing(
 	return there;
 }
 
-static bool load_stations(struct station *stations, const char *path, const char *scene,
-	const struct bench_features_options *o, GError **error)
+static bool read_truth(struct station *s, const char *description, const char *path, GError **error)
+{
+	const range_grid *g = s->grid;
+	struct bench_truth_scan seen = { 0 };
+	bool good = bench_truth_ask(description, g->columns, g->rows, path, &seen, error);
+	g_autofree struct bench_truth_cell *cell = seen.cell;
+	g_autofree float *light =
+		good ? bench_truth_light(description, g->columns, g->rows, path, error) : NULL;
+	if (!light)
+		return false;
+	s->pose = seen.pose;
+	s->truth = g_new0(struct feature_truth, range_grid_cells(g));
+	for (size_t i = 0; i < range_grid_cells(g); i++) {
+		s->truth[i].range_m = cell[i].range_m;
+		memcpy(s->truth[i].normal, cell[i].normal, sizeof cell[i].normal);
+		memcpy(s->truth[i].rgb, &light[3 * i], sizeof s->truth[i].rgb);
+		s->truth[i].instance = cell[i].instance;
+		s->truth[i].is_plant = cell[i].class == BENCH_TRUTH_VEGETATION;
+		s->truth[i].is_glass = cell[i].optics != 0;
+	}
+	return true;
+}
+
+static bool load_stations(struct station *stations, const char *path, const char *work,
+	const char *scene, uint64_t seed, GError **error)
 {
 	g_autoptr(site) s = site_open(path, error);
-	g_autofree char *truth = g_strconcat(path, ".truth", NULL);
+	g_autofree char *truth = g_build_filename(work, "truth", NULL);
 	for (uint32_t i = 0; s && i < STATIONS; i++) {
 		g_autofree char *description = g_strdup_printf(
-			"%s?seed=%" G_GUINT64_FORMAT "&station=%u", scene, (guint64)o->seed, i + 1);
+			"%s?seed=%" G_GUINT64_FORMAT "&station=%u", scene, seed, i + 1);
 		g_autoptr(panorama) p = scan_load(s, i + 1, false, error);
 		if (!p)
 			return false;
@@ -134,6 +96,68 @@ static bool load_stations(struct station *stations, const char *path, const char
 			return false;
 	}
 	return s;
+}
+
+/* ---- what a person waits for ---- */
+
+/* From scans whose planes are known to features, by pleinair process as a program of its own. */
+struct everything {
+	double seconds, peak_mib;      /* of the program */
+	double segments_s, features_s; /* of its stages */
+};
+
+/* A site of the same scans, and of nothing that was computed from them. */
+static bool copy_site(const char *from, const char *to, GError **error)
+{
+	g_autofree char *folder = g_canonicalize_filename(from, NULL);
+	g_autofree char *scans = g_build_filename(folder, "scans", NULL);
+	g_autofree char *own_scans = g_build_filename(to, "scans", NULL);
+	g_autofree char *about = g_build_filename(from, "site.json", NULL);
+	g_autofree char *own_about = g_build_filename(to, "site.json", NULL);
+	g_autofree char *text = NULL;
+	size_t length;
+	return files_make_folder(to, error) &&
+	       (symlink(scans, own_scans) == 0 || files_fail(error, own_scans, "link")) &&
+	       g_file_get_contents(about, &text, &length, error) &&
+	       files_write(own_about, text, length, error);
+}
+
+/* Stages that were due, from what pleinair process --json says. */
+static bool read_stages(const char *text, struct everything *ret, GError **error)
+{
+	g_autoptr(JsonParser) parser = json_parser_new();
+	if (!json_parser_load_from_data(parser, text, -1, error))
+		return false;
+	JsonArray *rows = json_object_get_array_member(
+		json_node_get_object(json_parser_get_root(parser)), "stages");
+	for (guint i = 0; i < json_array_get_length(rows); i++) {
+		JsonObject *row = json_array_get_object_element(rows, i);
+		const char *name = json_object_get_string_member(row, "stage");
+		double seconds = json_object_get_double_member_with_default(row, "seconds", 0);
+		if (strcmp(name, "segments") == 0)
+			ret->segments_s = seconds;
+		if (strcmp(name, "features") == 0)
+			ret->features_s = seconds;
+	}
+	return true;
+}
+
+static bool measure_everything(
+	const char *site_folder, const char *work, struct everything *ret, GError **error)
+{
+	g_autofree char *copy = g_build_filename(work, "copy", NULL);
+	g_autofree char *program = bench_program("process");
+	struct bench_run before = { 0 }, after = { 0 };
+	bool good = copy_site(site_folder, copy, error) &&
+		    bench_run((const char *[]){ program, copy, "--to=geometry", "--json", NULL },
+			    &before, error) &&
+		    bench_run((const char *[]){ program, copy, "--to=features", "--json", NULL },
+			    &after, error);
+	*ret = (struct everything){ .seconds = after.seconds, .peak_mib = after.peak_mib };
+	good = good && read_stages(after.output, ret, error);
+	g_free(before.output);
+	g_free(after.output);
+	return files_remove_tree(copy, good ? error : NULL) && good;
 }
 
 /* ---- measuring ---- */
@@ -220,7 +244,27 @@ static JsonObject *score_to_json(const char *scene, int station, const struct fe
 	return o;
 }
 
-static void report(const char *scene, struct station *stations, double seconds, JsonArray *json)
+static void report_scene(
+	const char *scene, double seconds, const struct everything *e, JsonArray *json)
+{
+	if (!json) {
+		printf("%-7s    %.1f s for features of all four; everything from planes on: %.1f s "
+		       "(<= 20 of fine scans; segments %.1f, features %.1f), %.0f MiB (<= 2048)\n",
+			scene, seconds, e->seconds, e->segments_s, e->features_s, e->peak_mib);
+		fflush(stdout);
+		return;
+	}
+	JsonObject *o = json_object_new();
+	json_object_set_string_member(o, "scene", scene);
+	json_object_set_double_member(o, "seconds", seconds);
+	json_object_set_double_member(o, "everything_seconds", e->seconds);
+	json_object_set_double_member(o, "everything_segments_seconds", e->segments_s);
+	json_object_set_double_member(o, "everything_features_seconds", e->features_s);
+	json_object_set_double_member(o, "everything_peak_mib", e->peak_mib);
+	json_array_add_object_element(json, o);
+}
+
+static void report_stations(const char *scene, struct station *stations, JsonArray *json)
 {
 	for (int i = 0; i < STATIONS; i++) {
 		struct feature_score score;
@@ -231,22 +275,26 @@ static void report(const char *scene, struct station *stations, double seconds, 
 		else
 			print_score(scene, i + 1, &score);
 	}
-	if (!json)
-		printf("%-7s    %.1f s for all four\n", scene, seconds);
 }
 
-static bool run_scene(const char *folder, const char *scene, const struct bench_features_options *o,
-	double *ret_seconds, JsonArray *json, GError **error)
+/* json: "stations" and "scenes" are filled; NULL: printed. */
+static bool run_scene(const char *work, const char *scene, const struct bench_features_options *o,
+	JsonObject *json, GError **error)
 {
 	struct station stations[STATIONS] = { 0 };
+	struct everything everything;
 	g_autofree char *name = g_strdup_printf("%s-%" G_GUINT64_FORMAT "-%s", scene,
 		(guint64)o->seed, o->preset ? o->preset : "standard");
-	g_autofree char *path = g_build_filename(folder, name, NULL);
+	g_autofree char *path = g_build_filename(o->keep ? o->keep : work, name, NULL);
 	bool good = scan_missing(path, scene, o, error) &&
-		    load_stations(stations, path, scene, o, error);
+		    measure_everything(path, work, &everything, error) &&
+		    load_stations(stations, path, work, scene, o->seed, error);
 	if (good) {
-		*ret_seconds = fmax(*ret_seconds, compute(stations));
-		report(scene, stations, *ret_seconds, json);
+		double seconds = compute(stations);
+		report_stations(scene, stations,
+			json ? json_object_get_array_member(json, "stations") : NULL);
+		report_scene(scene, seconds, &everything,
+			json ? json_object_get_array_member(json, "scenes") : NULL);
 	}
 	for (int i = 0; i < STATIONS; i++) {
 		range_grid_free(stations[i].grid);
@@ -256,43 +304,21 @@ static bool run_scene(const char *folder, const char *scene, const struct bench_
 	return good;
 }
 
-static double peak_mib(void)
-{
-	struct rusage usage;
-	getrusage(RUSAGE_SELF, &usage);
-	return (double)usage.ru_maxrss / 1024;
-}
-
 bool bench_features(const struct bench_features_options *o, GError **error)
 {
-	g_autofree char *own = o->keep ? NULL : g_dir_make_tmp("pleinair-bench-XXXXXX", error);
-	const char *folder = o->keep ? o->keep : own;
-	JsonArray *stations = o->json ? json_array_new() : NULL;
-	double seconds = 0;
-	bool good = folder && g_mkdir_with_parents(folder, 0777) == 0;
-	if (good && !o->json)
-		puts("features, in percent: edges within a cell of a feature point (>= 90; depth "
-		     "edges, creases); feature "
-		     "points on even surface (<= 10);\nat straight edges directional (>= 60), off "
-		     "by "
-		     "degrees (median, p90 <= 3), the same of creases and of silhouettes; "
-		     "on leaves directional (<= 10);\ndithering points per m2 of black by range in "
-		     "m, of 60 wanted\n"
-		     "scene      edges    depth    crease     false  directed   p50    p90    "
-		     "crease    p90  silhouette p90    leaves  dithering");
-	for (int i = 0; good && scenes[i]; i++)
-		good = run_scene(folder, scenes[i], o, &seconds, stations, error);
-	if (own && !files_remove_tree(own, good ? error : NULL))
-		good = false;
-	if (good && !o->json)
-		printf("at most %.1f s for four scans, %.0f MiB with the truth\n", seconds,
-			peak_mib());
+	g_autofree char *work = g_dir_make_tmp("pleinair-bench-XXXXXX", error);
 	JsonObject *json = o->json ? json_object_new() : NULL;
 	if (json) {
-		json_object_set_array_member(json, "stations", stations);
-		json_object_set_double_member(json, "seconds", seconds);
-		json_object_set_double_member(json, "peak_mib", peak_mib());
+		json_object_set_array_member(json, "stations", json_array_new());
+		json_object_set_array_member(json, "scenes", json_array_new());
+	} else {
+		puts(heading);
 	}
+	bool good = work && (!o->keep || files_make_folder(o->keep, error));
+	for (int i = 0; good && scenes[i]; i++)
+		good = run_scene(work, scenes[i], o, json, error);
+	if (work && !files_remove_tree(work, good ? error : NULL))
+		good = false;
 	if (json && good)
 		cli_print_json(json);
 	else if (json)

@@ -2,13 +2,13 @@
 #include "acquire/cli.h"
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
+#include "process/bench-run.h"
 #include "process/bench-truth.h"
 #include "process/scan-cache.h"
 #include "process/scan-geometry.h"
 #include "process/segmentation.h"
 #include <json-glib/json-glib.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define STATIONS    4
@@ -101,19 +101,6 @@ static void frame_clear(struct frame *r)
 	g_array_unref(r->placed);
 }
 
-/* Of this process since it was last set back. */
-static double peak_mib(bool set_back)
-{
-	g_autofree char *text = NULL;
-	if (set_back)
-		g_file_set_contents_full(
-			"/proc/self/clear_refs", "5", 1, G_FILE_SET_CONTENTS_NONE, 0200, NULL);
-	if (!g_file_get_contents("/proc/self/status", &text, NULL, NULL))
-		return NAN;
-	const char *line = strstr(text, "VmHWM:");
-	return line ? strtod(line + 6, NULL) / 1024 : NAN;
-}
-
 /* counts: of each cell of a scan, given its leaf. */
 typedef bool (*count_func)(struct tally *t, const struct frame *r, size_t i,
 	const struct scan_points *p, const uint16_t *leaf, gpointer user_data, GError **error);
@@ -126,7 +113,7 @@ static bool segment_and_count(
 	g_autofree uint16_t **leaf = g_new0(uint16_t *, r->placed->len + 1);
 	struct segmentation_scan scan;
 	bool good = true;
-	peak_mib(true);
+	bench_peak_mib(true);
 	gint64 began_us = g_get_monotonic_time();
 	r->made = segmentation_new(&source, NULL, r->tree, error);
 	for (size_t i = 0; r->made && good && i < r->placed->len; i++)
@@ -135,7 +122,7 @@ static bool segment_and_count(
 			segmentation_label(r->made, i, &scan, leaf[i]);
 		}
 	t->seconds = (double)(g_get_monotonic_time() - began_us) * 1e-6;
-	t->peak_mib = peak_mib(false);
+	t->peak_mib = bench_peak_mib(false);
 	for (size_t i = 0; r->made && good && i < r->placed->len; i++)
 		good = open_scan(r, i, &scan, error) &&
 		       count(t, r, i, &scan.points, leaf[i], user_data, error);

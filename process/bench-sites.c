@@ -1,5 +1,6 @@
 #include "process/bench-sites.h"
 #include "acquire/scan.h"
+#include "process/bench-run.h"
 #include <json-glib/json-glib.h>
 #include <unistd.h>
 
@@ -68,32 +69,16 @@ static bool scan_stations(struct bench_site *s, const char *path, const struct p
 
 /* ---- the truth ---- */
 
-static char *find_simulator(void)
-{
-	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
-	g_autofree char *folder = g_path_get_dirname(self ? self : ".");
-	g_autofree char *beside = g_build_filename(folder, "pleinair-sim", NULL);
-	return g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE)
-		       ? g_steal_pointer(&beside)
-		       : g_find_program_in_path("pleinair-sim");
-}
-
 static JsonParser *ask_truth(const struct bench_site *s, bool moved, GError **error)
 {
-	g_autofree char *what = describe(s, moved), *program = find_simulator(), *said = NULL;
-	if (!program) {
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND,
-			"the program pleinair-sim is not installed");
-		return NULL;
-	}
-	g_autoptr(GSubprocess) process = g_subprocess_new(
-		G_SUBPROCESS_FLAGS_STDOUT_PIPE, error, program, "--truth-poses", what, NULL);
+	g_autofree char *what = describe(s, moved), *program = bench_program("sim");
 	g_autoptr(JsonParser) parser = json_parser_new();
-	if (!process || !g_subprocess_communicate_utf8(process, NULL, NULL, &said, NULL, error) ||
-		!g_subprocess_wait_check(process, NULL, error) ||
-		!json_parser_load_from_data(parser, said, -1, error))
+	struct bench_run asked;
+	if (!bench_run((const char *[]){ program, "--truth-poses", what, NULL }, &asked, error))
 		return NULL;
-	return g_steal_pointer(&parser);
+	g_autofree char *said = asked.output;
+	return json_parser_load_from_data(parser, said, -1, error) ? g_steal_pointer(&parser)
+								   : NULL;
 }
 
 static struct pose read_pose(JsonObject *o)

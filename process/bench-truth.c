@@ -1,5 +1,6 @@
 #include "process/bench-truth.h"
 #include "firmware-io/files.h"
+#include "process/bench-run.h"
 #include <gio/gio.h>
 #include <string.h>
 
@@ -13,28 +14,39 @@ struct truth_header {
 };
 _Static_assert(sizeof(struct truth_header) == 128 && sizeof(struct bench_truth_cell) == 20,
 	"the file's own layout");
+#define LIGHT_HEADER 16
 
-static char *find_simulator(void)
+/* The file that the simulator writes, of so many bytes; caller frees. */
+static char *ask(const char *what, const char *description, uint32_t columns, uint32_t rows,
+	const char *path, size_t bytes, GError **error)
 {
-	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
-	g_autofree char *folder = self ? g_path_get_dirname(self) : g_strdup(".");
-	char *beside = g_build_filename(folder, "pleinair-sim", NULL);
-	if (g_file_test(beside, G_FILE_TEST_IS_EXECUTABLE))
-		return beside;
-	g_free(beside);
-	return g_strdup("pleinair-sim");
+	g_autofree char *simulator = bench_program("sim");
+	g_autofree char *wide = g_strdup_printf("--columns=%u", columns);
+	g_autofree char *high = g_strdup_printf("--rows=%u", rows);
+	g_autoptr(GSubprocess) p = g_subprocess_new(G_SUBPROCESS_FLAGS_NONE, error, simulator, what,
+		wide, high, "-o", path, description, NULL);
+	if (!p || !g_subprocess_wait_check(p, NULL, error))
+		return NULL;
+	size_t length;
+	g_autofree char *ret = files_read(path, bytes, &length, error);
+	if (ret && length == bytes)
+		return g_steal_pointer(&ret);
+	if (ret)
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
+			"%s: is not the truth of this scan", path);
+	return NULL;
 }
 
-static bool read_truth(const char *path, uint32_t columns, uint32_t rows,
+bool bench_truth_ask(const char *description, uint32_t columns, uint32_t rows, const char *path,
 	struct bench_truth_scan *ret, GError **error)
 {
-	size_t length, cells = (size_t)columns * rows;
-	size_t wanted = sizeof(struct truth_header) + cells * sizeof(struct bench_truth_cell);
-	g_autofree char *bytes = files_read(path, wanted, &length, error);
+	const size_t cells = (size_t)columns * rows;
+	g_autofree char *bytes = ask("--truth", description, columns, rows, path,
+		sizeof(struct truth_header) + cells * sizeof(struct bench_truth_cell), error);
 	const struct truth_header *h = (const struct truth_header *)bytes;
 	if (!bytes)
 		return false;
-	if (length != wanted || memcmp(h->magic, "PLTRUTH1", 8) || h->columns != columns) {
+	if (memcmp(h->magic, "PLTRUTH1", 8) || h->columns != columns) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
 			"%s: is not the truth of this scan", path);
 		return false;
@@ -47,14 +59,11 @@ static bool read_truth(const char *path, uint32_t columns, uint32_t rows,
 	return true;
 }
 
-bool bench_truth_ask(const char *description, uint32_t columns, uint32_t rows, const char *path,
-	struct bench_truth_scan *ret, GError **error)
+float *bench_truth_light(
+	const char *description, uint32_t columns, uint32_t rows, const char *path, GError **error)
 {
-	g_autofree char *simulator = find_simulator();
-	g_autofree char *wide = g_strdup_printf("--columns=%u", columns);
-	g_autofree char *high = g_strdup_printf("--rows=%u", rows);
-	g_autoptr(GSubprocess) p = g_subprocess_new(G_SUBPROCESS_FLAGS_NONE, error, simulator,
-		"--truth", wide, high, "-o", path, description, NULL);
-	return p && g_subprocess_wait_check(p, NULL, error) &&
-	       read_truth(path, columns, rows, ret, error);
+	const size_t bytes = (size_t)columns * rows * 3 * sizeof(float);
+	g_autofree char *light =
+		ask("--light", description, columns, rows, path, LIGHT_HEADER + bytes, error);
+	return light ? g_memdup2(light + LIGHT_HEADER, bytes) : NULL;
 }

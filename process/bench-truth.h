@@ -29,5 +29,8 @@ struct bench_truth_scan {
 /* path: of a file that is written on the way. The simulator is the one beside this program, or that of PATH. */
 bool bench_truth_ask(const char *description, uint32_t columns, uint32_t rows, const char *path,
 	struct bench_truth_scan *ret, GError **error);
+/* The radiance of each cell, red, green, blue, linear, 1: a white wall in the sun; caller frees. */
+float *bench_truth_light(
+	const char *description, uint32_t columns, uint32_t rows, const char *path, GError **error);
 
 #endif
