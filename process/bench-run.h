@@ -8,7 +8,7 @@
 char *bench_program(const char *name);
 
 struct bench_run {
-	double seconds;  /* on the clock */
+	double seconds; /* on the clock */
 	double peak_mib; /* of its memory; never less than what this process holds when it starts it */
 	char *output;    /* what it wrote to stdout; caller frees */
 };
