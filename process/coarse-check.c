@@ -1,4 +1,5 @@
 #include "process/coarse-check.h"
+#include "process/vector3.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -123,24 +124,20 @@ static void move(const struct motion *m, const float v[3], float ret[3])
 		ret[i] += m->t[i];
 }
 
-static float dot(const float a[3], const float b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void check_one(const struct coarse_cell *c, const struct coarse_sample *s, const float p[3],
 	const float normal[3], float tolerance, struct coarse_fit *ret)
 {
-	float range = sqrtf(dot(p, p));
+	float range = sqrtf(vector3_dot(p, p));
 	if (c->near_m == COARSE_VIEW_NOTHING) {
 		ret->conflict += NOTHING_SHARE * s->weight;
 		return;
 	}
 	float off[3] = { p[0] - c->point_m[0], p[1] - c->point_m[1], p[2] - c->point_m[2] };
-	float before = dot(c->normal, off); /* positive: nearer to the scanner than the plane */
+	float before =
+		vector3_dot(c->normal, off); /* positive: nearer to the scanner than the plane */
 	bool planar = has_normal(c);
-	if (planar && fabsf(before) < tolerance && dot(off, off) < ALONG_M * ALONG_M) {
-		if (dot(c->normal, normal) > SAME_FACING)
+	if (planar && fabsf(before) < tolerance && vector3_dot(off, off) < ALONG_M * ALONG_M) {
+		if (vector3_dot(c->normal, normal) > SAME_FACING)
 			ret->agree += s->weight;
 		return;
 	}
@@ -191,10 +188,10 @@ static void add_pair(const struct coarse_view *a, const struct motion *m,
 	if (!c || !has_normal(c))
 		return;
 	float off[3] = { p[0] - c->point_m[0], p[1] - c->point_m[1], p[2] - c->point_m[2] };
-	float reach = gate + 1, residual = dot(c->normal, off);
+	float reach = gate + 1, residual = vector3_dot(c->normal, off);
 	turn(m, s->normal, normal);
-	if (!(fabsf(residual) < gate && dot(off, off) < reach * reach) ||
-		dot(c->normal, normal) < 0.7f)
+	if (!(fabsf(residual) < gate && vector3_dot(off, off) < reach * reach) ||
+		vector3_dot(c->normal, normal) < 0.7f)
 		return;
 	const float *n = c->normal;
 	double row[6] = { p[1] * n[2] - p[2] * n[1], p[2] * n[0] - p[0] * n[2],

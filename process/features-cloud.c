@@ -2,6 +2,7 @@
 #include "process/cloud-cells.h"
 #include "process/features-private.h"
 #include "process/model.h"
+#include "process/vector3.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,7 +57,7 @@ static void add_look(struct sums *s, uint32_t i, float a, float b)
 static void add_neighbour(uint32_t i, const float off[3], void *data)
 {
 	struct sums *s = data;
-	float a = feature_dot(off, s->frame.first), b = feature_dot(off, s->frame.second);
+	float a = vector3_dot(off, s->frame.first), b = vector3_dot(off, s->frame.second);
 	float error = s->of->plane_error_m[i];
 	if (!isfinite(error))
 		return;
@@ -163,14 +164,14 @@ static void add_normal(uint32_t i, const float off[3], void *data)
 {
 	struct bend *b = data;
 	float there[3];
-	if (b->of->normal[i][0] == MODEL_NORMAL_NONE || !(feature_dot(off, off) > 0))
+	if (b->of->normal[i][0] == MODEL_NORMAL_NONE || !(vector3_dot(off, off) > 0))
 		return;
 	model_unpack_normal(b->of->normal[i], there);
-	if (feature_dot(there, b->frame.normal) < 0)
+	if (vector3_dot(there, b->frame.normal) < 0)
 		for (int k = 0; k < 3; k++)
 			there[k] = -there[k];
 	feature_form_add(&b->form, &b->frame, off, there,
-		way_of(feature_dot(off, b->frame.first), feature_dot(off, b->frame.second)));
+		way_of(vector3_dot(off, b->frame.first), vector3_dot(off, b->frame.second)));
 }
 
 static void bend_point(const struct job *j, const struct cloud_cells *x, size_t i, float radius_m)

@@ -1,5 +1,6 @@
 #include "process/features-private.h"
 #include "process/model.h"
+#include "process/vector3.h"
 #include <string.h>
 
 /* Neighbours are taken so many cells away at most, and a window's width at best. */
@@ -28,12 +29,12 @@ struct feature_frame feature_frame_of(const float normal[3])
 void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
 	const float there[3], int way)
 {
-	const float ahead = feature_dot(off, f->normal);
-	if (!(feature_dot(there, f->normal) > SAME_FACE) ||
-		ahead * ahead > OFF_PLANE * OFF_PLANE * feature_dot(off, off))
+	const float ahead = vector3_dot(off, f->normal);
+	if (!(vector3_dot(there, f->normal) > SAME_FACE) ||
+		ahead * ahead > OFF_PLANE * OFF_PLANE * vector3_dot(off, off))
 		return;
-	float a = feature_dot(off, f->first), b = feature_dot(off, f->second),
-	      p = feature_dot(there, f->first), q = feature_dot(there, f->second);
+	float a = vector3_dot(off, f->first), b = vector3_dot(off, f->second),
+	      p = vector3_dot(there, f->first), q = vector3_dot(there, f->second);
 	s->a += a;
 	s->b += b;
 	s->p += p;
@@ -132,7 +133,7 @@ static void bend_cell(const struct features_input *of, const float *const normal
 	const range_grid *g = of->grid;
 	const size_t i = (size_t)row * g->columns + column;
 	const float own[3] = { normal[0][i], normal[1][i], normal[2][i] };
-	if (!(g->range_m[i] > 0) || !(feature_dot(own, own) > 0))
+	if (!(g->range_m[i] > 0) || !(vector3_dot(own, own) > 0))
 		return;
 	const float level =
 		fmaxf(sqrtf(g->x_m[i] * g->x_m[i] + g->y_m[i] * g->y_m[i]) / g->range_m[i], 0.05f);

@@ -94,11 +94,6 @@ struct feature_frame {
 };
 struct feature_frame feature_frame_of(const float normal[3]);
 
-static inline float feature_dot(const float a[3], const float b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* What the neighbours of a point say of its second fundamental form, which takes a step (a, b) along the surface to the change of
  * the normal (p, q): sums over them. Zero to begin with. */
 struct feature_form {

@@ -1,4 +1,5 @@
 #include "process/verify-compare.h"
+#include "process/vector3.h"
 #include "process/verify-conflicts.h"
 
 #define SAME_FACING 0.8f
@@ -36,15 +37,10 @@ static struct motion motion_of(const struct pose *p)
 	return m;
 }
 
-static inline float dot(const float a[3], const float b[3])
-{
-	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static inline void turn(const struct motion *m, const float v[3], float ret[3])
 {
 	for (int i = 0; i < 3; i++)
-		ret[i] = dot(m->r[i], v);
+		ret[i] = vector3_dot(m->r[i], v);
 }
 
 /* A surface of `from`, as `into` has to see it. */
@@ -60,7 +56,7 @@ static struct seen see(const struct surfel *s, const struct motion *m, const str
 	for (int k = 0; k < 3; k++)
 		p.point[k] += m->t[k];
 	turn(m, s->normal, p.normal);
-	p.range_m = sqrtf(dot(p.point, p.point));
+	p.range_m = sqrtf(vector3_dot(p.point, p.point));
 	p.slack_m = how->slack_m + how->slack_rad * p.range_m;
 	return p;
 }
@@ -83,8 +79,8 @@ static inline void look_at(
 		return;
 	float off[3] = { p->point[0] - s->point_m[0], p->point[1] - s->point_m[1],
 		p->point[2] - s->point_m[2] };
-	float facing = dot(s->normal, p->normal), distance = dot(s->normal, off);
-	if (facing < SAME_FACING || dot(off, off) > reach * reach + distance * distance)
+	float facing = vector3_dot(s->normal, p->normal), distance = vector3_dot(s->normal, off);
+	if (facing < SAME_FACING || vector3_dot(off, off) > reach * reach + distance * distance)
 		return;
 	float variance =
 		s->sigma_m * s->sigma_m + p->sigma_m * p->sigma_m + p->slack_m * p->slack_m;
@@ -132,7 +128,7 @@ static struct partner find_partner(
 static enum compared judge(const struct verify_view *v, const struct verify_around *around,
 	const struct seen *p, const struct partner *partner)
 {
-	float cosine = fmaxf(-dot(p->point, p->normal) / p->range_m, COSINE_MIN);
+	float cosine = fmaxf(-vector3_dot(p->point, p->normal) / p->range_m, COSINE_MIN);
 	float depth = DEPTH_M + DEPTH_SHARE * p->range_m +
 		      SIGMAS * (fminf(p->sigma_m, SIGMA_MAX_M) + p->slack_m) / cosine;
 	if (partner->agrees)
