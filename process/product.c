@@ -205,6 +205,12 @@ const void *product_section(const product *p, const char *name, uint32_t element
 	return p->bytes + e->offset;
 }
 
+uint32_t product_section_checksum(const product *p, const char *name)
+{
+	const struct product_entry *e = find(p, name, p->header->sections);
+	return e ? e->crc32c : 0;
+}
+
 static bool verify_section(const product *p, const struct product_entry *e, GError **error)
 {
 	uint32_t crc = 0;

@@ -34,6 +34,8 @@ uint32_t product_checksum(const product *p);
 /* The array itself, in the mapping; NULL when it is missing or of another element size. */
 const void *product_section(const product *p, const char *name, uint32_t element_bytes,
 	uint64_t *ret_elements, GError **error);
+/* CRC-32C that the file has of a section; 0 when it is missing. */
+uint32_t product_section_checksum(const product *p, const char *name);
 /* Reads all of the file and compares the checksums. The mapping holds no more memory after it than before. */
 bool product_verify(const product *p, GError **error);
 /* Gives back the memory of a part of a section that was read, which stays readable: whoever walks through a file that is

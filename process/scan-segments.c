@@ -1,4 +1,9 @@
 #include "process/scan-segments.h"
+#include "firmware-io/crc32c.h"
+#include <string.h>
+
+#define AUTOMATIC "automatic"
+#define LEAF      "leaf"
 
 static char *path_of(const site *s, uint32_t number)
 {
@@ -12,8 +17,8 @@ scan_segments *scan_segments_open(const site *s, uint32_t number, GError **error
 	uint64_t count;
 	g->file = product_open(path, SCAN_SEGMENTS_KIND, SCAN_SEGMENTS_VERSION, error);
 	if (!g->file ||
-		!(g->automatic = product_section(g->file, "automatic", 2, &g->count, error)) ||
-		!(g->leaf = product_section(g->file, "leaf", 2, &count, error)))
+		!(g->automatic = product_section(g->file, AUTOMATIC, 2, &g->count, error)) ||
+		!(g->leaf = product_section(g->file, LEAF, 2, &count, error)))
 		return NULL;
 	if (count == g->count)
 		return g_steal_pointer(&g);
@@ -31,26 +36,41 @@ void scan_segments_free(scan_segments *s)
 	g_free(s);
 }
 
-bool scan_segments_write(const site *s, uint32_t number, const char *key, const uint16_t *automatic,
-	const uint16_t *leaf, uint64_t count, GError **error)
+uint32_t scan_segments_automatic_checksum(const scan_segments *s)
 {
-	g_autofree char *path = path_of(s, number);
-	g_autoptr(product_writer) w = product_writer_new(path, error);
-	if (!w || !product_writer_begin(w, "automatic", 2, error) ||
-		!product_writer_append(w, automatic, count, error) ||
-		!product_writer_begin(w, "leaf", 2, error) ||
-		!product_writer_append(w, leaf, count, error))
-		return false;
-	JsonObject *made_from = json_object_new();
-	json_object_set_string_member(made_from, "key", key);
-	return product_writer_finish(
-		w, SCAN_SEGMENTS_KIND, SCAN_SEGMENTS_VERSION, made_from, error);
+	return product_section_checksum(s->file, AUTOMATIC);
 }
 
-char *scan_segments_key(const site *s, uint32_t number)
+uint32_t scan_segments_leaf_checksum(const scan_segments *s)
+{
+	return product_section_checksum(s->file, LEAF);
+}
+
+uint32_t scan_segments_checksum(const uint16_t *labels, uint64_t count)
+{
+	return crc32c(0, labels, count * sizeof *labels);
+}
+
+/* The labels themselves are compared, so what was damaged is written anew. */
+static bool is_there(const site *s, uint32_t number, const uint16_t *automatic,
+	const uint16_t *leaf, uint64_t count)
 {
 	g_autoptr(scan_segments) g = scan_segments_open(s, number, NULL);
-	return g ? g_strdup(json_object_get_string_member_with_default(
-			   product_manifest(g->file), "key", ""))
-		 : NULL;
+	return g && g->count == count && memcmp(g->automatic, automatic, 2 * count) == 0 &&
+	       (!leaf || memcmp(g->leaf, leaf, 2 * count) == 0);
+}
+
+bool scan_segments_write(const site *s, uint32_t number, const uint16_t *automatic,
+	const uint16_t *leaf, uint64_t count, GError **error)
+{
+	if (is_there(s, number, automatic, leaf, count))
+		return true;
+	g_autofree char *path = path_of(s, number);
+	g_autoptr(product_writer) w = product_writer_new(path, error);
+	return w && product_writer_begin(w, AUTOMATIC, 2, error) &&
+	       product_writer_append(w, automatic, count, error) &&
+	       product_writer_begin(w, LEAF, 2, error) &&
+	       product_writer_append(w, leaf ? leaf : automatic, count, error) &&
+	       product_writer_finish(
+		       w, SCAN_SEGMENTS_KIND, SCAN_SEGMENTS_VERSION, json_object_new(), error);
 }

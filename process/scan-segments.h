@@ -6,7 +6,9 @@
  *     automatic   uint16, number of a leaf as the computer found it, 0: no point
  *     leaf        uint16, the same after what a person changed (segment-edits.h)
  *
- * The numbers are those of the site's tree (segments.h), whose key stands in the manifest. */
+ * The numbers are those of the site's trees (segments.h): automatic.json and segments.json, which have the checksums of the
+ * labels that belong to them. Files depend on nothing but their labels: where these stay, the file does, and so does all that was
+ * made from it. */
 #include "process/product.h"
 #include "process/scan-graph.h"
 #include "process/segments.h"
@@ -20,12 +22,17 @@ struct scan_segments {
 	uint64_t count; /* cells, or points */
 	const uint16_t *automatic, *leaf;
 };
+/* Does not look at the labels themselves. */
 scan_segments *scan_segments_open(const site *s, uint32_t number, GError **error);
 void scan_segments_free(scan_segments *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scan_segments, scan_segments_free)
-bool scan_segments_write(const site *s, uint32_t number, const char *key, const uint16_t *automatic,
+/* Of "automatic" and of "leaf", as the file says that they are, and of labels in memory. */
+uint32_t scan_segments_automatic_checksum(const scan_segments *s);
+uint32_t scan_segments_leaf_checksum(const scan_segments *s);
+uint32_t scan_segments_checksum(const uint16_t *labels, uint64_t count);
+/* Leaves a file alone that has these labels already. leaf NULL: what people changed is yet to be done to them, and what the file
+ * has of it does not matter. */
+bool scan_segments_write(const site *s, uint32_t number, const uint16_t *automatic,
 	const uint16_t *leaf, uint64_t count, GError **error);
-/* The key of a scan's file; NULL: there is none that can be read. Caller frees. */
-char *scan_segments_key(const site *s, uint32_t number);
 
 #endif

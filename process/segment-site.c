@@ -1,6 +1,7 @@
 #include "process/segment-site.h"
 #include "firmware-io/files.h"
 #include "process/segment-model.h"
+#include "process/segment-numbers.h"
 #include "process/segment-state.h"
 #include <glib/gstdio.h>
 #include <math.h>
@@ -91,6 +92,17 @@ static char *key_of(const segment_scans *scans, const struct parameters *p)
 
 /* ---- one frame ---- */
 
+/* The leaf of each cell or point of a scan. */
+struct found {
+	uint64_t count;
+	uint16_t *leaf;
+};
+
+static void found_clear(gpointer data)
+{
+	g_free(((struct found *)data)->leaf);
+}
+
 struct maker {
 	site *site;
 	const struct segment_site_options *options;
@@ -98,9 +110,15 @@ struct maker {
 	segment_scans *scans;
 	GArray *frame; /* of guint: the scans that are segmented now */
 	segments *tree;
+	GArray *found;        /* of struct found, of scans, in their order */
 	segment_model *model; /* NULL: none */
 	double from, to;      /* of the whole */
 };
+
+static struct found *found_at(const struct maker *m, guint i)
+{
+	return &g_array_index(m->found, struct found, i);
+}
 
 static bool open_scan(gpointer user_data, size_t i, struct segmentation_scan *ret, GError **error)
 {
@@ -151,17 +169,16 @@ static bool label_scans(struct maker *m, const segmentation *seg, GError **error
 		struct segmentation_scan scan;
 		if (!open_scan(m, i, &scan, error))
 			return false;
-		g_autofree uint16_t *leaf = g_new(uint16_t, scan.points.count + 1);
 		if (!tell_progress(0.7 + 0.3 * i / m->frame->len, "labelling points", m)) {
 			g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED,
 				"stopped while labelling points");
 			return false;
 		}
-		segmentation_label(seg, i, &scan, leaf);
-		count_leaves(m->tree, &scan.points, leaf);
-		if (!scan_segments_write(m->site, scan.points.data->number, m->tree->key, leaf,
-			    leaf, scan.points.count, error))
-			return false;
+		struct found *found = found_at(m, g_array_index(m->frame, guint, i));
+		found->count = scan.points.count;
+		found->leaf = g_new(uint16_t, scan.points.count + 1);
+		segmentation_label(seg, i, &scan, found->leaf);
+		count_leaves(m->tree, &scan.points, found->leaf);
 	}
 	return true;
 }
@@ -207,9 +224,70 @@ static bool segment_frames(struct maker *m, GError **error)
 		if (!segment_frame(m, error))
 			return false;
 	}
-	remove_empty_leaves(m->tree);
 	return true;
 }
+
+/* What is left is numbered in the order in which it was found. */
+static void finish_tree(segments *tree)
+{
+	remove_empty_leaves(tree);
+	for (guint i = 0; i < tree->nodes->len; i++) {
+		struct segment *node = &g_array_index(tree->nodes, struct segment, i);
+		node->found = node->id < SEGMENT_FIRST ? 0 : node->id;
+	}
+	tree->next = MAX(g_array_index(tree->nodes, struct segment, tree->nodes->len - 1).id + 1,
+		SEGMENT_FIRST);
+}
+
+/* ---- numbers of before ---- */
+
+static void count_before(const struct maker *m, segment_numbers *numbers)
+{
+	for (guint i = 0; i < m->found->len; i++) {
+		const struct found *found = found_at(m, i);
+		uint32_t number = segment_scans_at(m->scans, i)->number;
+		g_autoptr(scan_segments) was = scan_segments_open(m->site, number, NULL);
+		if (was && was->count == found->count)
+			segment_numbers_count(numbers, was->automatic, found->leaf, found->count);
+	}
+}
+
+static void take_numbers(struct maker *m, const uint16_t *becomes)
+{
+	segments_renumber(m->tree, becomes);
+	for (guint i = 0; i < m->found->len; i++) {
+		struct found *found = found_at(m, i);
+		for (uint64_t k = 0; k < found->count; k++)
+			found->leaf[k] = becomes[found->leaf[k]];
+	}
+}
+
+/* Of what is the same as before. Also what people drew has had its numbers, which stand in the tree with their changes; that is
+ * good enough too where the other cannot be read. */
+static bool keep_numbers(struct maker *m, GError **error)
+{
+	g_autofree char *path = segments_automatic_path(site_path(m->site));
+	g_autoptr(segments) own = segments_load_file(path, NULL);
+	g_autoptr(segments) changed = segments_load(site_path(m->site), NULL);
+	const segments *was = own ? own : changed;
+	g_autofree uint16_t *becomes = g_new(uint16_t, SEGMENTS_MAX + 1);
+	if (!was)
+		return true;
+	uint32_t next = MAX(was->next, changed ? changed->next : 0);
+	g_autoptr(segment_numbers) numbers = segment_numbers_new(was, m->tree);
+	count_before(m, numbers);
+	if (!segment_numbers_find(numbers, &next, becomes)) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NO_SPACE, "there are more than %u things",
+			SEGMENTS_MAX - SEGMENT_FIRST);
+		return false;
+	}
+	m->tree->next = SEGMENT_FIRST;
+	take_numbers(m, becomes);
+	m->tree->next = MAX(m->tree->next, next);
+	return true;
+}
+
+/* ---- the files ---- */
 
 static bool is_ours(const segment_scans *scans, const char *name)
 {
@@ -232,22 +310,47 @@ static bool remove_strangers(const site *s, const segment_scans *scans, GError *
 	return names;
 }
 
+static bool write_labels(struct maker *m, GError **error)
+{
+	for (guint i = 0; i < m->found->len; i++) {
+		const struct found *found = found_at(m, i);
+		uint32_t number = segment_scans_at(m->scans, i)->number;
+		if (!scan_segments_write(m->site, number, found->leaf, NULL, found->count, error))
+			return false;
+		segments_add_labels(
+			m->tree, number, scan_segments_checksum(found->leaf, found->count));
+	}
+	return true;
+}
+
+static bool find_all(struct maker *m, GError **error)
+{
+	g_autofree char *folder = g_build_filename(site_path(m->site), "segments", NULL);
+	g_autofree char *path = segments_automatic_path(site_path(m->site));
+	if (!files_make_folder(folder, error) || !segment_frames(m, error))
+		return false;
+	finish_tree(m->tree);
+	return keep_numbers(m, error) && write_labels(m, error) &&
+	       remove_strangers(m->site, m->scans, error) &&
+	       segments_save_file(m->tree, path, error);
+}
+
 static bool find_segments(site *s, segment_scans *scans, const struct parameters *p,
 	const char *key, const struct segment_site_options *options, GError **error)
 {
-	g_autofree char *folder = g_build_filename(site_path(s), "segments", NULL);
-	g_autofree char *path = segments_automatic_path(site_path(s));
 	g_autoptr(GArray) frame = g_array_new(FALSE, FALSE, sizeof(guint));
+	g_autoptr(GArray) found = g_array_new(FALSE, TRUE, sizeof(struct found));
 	g_autoptr(segments) tree = segments_new();
 	g_autoptr(segment_model) teller =
 		p->model ? segment_model_open(p->model, p->confidence, error) : NULL;
-	struct maker m = { s, options, p, scans, frame, tree, teller, 0, 1 };
+	struct maker m = { s, options, p, scans, frame, tree, found, teller, 0, 1 };
 	if (p->model && !teller)
 		return false;
+	g_array_set_clear_func(found, found_clear);
+	g_array_set_size(found, scans->scans->len);
 	g_free(tree->key);
 	tree->key = g_strdup(key);
-	return files_make_folder(folder, error) && segment_frames(&m, error) &&
-	       remove_strangers(s, scans, error) && segments_save_file(tree, path, error);
+	return find_all(&m, error);
 }
 
 /* ---- what is due ---- */
@@ -278,14 +381,17 @@ static char *why_find(const site *s, const segment_scans *scans, const char *key
 	if (strcmp(tree->key, key))
 		return g_strdup("scans, or how to tell things apart, have changed");
 	for (guint i = 0; i < scans->scans->len; i++) {
-		g_autofree char *own = scan_segments_key(s, segment_scans_at(scans, i)->number);
-		if (g_strcmp0(own, key))
-			return g_strdup_printf("the segments of scan %u cannot be read",
-				segment_scans_at(scans, i)->number);
+		uint32_t number = segment_scans_at(scans, i)->number;
+		g_autoptr(scan_segments) own = scan_segments_open(s, number, NULL);
+		if (!own || !product_verify(own->file, NULL))
+			return g_strdup_printf("the segments of scan %u cannot be read", number);
+		if (!segments_has_labels(tree, number, scan_segments_automatic_checksum(own)))
+			return g_strdup_printf("the segments of scan %u are others", number);
 	}
 	return NULL;
 }
 
+/* After why_find has found nothing. */
 static char *why_change(
 	const site *s, const segment_scans *scans, const char *key, const char *edits)
 {
@@ -294,9 +400,15 @@ static char *why_change(
 	g_autoptr(segments) tree = segments_load(site_path(s), NULL);
 	if (!tree)
 		return g_strdup("the segments cannot be read");
-	if (strcmp(tree->key, key) == 0 && strcmp(tree->edits, edits) == 0)
-		return NULL;
-	return g_strdup("what you changed is not in them yet");
+	if (strcmp(tree->key, key) || strcmp(tree->edits, edits))
+		return g_strdup("what you changed is not in them yet");
+	for (guint i = 0; i < scans->scans->len; i++) {
+		uint32_t number = segment_scans_at(scans, i)->number;
+		g_autoptr(scan_segments) own = scan_segments_open(s, number, NULL);
+		if (!own || !segments_has_labels(tree, number, scan_segments_leaf_checksum(own)))
+			return g_strdup_printf("the segments of scan %u are others", number);
+	}
+	return NULL;
 }
 
 bool segment_site_is_due(
@@ -333,8 +445,12 @@ static bool change(site *s, segment_scans *scans, const segment_edits *edits,
 	struct segment_site_result *ret, GError **error)
 {
 	g_autofree char *done = segment_edits_done(edits);
+	g_autoptr(segments) before = segments_load(site_path(s), NULL);
 	g_autoptr(segment_state) state = segment_state_load_automatic(s, scans, error);
-	if (!state || !segment_state_apply_all(state, edits, error) ||
+	if (!state)
+		return false;
+	state->tree->next = MAX(state->tree->next, before ? before->next : 0);
+	if (!segment_state_apply_all(state, edits, error) ||
 		!segment_state_save(state, done, error))
 		return false;
 	ret->changes_left_out = state->left_out;

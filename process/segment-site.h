@@ -1,8 +1,8 @@
 #ifndef PROCESS_SEGMENT_SITE_H
 #define PROCESS_SEGMENT_SITE_H
 /* The segments of a whole site: the tree (segments.h) and the labels of each scan (scan-segments.h). Scans that stand in one frame
- * are segmented together, those that are not placed each alone; all share one tree. Then what a person changed is done to them
- * once more (segment-edits.h).
+ * are segmented together, those that are not placed each alone; all share one tree. What is the same as before keeps its number
+ * (segment-numbers.h). Then what a person changed is done to them once more (segment-edits.h).
  *
  * Made from the scans, where they stand, their geometry, and the site's own parameters, which stand in site.json:
  *
@@ -26,9 +26,11 @@ struct segment_site_result {
 	uint32_t changes_left_out; /* that speak of what is not there any more */
 };
 
-/* Finds what is out of date, makes the changes once more. Labels are written scan by scan, the tree last: it tells that all is there. */
+/* Finds what is out of date, makes the changes once more. Labels are written scan by scan, where they are others; the tree last: it
+ * tells that all is there. Beside a few scans, holds two bytes a cell of all. */
 bool segment_site(site *s, const scan_graph *g, const struct segment_site_options *options,
 	struct segment_site_result *ret, GError **error);
+/* Reads all labels once, to see that they are whole. */
 bool segment_site_is_due(
 	const site *s, const scan_graph *g, bool *ret_due, char **ret_why, GError **error);
 

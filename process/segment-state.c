@@ -54,11 +54,14 @@ segment_state *segment_state_load(site *s, segment_scans *scans, GError **error)
 
 bool segment_state_save(segment_state *s, const char *edits, GError **error)
 {
-	for (guint i = 0; i < s->scans->scans->len; i++)
-		if (!scan_segments_write(s->site, segment_scans_at(s->scans, i)->number,
-			    s->tree->key, s->label[i].automatic, s->label[i].leaf,
-			    s->label[i].count, error))
+	g_array_set_size(s->tree->labels, 0);
+	for (guint i = 0; i < s->scans->scans->len; i++) {
+		const struct segment_label *l = &s->label[i];
+		uint32_t number = segment_scans_at(s->scans, i)->number;
+		if (!scan_segments_write(s->site, number, l->automatic, l->leaf, l->count, error))
 			return false;
+		segments_add_labels(s->tree, number, scan_segments_checksum(l->leaf, l->count));
+	}
 	g_free(s->tree->edits);
 	s->tree->edits = g_strdup(edits);
 	return segments_save(s->tree, site_path(s->site), error);

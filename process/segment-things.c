@@ -22,6 +22,12 @@ void segment_things_clear(struct segment_things *t)
 	g_free(t->class_of_leaf);
 }
 
+bool segment_things_is_rest(const struct segment *node)
+{
+	return node->parent == segment_of_class(node->class) &&
+	       strcmp(node->name, rest_names[node->class]) == 0;
+}
+
 struct maker {
 	struct segment_things *t;
 	const struct classify_input *in;

@@ -17,6 +17,8 @@ struct segment_things {
 bool segment_things_find(struct segment_things *t, const struct classify_input *in,
 	const uint8_t *class, uint32_t points_min, segments *into, GError **error);
 void segment_things_clear(struct segment_things *t);
+/* Whether a node is what is left over of its class. */
+bool segment_things_is_rest(const struct segment *node);
 
 /* The leaf of a point, that of its place, unless its own label tells another class. */
 static inline uint16_t segment_things_leaf(

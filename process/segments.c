@@ -18,6 +18,8 @@ static segments *new_empty(void)
 	segments *s = g_new0(segments, 1);
 	s->nodes = g_array_new(FALSE, TRUE, sizeof(struct segment));
 	g_array_set_clear_func(s->nodes, clear_segment);
+	s->labels = g_array_new(FALSE, FALSE, sizeof(struct labels_checksum));
+	s->next = SEGMENT_FIRST;
 	s->key = g_strdup("");
 	s->edits = g_strdup("");
 	return s;
@@ -65,6 +67,8 @@ segments *segments_copy(const segments *s)
 	copy->key = g_strdup(s->key);
 	g_free(copy->edits);
 	copy->edits = g_strdup(s->edits);
+	copy->next = s->next;
+	g_array_append_vals(copy->labels, s->labels->data, s->labels->len);
 	for (guint i = 0; i < s->nodes->len; i++) {
 		struct segment node = *node_at(s, i);
 		node.name = g_strdup(node.name);
@@ -79,6 +83,7 @@ void segments_free(segments *s)
 	if (!s)
 		return;
 	g_array_unref(s->nodes);
+	g_array_unref(s->labels);
 	g_free(s->key);
 	g_free(s->edits);
 	g_free(s);
@@ -104,16 +109,28 @@ struct segment *segments_find(const segments *s, uint32_t id)
 	return at < s->nodes->len && node_at(s, at)->id == id ? node_at(s, at) : NULL;
 }
 
+/* 0: all are in use. */
+static uint32_t free_number(const segments *s)
+{
+	uint32_t id = s->next;
+	if (id <= SEGMENTS_MAX)
+		return id;
+	for (id = SEGMENT_FIRST; id <= SEGMENTS_MAX; id++)
+		if (!segments_find(s, id))
+			return id;
+	return 0;
+}
+
 uint32_t segments_add(segments *s, uint32_t parent, const char *name, const char *made_by)
 {
 	const struct segment *above = segments_find(s, parent);
-	uint32_t last = node_at(s, s->nodes->len - 1)->id;
-	uint32_t id = MAX(last + 1, SEGMENT_FIRST);
+	uint32_t id = free_number(s);
 	g_assert(above);
-	if (id > SEGMENTS_MAX)
+	if (!id)
 		return 0;
 	struct segment node = new_node(id, parent, above->class, name, made_by);
-	g_array_append_val(s->nodes, node);
+	g_array_insert_val(s->nodes, place_of(s, id), node);
+	s->next = MAX(s->next, id + 1);
 	return id;
 }
 
@@ -121,6 +138,23 @@ void segments_remove(segments *s, uint32_t id)
 {
 	g_assert(segments_find(s, id) && segments_is_leaf(s, id));
 	g_array_remove_index(s->nodes, place_of(s, id));
+}
+
+static gint by_id(gconstpointer a, gconstpointer b)
+{
+	const struct segment *x = a, *y = b;
+	return (x->id > y->id) - (x->id < y->id);
+}
+
+void segments_renumber(segments *s, const uint16_t *becomes)
+{
+	for (guint i = 0; i < s->nodes->len; i++) {
+		struct segment *node = node_at(s, i);
+		node->id = node->id < SEGMENT_FIRST ? node->id : becomes[node->id];
+		node->parent = node->parent < SEGMENT_FIRST ? node->parent : becomes[node->parent];
+		s->next = MAX(s->next, node->id + 1);
+	}
+	g_array_sort(s->nodes, by_id);
 }
 
 bool segments_is_leaf(const segments *s, uint32_t id)
@@ -146,6 +180,25 @@ char *segments_name(const segments *s, uint32_t id)
 		return g_strdup(node ? node->name : "");
 	g_autofree char *above = segments_name(s, node->parent);
 	return g_strdup_printf("%s / %s", above, node->name);
+}
+
+/* ---- labels ---- */
+
+void segments_add_labels(segments *s, uint32_t scan, uint32_t checksum)
+{
+	struct labels_checksum l = { scan, checksum };
+	g_array_append_val(s->labels, l);
+}
+
+bool segments_has_labels(const segments *s, uint32_t scan, uint32_t checksum)
+{
+	for (guint i = 0; i < s->labels->len; i++) {
+		const struct labels_checksum *l =
+			&g_array_index(s->labels, struct labels_checksum, i);
+		if (l->scan == scan)
+			return l->checksum == checksum;
+	}
+	return false;
 }
 
 /* ---- sums ---- */
@@ -198,6 +251,8 @@ static JsonObject *write_node(const struct segment *node)
 	json_object_set_string_member(o, "class", segment_classes[node->class].name);
 	json_object_set_string_member(o, "name", node->name);
 	json_object_set_string_member(o, "made_by", node->made_by);
+	if (node->found)
+		json_object_set_int_member(o, "found", node->found);
 	json_object_set_int_member(o, "points", (gint64)node->points);
 	json_object_set_double_member(o, "area_m2", round(node->area_m2 * 1000) / 1000);
 	if (!node->points)
@@ -210,6 +265,22 @@ static JsonObject *write_node(const struct segment *node)
 char *segments_automatic_path(const char *site_path)
 {
 	return g_build_filename(site_path, "segments", "automatic.json", NULL);
+}
+
+static JsonNode *write_labels(const segments *s)
+{
+	JsonArray *list = json_array_new();
+	for (guint i = 0; i < s->labels->len; i++) {
+		const struct labels_checksum *l =
+			&g_array_index(s->labels, struct labels_checksum, i);
+		JsonObject *o = json_object_new();
+		json_object_set_int_member(o, "scan", l->scan);
+		json_object_set_int_member(o, "checksum", l->checksum);
+		json_array_add_object_element(list, o);
+	}
+	JsonNode *node = json_node_new(JSON_NODE_ARRAY);
+	json_node_take_array(node, list);
+	return node;
 }
 
 bool segments_save(const segments *s, const char *site_path, GError **error)
@@ -227,6 +298,8 @@ bool segments_save_file(const segments *s, const char *path, GError **error)
 	manifest_set_int(m, "schema", SCHEMA);
 	manifest_set_string(m, "key", s->key);
 	manifest_set_string(m, "edits", s->edits);
+	manifest_set_int(m, "next", s->next);
+	manifest_set_node(m, "labels", write_labels(s));
 	manifest_set_node(m, "segments", json_node_init_array(json_node_alloc(), nodes));
 	json_array_unref(nodes);
 	return manifest_save(m, error);
@@ -288,7 +361,7 @@ static bool read_whole(JsonObject *o, const char *key, double max, double *ret)
 static bool read_node(segments *s, JsonNode *json, const char *path, GError **error)
 {
 	guint i = s->nodes->len;
-	double id, parent, points, area_m2;
+	double id, parent, points, area_m2, found = 0;
 	if (!JSON_NODE_HOLDS_OBJECT(json))
 		return refuse(path, i, "is not an object", error);
 	JsonObject *o = json_node_get_object(json);
@@ -304,10 +377,13 @@ static bool read_node(segments *s, JsonNode *json, const char *path, GError **er
 		!read_number(o, "area_m2", 1e15, &area_m2))
 		return refuse(
 			path, i, "has no 'id', 'parent', 'points' or 'area_m2' that can be", error);
+	if (json_object_has_member(o, "found") && !read_whole(o, "found", SEGMENTS_MAX, &found))
+		return refuse(path, i, "has a 'found' that cannot be", error);
 	if (id < SEGMENT_SITE || (i && id <= node_at(s, i - 1)->id))
 		return refuse(path, i, "has not a larger number than the one before", error);
 	struct segment node = new_node((uint32_t)id, (uint32_t)parent,
 		(enum segment_class)segment_class_find(class), name, by);
+	node.found = (uint32_t)found;
 	node.points = (uint64_t)points;
 	node.area_m2 = area_m2;
 	g_array_append_val(s->nodes, node);
@@ -355,6 +431,52 @@ segments *segments_load(const char *site_path, GError **error)
 	return segments_load_file(path, error);
 }
 
+static bool refuse_file(const char *path, const char *what, GError **error)
+{
+	g_set_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE, "%s: %s", path, what);
+	return false;
+}
+
+static bool read_nodes(segments *s, const manifest *m, GError **error)
+{
+	JsonNode *list = manifest_get_node(m, "segments");
+	if (!list || !JSON_NODE_HOLDS_ARRAY(list))
+		return refuse_file(manifest_path(m), "'segments' is not a list", error);
+	JsonArray *nodes = json_node_get_array(list);
+	for (guint i = 0; i < json_array_get_length(nodes); i++)
+		if (!read_node(s, json_array_get_element(nodes, i), manifest_path(m), error))
+			return false;
+	return check_tree(s, manifest_path(m), error);
+}
+
+/* Files of before have no "next": what they had last counts then. */
+static bool read_next(segments *s, const manifest *m, GError **error)
+{
+	int64_t least = MAX(node_at(s, s->nodes->len - 1)->id + 1, SEGMENT_FIRST), next = least;
+	if (manifest_has(m, "next") &&
+		!manifest_get_int(m, "next", least, SEGMENTS_MAX + 1, &next, error))
+		return false;
+	s->next = (uint32_t)next;
+	return true;
+}
+
+static bool read_labels(segments *s, const manifest *m, GError **error)
+{
+	JsonNode *node = manifest_get_node(m, "labels");
+	JsonArray *list = node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
+	for (guint i = 0; list && i < json_array_get_length(list); i++) {
+		JsonNode *one = json_array_get_element(list, i);
+		double scan, checksum;
+		if (!JSON_NODE_HOLDS_OBJECT(one) ||
+			!read_whole(json_node_get_object(one), "scan", G_MAXUINT32, &scan) ||
+			!read_whole(json_node_get_object(one), "checksum", G_MAXUINT32, &checksum))
+			return refuse_file(manifest_path(m),
+				"'labels' has an entry without 'scan' or 'checksum'", error);
+		segments_add_labels(s, (uint32_t)scan, (uint32_t)checksum);
+	}
+	return list || !node || refuse_file(manifest_path(m), "'labels' is not a list", error);
+}
+
 segments *segments_load_file(const char *path, GError **error)
 {
 	g_autoptr(manifest) m = manifest_load(path, SCHEMA, error);
@@ -367,15 +489,7 @@ segments *segments_load_file(const char *path, GError **error)
 	g_free(s->edits);
 	s->key = g_strdup(key);
 	s->edits = g_strdup(edits);
-	JsonNode *list = manifest_get_node(m, "segments");
-	if (!list || !JSON_NODE_HOLDS_ARRAY(list)) {
-		g_set_error(error, MANIFEST_ERROR, MANIFEST_ERROR_VALUE,
-			"%s: 'segments' is not a list", path);
+	if (!read_nodes(s, m, error) || !read_next(s, m, error) || !read_labels(s, m, error))
 		return NULL;
-	}
-	JsonArray *nodes = json_node_get_array(list);
-	for (guint i = 0; i < json_array_get_length(nodes); i++)
-		if (!read_node(s, json_array_get_element(nodes, i), path, error))
-			return NULL;
-	return check_tree(s, path, error) ? g_steal_pointer(&s) : NULL;
+	return g_steal_pointer(&s);
 }

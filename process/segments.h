@@ -2,13 +2,21 @@
 #define PROCESS_SEGMENTS_H
 /* The tree of segments of a site (Wegen et al. 2024, section 4.2; Xu & Chen 2004, section 3): the site, its classes, the things of a
  * class, their parts, and what a person has made of them. Points belong to leaves, each to exactly one. Numbers below
- * SEGMENT_FIRST are the site and its classes; a node keeps its number as long as it is.
+ * SEGMENT_FIRST are the site and its classes.
+ *
+ * A node keeps its number as long as it is, also when segments are found anew because a scan was added or a parameter changed:
+ * what is the same by its points has the number that it had (segment-numbers.h). The number of what is gone is given to nothing
+ * else: "next" is the first one that none ever had. Only when all SEGMENTS_MAX are used up, those that nothing has are given out
+ * once more. Where there are no segments yet, numbers are in the order in which things are found.
  *
  * On disk: SITE/segments/segments.json, a product like the labels beside it (scan-segments.h):
  *
- *     "schema": 1, "key": "...", "edits": "1 2 5"
- *     "segments": [ { "id": 12, "parent": 2, "class": "vegetation", "name": "Tree 4", "made_by": "rules",
+ *     "schema": 1, "key": "...", "edits": "1 2 5", "next": 131
+ *     "labels": [ { "scan": 1, "checksum": 2864434397 }, ... ]
+ *     "segments": [ { "id": 19, "parent": 4, "class": "vegetation", "name": "Tree 4", "made_by": "rules", "found": 22,
  *                     "points": 81234, "low_m": [x,y,z], "high_m": [x,y,z], "area_m2": 41.2 }, ... ]
+ *
+ * "next", "labels" and "found" may be missing, as in files of before.
  *
  * One owner. Errors are those of manifest.h. */
 #include "process/segment-class.h"
@@ -28,6 +36,8 @@ static inline uint32_t segment_of_class(enum segment_class class)
 
 struct segment {
 	uint32_t id, parent; /* parent 0: the site */
+	uint32_t
+		found; /* its place in the order of finding, from SEGMENT_FIRST; 0: a person made it */
 	enum segment_class class;
 	char *name;                 /* "Tree 4" */
 	char *made_by;              /* "rules", "labels", "model", "user" */
@@ -36,11 +46,18 @@ struct segment {
 	double area_m2;             /* of surface, each counted once however many scans saw it */
 };
 
+/* The labels that belong to a tree. */
+struct labels_checksum {
+	uint32_t scan, checksum; /* of the section (scan-segments.h) */
+};
+
 typedef struct segments segments;
 struct segments {
-	GArray *nodes; /* of struct segment, by id */
-	char *key;     /* what it was made from */
-	char *edits;   /* numbers of the changes that are in it (segment-edits.h) */
+	GArray *nodes;  /* of struct segment, by id */
+	char *key;      /* what it was made from */
+	char *edits;    /* numbers of the changes that are in it (segment-edits.h) */
+	uint32_t next;  /* no node ever had this number or a larger one */
+	GArray *labels; /* of struct labels_checksum */
 };
 
 /* With the site and all classes, and nothing in them. */
@@ -59,14 +76,20 @@ bool segments_save_file(const segments *s, const char *path, GError **error);
 
 /* NULL: none of this number. Pointers hold until a node is added or removed. */
 struct segment *segments_find(const segments *s, uint32_t id);
-/* The next free number; 0 when there are too many. Copies name. */
+/* The number that it gets; 0 when there are too many. Copies name. */
 uint32_t segments_add(segments *s, uint32_t parent, const char *name, const char *made_by);
 void segments_remove(segments *s, uint32_t id); /* one without children */
+/* becomes: of each number up to SEGMENTS_MAX, another one for each that is there; those below SEGMENT_FIRST stay. */
+void segments_renumber(segments *s, const uint16_t *becomes);
 bool segments_is_leaf(const segments *s, uint32_t id);
 /* Whether a is b or stands above it. */
 bool segments_is_above(const segments *s, uint32_t a, uint32_t b);
 /* "Vegetation / Tree 4"; caller frees. */
 char *segments_name(const segments *s, uint32_t id);
+
+/* Of the labels of a scan, which it belongs to from then on. */
+void segments_add_labels(segments *s, uint32_t scan, uint32_t checksum);
+bool segments_has_labels(const segments *s, uint32_t scan, uint32_t checksum);
 
 /* A point of a leaf: counts for all above it too. */
 void segments_clear_sums(segments *s);

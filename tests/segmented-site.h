@@ -10,7 +10,7 @@
 #ifndef STATIONS
 #define STATIONS 3
 #endif
-#define SCENE    "court?seed=21&ares=360&camera=none&divergence_mrad=0&station=%d"
+#define SCENE "court?seed=21&ares=360&camera=none&divergence_mrad=0&station=%d"
 
 /* ---- sites ---- */
 
@@ -108,7 +108,8 @@ struct checked {
 	const segments *tree;
 };
 
-static inline void check_point(struct checked *c, const struct scan_points *p, uint64_t i, uint32_t leaf)
+static inline void check_point(
+	struct checked *c, const struct scan_points *p, uint64_t i, uint32_t leaf)
 {
 	double at[3];
 	const struct segment *node = segments_find(c->tree, leaf);
@@ -157,6 +158,17 @@ static inline void check_leaves(const char *path, const scan_graph *g)
 		g_assert_cmpuint(node->points, ==, below);
 		g_assert_true(node->id < SEGMENT_FIRST || node->points);
 	}
+}
+
+/* The labels of a scan; caller frees. */
+static inline uint16_t *labels_in(const char *path, uint32_t scan, uint64_t *ret_count)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(site) s = site_open(path, &error);
+	g_autoptr(scan_segments) l = scan_segments_open(s, scan, &error);
+	g_assert_no_error(error);
+	*ret_count = l->count;
+	return g_memdup2(l->leaf, l->count * sizeof *l->leaf);
 }
 
 #endif

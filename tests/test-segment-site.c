@@ -27,23 +27,60 @@ static char *sum_of(const char *path)
 	return g_strdup(g_checksum_get_string(sum));
 }
 
-/* Of the whole site at once. */
+/* A site that was segmented as a whole at once. */
+static const char *whole_site(void)
+{
+	static char *path;
+	if (!path) {
+		path = fresh_site();
+		g_autoptr(scan_graph) g = graph_of(STATIONS);
+		segment(path, g);
+	}
+	return path;
+}
+
 static const char *whole_sum(void)
 {
 	static char *sum;
-	if (!sum) {
-		g_autofree char *path = fresh_site();
-		g_autoptr(scan_graph) g = graph_of(STATIONS);
-		segment(path, g);
-		sum = sum_of(path);
-	}
-	return sum;
+	return sum ? sum : (sum = sum_of(whole_site()));
 }
 
 static void assert_whole(const char *path)
 {
 	g_autofree char *sum = sum_of(path);
 	g_assert_cmpstr(sum, ==, whole_sum());
+}
+
+static void assert_alike(const struct segment *a, const struct segment *b)
+{
+	g_assert_true(a && b);
+	g_assert_cmpint(a->class, ==, b->class);
+	g_assert_cmpuint(a->points, ==, b->points);
+	g_assert_cmpfloat(a->area_m2, ==, b->area_m2);
+	g_assert_cmpmem(a->low_m, sizeof a->low_m, b->low_m, sizeof b->low_m);
+	g_assert_cmpmem(a->high_m, sizeof a->high_m, b->high_m, sizeof b->high_m);
+}
+
+/* The same things, whatever their numbers. */
+static void assert_whole_but_numbers(const char *path)
+{
+	g_autoptr(segments) tree = segments_load(path, NULL),
+			    whole = segments_load(whole_site(), NULL);
+	g_autofree uint16_t *is = g_new0(uint16_t, SEGMENTS_MAX + 1);
+	g_assert_cmpuint(tree->nodes->len, ==, whole->nodes->len);
+	for (uint32_t scan = 1; scan <= STATIONS; scan++) {
+		uint64_t count, other;
+		g_autofree uint16_t *a = labels_in(path, scan, &count),
+				    *b = labels_in(whole_site(), scan, &other);
+		g_assert_cmpuint(count, ==, other);
+		for (uint64_t i = 0; i < count; i++) {
+			is[a[i]] = is[a[i]] ? is[a[i]] : b[i];
+			g_assert_cmpuint(is[a[i]], ==, b[i]);
+		}
+	}
+	for (uint32_t id = SEGMENT_FIRST; id <= SEGMENTS_MAX; id++)
+		if (is[id])
+			assert_alike(segments_find(tree, id), segments_find(whole, is[id]));
 }
 
 /* ---- what is in them ---- */
@@ -77,7 +114,7 @@ static void test_due(void)
 	expect_why(path, g, changed);
 	segment(path, g);
 	expect_why(path, g, NULL);
-	assert_whole(path);
+	assert_whole_but_numbers(path);
 	struct placed_scan *p = &g_array_index(g->scans, struct placed_scan, 1);
 	p->pose.translation_m[0] += 0.01;
 	expect_why(path, g, changed);
@@ -106,7 +143,7 @@ static void test_parameters(void)
 		set(path, "segmentation", NULL);
 	}
 	segment(path, g);
-	assert_whole(path);
+	assert_whole_but_numbers(path);
 }
 
 /* Fewer things when each needs more points, and none of those that count has fewer. */
@@ -200,15 +237,19 @@ static void test_stopped(void)
 	assert_whole(path);
 }
 
-static void damage(const char *path, const char *name, bool remove)
+enum harm { HARM_CUT, HARM_GONE, HARM_FLIPPED, HARMS };
+
+static void damage(const char *path, const char *name, enum harm harm)
 {
 	g_autofree char *file = g_build_filename(path, "segments", name, NULL), *bytes = NULL;
 	gsize length;
 	g_assert_true(g_file_get_contents(file, &bytes, &length, NULL));
-	if (remove)
+	bytes[length / 3] ^= harm == HARM_FLIPPED ? 4 : 0; /* in the first section */
+	if (harm == HARM_GONE)
 		g_assert_cmpint(g_unlink(file), ==, 0);
 	else
-		g_assert_true(g_file_set_contents(file, bytes, (gssize)(length * 2 / 3), NULL));
+		g_assert_true(g_file_set_contents(
+			file, bytes, (gssize)(harm == HARM_CUT ? length * 2 / 3 : length), NULL));
 }
 
 static void test_damaged(void)
@@ -222,13 +263,34 @@ static void test_damaged(void)
 	g_autofree char *path = fresh_site();
 	g_autoptr(scan_graph) g = graph_of(STATIONS);
 	segment(path, g);
-	for (size_t i = 0; i < 2 * G_N_ELEMENTS(cases); i++) {
-		damage(path, cases[i / 2].file, i % 2);
-		expect_why(path, g, i % 2 ? cases[i / 2].why_gone : cases[i / 2].why);
+	for (size_t i = 0; i < HARMS * G_N_ELEMENTS(cases); i++) {
+		enum harm harm = (enum harm)(i % HARMS);
+		if (harm == HARM_FLIPPED && g_str_has_suffix(cases[i / HARMS].file, ".json"))
+			continue; /* which may be a text as good as it was */
+		damage(path, cases[i / HARMS].file, harm);
+		expect_why(path, g,
+			harm == HARM_GONE ? cases[i / HARMS].why_gone : cases[i / HARMS].why);
 		segment(path, g);
 		expect_why(path, g, NULL);
 		assert_whole(path);
 	}
+}
+
+/* Labels that are whole, but of another run: as when it was cut off, and the scans are as they were before. */
+static void test_other_labels(void)
+{
+	g_autofree char *path = fresh_site(), *other = copy_of(whole_site());
+	g_autoptr(scan_graph) g = graph_of(STATIONS);
+	set(other, "segmentation.gap_m", "0.25");
+	segment(other, g);
+	segment(path, g);
+	g_autofree char *command =
+		g_strdup_printf("cp '%s/segments/0002.segments' '%s/segments/'", other, path);
+	g_assert_cmpint(system(command), ==, 0);
+	expect_why(path, g, "the segments of scan 2 are others");
+	segment(path, g);
+	expect_why(path, g, NULL);
+	assert_whole(path);
 }
 
 /* Labels of a scan that is no more go; other files stay. */
@@ -344,6 +406,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/segment-site/bad-parameters", test_bad_parameters);
 	g_test_add_func("/segment-site/stopped", test_stopped);
 	g_test_add_func("/segment-site/damaged", test_damaged);
+	g_test_add_func("/segment-site/other-labels", test_other_labels);
 	g_test_add_func("/segment-site/strangers", test_strangers);
 	g_test_add_func("/segment-site/threads", test_threads);
 	g_test_add_func("/segment-site/no-geometry", test_no_geometry);

@@ -20,6 +20,10 @@ static segments *make(void)
 	uint32_t house = segments_add(s, segment_of_class(CLASS_BUILDING), "Building 1", "rules");
 	uint32_t wall = segments_add(s, house, "Wall 1", "rules");
 	segments_add(s, house, "Details", "user");
+	segments_find(s, tree)->found = 77;
+	segments_add_labels(s, 3, 0xDEADBEEF);
+	segments_add_labels(s, 7, 0);
+	s->next = 99;
 	segments_count(s, tree, 100, low, high, 12.5);
 	segments_count(s, wall, 11, low2, high2, 2.25);
 	g_free(s->key);
@@ -53,7 +57,8 @@ static void test_tree(void)
 	/* numbers below the last stay free, so that a number means one thing */
 	segments_remove(s, tree + 1);
 	g_assert_null(segments_find(s, tree + 1));
-	g_assert_cmpuint(segments_add(s, house, "Roof", "user"), ==, details + 1);
+	g_assert_cmpuint(segments_add(s, house, "Roof", "user"), ==, 99);
+	g_assert_cmpuint(s->next, ==, 100);
 	segments_remove(s, wall);
 	g_assert_false(segments_is_leaf(s, house));
 	g_assert_cmpuint(segments_find(s, details)->parent, ==, house);
@@ -83,18 +88,53 @@ static void test_full(void)
 	for (uint32_t i = SEGMENT_FIRST; i <= SEGMENTS_MAX; i++)
 		g_assert_cmpuint(segments_add(s, 2, "Thing", "rules"), ==, i);
 	g_assert_cmpuint(segments_add(s, 2, "Thing", "rules"), ==, 0);
+	/* all were used once; what is free may be used again then, and only then */
+	segments_remove(s, 500);
+	segments_remove(s, SEGMENTS_MAX);
+	g_assert_cmpuint(segments_add(s, 2, "Thing", "rules"), ==, 500);
+	g_assert_cmpuint(segments_add(s, 2, "Thing", "rules"), ==, SEGMENTS_MAX);
+	g_assert_cmpuint(segments_add(s, 2, "Thing", "rules"), ==, 0);
+	for (guint i = 1; i < s->nodes->len; i++)
+		g_assert_cmpuint(g_array_index(s->nodes, struct segment, i).id, >,
+			g_array_index(s->nodes, struct segment, i - 1).id);
+}
+
+static void test_renumber(void)
+{
+	g_autoptr(segments) s = make();
+	g_autofree uint16_t *becomes = g_new0(uint16_t, SEGMENTS_MAX + 1);
+	uint32_t tree = SEGMENT_FIRST, house = tree + 2, wall = tree + 3, details = tree + 4;
+	becomes[tree] = 400;
+	becomes[tree + 1] = (uint16_t)details;
+	becomes[house] = 300;
+	becomes[wall] = (uint16_t)tree;
+	becomes[details] = 299;
+	segments_renumber(s, becomes);
+	g_assert_cmpstr(segments_find(s, 400)->name, ==, "Tree 1");
+	g_assert_cmpuint(segments_find(s, 400)->points, ==, 100);
+	g_assert_cmpuint(segments_find(s, 400)->parent, ==, segment_of_class(CLASS_VEGETATION));
+	g_assert_cmpuint(segments_find(s, tree)->parent, ==, 300);
+	g_assert_cmpuint(segments_find(s, 299)->parent, ==, 300);
+	g_assert_cmpstr(segments_find(s, details)->name, ==, "Tree \"2\" ä");
+	g_assert_null(segments_find(s, house));
+	g_assert_cmpuint(s->next, ==, 401);
+	g_assert_cmpuint(segments_add(s, 300, "Roof", "user"), ==, 401);
 }
 
 static void assert_equal(const segments *a, const segments *b)
 {
 	g_assert_cmpstr(a->key, ==, b->key);
 	g_assert_cmpstr(a->edits, ==, b->edits);
+	g_assert_cmpuint(a->next, ==, b->next);
+	g_assert_cmpmem(a->labels->data, a->labels->len * sizeof(struct labels_checksum),
+		b->labels->data, b->labels->len * sizeof(struct labels_checksum));
 	g_assert_cmpuint(a->nodes->len, ==, b->nodes->len);
 	for (guint i = 0; i < a->nodes->len; i++) {
 		const struct segment *p = &g_array_index(a->nodes, struct segment, i),
 				     *q = &g_array_index(b->nodes, struct segment, i);
 		g_assert_cmpuint(p->id, ==, q->id);
 		g_assert_cmpuint(p->parent, ==, q->parent);
+		g_assert_cmpuint(p->found, ==, q->found);
 		g_assert_cmpint(p->class, ==, q->class);
 		g_assert_cmpstr(p->name, ==, q->name);
 		g_assert_cmpstr(p->made_by, ==, q->made_by);
@@ -116,6 +156,8 @@ static void test_round_trip(void)
 	g_autoptr(segments) back = segments_load(site_folder, &error);
 	g_assert_no_error(error);
 	assert_equal(s, back);
+	g_assert_true(segments_has_labels(back, 3, 0xDEADBEEF) && segments_has_labels(back, 7, 0));
+	g_assert_false(segments_has_labels(back, 3, 0) || segments_has_labels(back, 4, 0));
 }
 
 static void test_missing(void)
@@ -196,11 +238,40 @@ static const struct refusal {
 	{ 0, "segments", "{}", "'segments' is not a list" },
 	{ 0, "segments", "[]", "the class other is missing" },
 	{ 0, "segments", "[4]", "segment 1 of the list is not an object" },
+	{ 16, "found", "-1", "segment 8 of the list has a 'found' that cannot be" },
+	{ 16, "found", "\"16\"", "segment 8 of the list has a 'found' that cannot be" },
+	{ 16, "found", "65536", "segment 8 of the list has a 'found' that cannot be" },
+	{ 0, "next", "20", "'next'" }, /* which a segment has */
+	{ 0, "next", "65537", "'next'" },
+	{ 0, "next", "\"99\"", "'next'" },
+	{ 0, "labels", "{}", "'labels' is not a list" },
+	{ 0, "labels", "7", "'labels' is not a list" },
+	{ 0, "labels", "[7]", "'labels' has an entry without" },
+	{ 0, "labels", "[{\"scan\": 1}]", "'labels' has an entry without" },
+	{ 0, "labels", "[{\"scan\": 1, \"checksum\": -4}]", "'labels' has an entry without" },
 	{ 0, "key", NULL, "'key'" },
 	{ 0, "edits", "-1", "'edits'" },
 	{ 0, "edits", NULL, "'edits'" },
 	{ 0, "schema", "2", "schema" },
 };
+
+/* A file of before, which tells nothing of these. */
+static void test_before(void)
+{
+	g_autoptr(GError) error = NULL;
+	g_autofree char *text = text_of_made(), *path = segments_path(site_folder);
+	g_autoptr(JsonNode) node = json_from_string(text, NULL);
+	change(json_node_get_object(node), 16, "found", NULL);
+	change(json_node_get_object(node), 0, "next", NULL);
+	change(json_node_get_object(node), 0, "labels", NULL);
+	g_autofree char *changed = json_to_string(node, TRUE);
+	g_assert_true(g_file_set_contents(path, changed, -1, NULL));
+	g_autoptr(segments) s = segments_load(site_folder, &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(s->next, ==, SEGMENT_FIRST + 5);
+	g_assert_cmpuint(s->labels->len, ==, 0);
+	g_assert_cmpuint(segments_find(s, SEGMENT_FIRST)->found, ==, 0);
+}
 
 static void expect_refused(const char *text, const char *words)
 {
@@ -246,6 +317,8 @@ int main(int argc, char **argv)
 	g_test_add_func("/segments/tree", test_tree);
 	g_test_add_func("/segments/sums", test_sums);
 	g_test_add_func("/segments/full", test_full);
+	g_test_add_func("/segments/renumber", test_renumber);
+	g_test_add_func("/segments/before", test_before);
 	g_test_add_func("/segments/round-trip", test_round_trip);
 	g_test_add_func("/segments/missing", test_missing);
 	g_test_add_func("/segments/cut", test_cut);
