@@ -89,14 +89,21 @@ bool segment_editor_change(segment_editor *e, segment_edit *edit, GError **error
 {
 	g_free(edit->base);
 	edit->base = g_strdup(e->state->tree->key);
-	return segment_state_apply(e->state, edit, error) &&
-	       segment_edits_append(e->edits, e->site, edit, error) && save(e, error);
+	uint32_t first = e->state->tree->next;
+	if (!segment_state_apply(e->state, edit, error))
+		return false;
+	segment_state_refer_made(e->state, edit, first);
+	return segment_edits_append(e->edits, e->site, edit, error) && save(e, error);
 }
 
 static bool build_anew(segment_editor *e, GError **error)
 {
 	g_autoptr(segment_state) state = segment_state_load_automatic(e->site, e->scans, error);
-	if (!state || !segment_state_apply_all(state, e->edits, error))
+	if (!state)
+		return false;
+	/* numbers of what is undone are not given to what is made next */
+	state->tree->next = MAX(state->tree->next, e->state->tree->next);
+	if (!segment_state_apply_all(state, e->edits, error))
 		return false;
 	segment_state_free(e->state);
 	e->state = g_steal_pointer(&state);

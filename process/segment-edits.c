@@ -26,6 +26,7 @@ segment_edit *segment_edit_new(enum segment_op op)
 	e->op = op;
 	e->class = -1;
 	e->segments = g_ptr_array_new_with_free_func(free_ref);
+	e->made = g_ptr_array_new_with_free_func(free_ref);
 	e->runs = g_array_new(FALSE, FALSE, sizeof(struct cell_run));
 	return e;
 }
@@ -38,16 +39,17 @@ void segment_edit_free(segment_edit *e)
 	g_free(e->base);
 	g_free(e->name);
 	g_ptr_array_unref(e->segments);
+	g_ptr_array_unref(e->made);
 	g_array_unref(e->runs);
 	g_free(e);
 }
 
-struct segment_ref *segment_edit_add_ref(segment_edit *e, uint32_t id, uint32_t up)
+struct segment_ref *segment_edit_add_ref(GPtrArray *list, uint32_t id, uint32_t up)
 {
 	struct segment_ref *r = g_new(struct segment_ref, 1);
 	*r = (struct segment_ref){ id, up,
 		g_array_new(FALSE, FALSE, sizeof(struct segment_anchor)) };
-	g_ptr_array_add(e->segments, r);
+	g_ptr_array_add(list, r);
 	return r;
 }
 
@@ -58,11 +60,11 @@ static char *edit_path(const site *s, uint32_t number)
 	return g_strdup_printf("%s/edits/%04u.edit", site_path(s), number);
 }
 
-static JsonArray *write_refs(const segment_edit *e)
+static JsonArray *write_refs(const GPtrArray *refs)
 {
 	JsonArray *list = json_array_new();
-	for (guint i = 0; i < e->segments->len; i++) {
-		const struct segment_ref *r = e->segments->pdata[i];
+	for (guint i = 0; i < refs->len; i++) {
+		const struct segment_ref *r = refs->pdata[i];
 		JsonObject *o = json_object_new();
 		JsonArray *anchors = json_array_new();
 		for (guint k = 0; k < r->anchors->len; k++) {
@@ -85,7 +87,9 @@ static JsonObject *write_edit(const segment_edit *e)
 	json_object_set_string_member(o, "op", segment_op_names[e->op]);
 	json_object_set_string_member(o, "time", e->time);
 	json_object_set_string_member(o, "base", e->base ? e->base : "");
-	json_object_set_array_member(o, "segments", write_refs(e));
+	json_object_set_array_member(o, "segments", write_refs(e->segments));
+	if (e->made->len)
+		json_object_set_array_member(o, "made", write_refs(e->made));
 	if (e->name)
 		json_object_set_string_member(o, "name", e->name);
 	if (e->class >= 0)
@@ -131,7 +135,7 @@ static JsonArray *list_in(JsonObject *o, const char *key)
 	return node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
 }
 
-static bool read_ref(segment_edit *e, JsonNode *node)
+static bool read_ref(GPtrArray *list, JsonNode *node)
 {
 	uint32_t id, up;
 	JsonObject *o = JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
@@ -139,7 +143,7 @@ static bool read_ref(segment_edit *e, JsonNode *node)
 	if (!anchors || !number_in(o, "id", &id) || !number_in(o, "up", &up) ||
 		json_array_get_length(anchors) % 2)
 		return false;
-	struct segment_ref *r = segment_edit_add_ref(e, id, up);
+	struct segment_ref *r = segment_edit_add_ref(list, id, up);
 	for (guint i = 0; i < json_array_get_length(anchors); i += 2) {
 		JsonNode *scan = json_array_get_element(anchors, i),
 			 *cell = json_array_get_element(anchors, i + 1);
@@ -149,6 +153,14 @@ static bool read_ref(segment_edit *e, JsonNode *node)
 			(uint32_t)json_node_get_int(cell) };
 		g_array_append_val(r->anchors, a);
 	}
+	return true;
+}
+
+static bool read_refs(GPtrArray *list, JsonArray *refs)
+{
+	for (guint i = 0; refs && i < json_array_get_length(refs); i++)
+		if (!read_ref(list, json_array_get_element(refs, i)))
+			return false;
 	return true;
 }
 
@@ -189,9 +201,8 @@ static segment_edit *parse_edit(JsonObject *o, const struct cell_run *runs, uint
 	e->gap_m = gap && JSON_NODE_HOLDS_VALUE(gap) ? json_node_get_double(gap) : 0;
 	if (!number_in(o, "points_min", &e->points_min) || !number_in(o, "scan", &e->scan))
 		return NULL;
-	for (guint i = 0; i < json_array_get_length(refs); i++)
-		if (!read_ref(e, json_array_get_element(refs, i)))
-			return NULL;
+	if (!read_refs(e->segments, refs) || !read_refs(e->made, list_in(o, "made")))
+		return NULL;
 	g_array_append_vals(e->runs, runs, (guint)count);
 	return is_whole(e) ? g_steal_pointer(&e) : NULL;
 }

@@ -7,8 +7,10 @@
  *     0005.edit      one change (product.h): the manifest tells what, the section "runs" has pairs of uint32, a first cell and how
  *                    many cells follow on, of the scan that was drawn in
  *
- * Numbers of segments are another when segments are found anew. So a change names each segment by some of its points too, and
- * by how far above their leaves it stands. */
+ * Segments that are the same keep their numbers when they are found anew (segments.h), but one that was a single thing may be two
+ * then, or gone. So a change names each segment by some of its points too, and by how far above their leaves it stands: the number
+ * counts while the segment that has it has a quarter of these points, else the segment that most of them are in. The segments that
+ * a change made are named in the same way, and have the same numbers when it is made once more. */
 #include "acquire/site.h"
 #include "process/segment-class.h"
 
@@ -41,6 +43,7 @@ struct segment_edit {
 	char *time;          /* UTC */
 	char *base;          /* key of the segments that ids are of (segments.h) */
 	GPtrArray *segments; /* of struct segment_ref */
+	GPtrArray *made;     /* the same: leaves that came of it; none before it was made */
 	char *name;          /* NULL: none */
 	int class;           /* enum segment_class; -1: none */
 	double gap_m;
@@ -51,7 +54,8 @@ struct segment_edit {
 segment_edit *segment_edit_new(enum segment_op op);
 void segment_edit_free(segment_edit *e); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(segment_edit, segment_edit_free)
-struct segment_ref *segment_edit_add_ref(segment_edit *e, uint32_t id, uint32_t up);
+/* list: segments or made, of the change. */
+struct segment_ref *segment_edit_add_ref(GPtrArray *list, uint32_t id, uint32_t up);
 
 typedef struct segment_edits segment_edits;
 struct segment_edits {

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #define ANCHORS 24u
+/* Of its points: a segment with so many of them is still the one of this number. */
+#define SAME_SHARE 0.25
 
 /* ---- loading and saving ---- */
 
@@ -106,7 +108,8 @@ uint8_t *segment_state_below(const segments *tree, uint32_t id)
 
 void segment_state_refer(const segment_state *s, segment_edit *e, uint32_t id)
 {
-	struct segment_ref *r = segment_edit_add_ref(e, id, levels_above_leaves(s->tree, id));
+	struct segment_ref *r =
+		segment_edit_add_ref(e->segments, id, levels_above_leaves(s->tree, id));
 	const struct segment *node = segments_find(s->tree, id);
 	g_autofree uint8_t *is = segment_state_below(s->tree, id);
 	uint64_t step = node ? MAX(node->points / ANCHORS, 1) : 1, seen = 0;
@@ -119,6 +122,28 @@ void segment_state_refer(const segment_state *s, segment_edit *e, uint32_t id)
 		}
 }
 
+void segment_state_refer_made(const segment_state *s, segment_edit *e, uint32_t first)
+{
+	g_autofree struct segment_ref **made = g_new0(struct segment_ref *, SEGMENTS_MAX + 1);
+	g_autofree uint64_t *seen = g_new0(uint64_t, SEGMENTS_MAX + 1),
+			    *step = g_new0(uint64_t, SEGMENTS_MAX + 1);
+	for (guint i = 0; i < s->tree->nodes->len; i++) {
+		const struct segment *node = &g_array_index(s->tree->nodes, struct segment, i);
+		if (node->id < first || !segments_is_leaf(s->tree, node->id))
+			continue;
+		made[node->id] = segment_edit_add_ref(e->made, node->id, 0);
+		step[node->id] = MAX(node->points / ANCHORS, 1);
+	}
+	for (guint i = 0; e->made->len && i < s->scans->scans->len; i++)
+		for (uint64_t k = 0; k < s->label[i].count; k++) {
+			uint16_t leaf = s->label[i].leaf[k];
+			struct segment_anchor a = { segment_scans_at(s->scans, i)->number,
+				(uint32_t)k };
+			if (made[leaf] && seen[leaf]++ % step[leaf] == step[leaf] / 2)
+				g_array_append_val(made[leaf]->anchors, a);
+		}
+}
+
 static const struct segment_label *labels_of(const segment_state *s, uint32_t scan)
 {
 	for (guint i = 0; i < s->scans->scans->len; i++)
@@ -127,16 +152,21 @@ static const struct segment_label *labels_of(const segment_state *s, uint32_t sc
 	return NULL;
 }
 
+/* Leaf of the k-th point that names a segment; SEGMENT_NONE: it is not there. */
+static uint32_t leaf_of_anchor(const segment_state *s, const struct segment_ref *r, guint k)
+{
+	const struct segment_anchor *a = &g_array_index(r->anchors, struct segment_anchor, k);
+	const struct segment_label *l = labels_of(s, a->scan);
+	return l && a->cell < l->count ? l->leaf[a->cell] : SEGMENT_NONE;
+}
+
 /* The leaf that most of its points are in now, and from there as far up as it stood; classes stay out of it. */
 static uint32_t find_by_points(const segment_state *s, const struct segment_ref *r)
 {
 	g_autofree uint32_t *votes = g_new0(uint32_t, SEGMENTS_MAX + 1);
 	uint32_t best = 0;
 	for (guint k = 0; k < r->anchors->len; k++) {
-		const struct segment_anchor *a =
-			&g_array_index(r->anchors, struct segment_anchor, k);
-		const struct segment_label *l = labels_of(s, a->scan);
-		uint32_t leaf = l && a->cell < l->count ? l->leaf[a->cell] : 0;
+		uint32_t leaf = leaf_of_anchor(s, r, k);
 		if (leaf && ++votes[leaf] > votes[best])
 			best = leaf;
 	}
@@ -149,13 +179,24 @@ static uint32_t find_by_points(const segment_state *s, const struct segment_ref 
 	return best;
 }
 
+/* Whether the segment that has its number now has enough of its points. */
+static bool is_still_there(const segment_state *s, const struct segment_ref *r)
+{
+	guint in = 0;
+	for (guint k = 0; k < r->anchors->len; k++) {
+		uint32_t leaf = leaf_of_anchor(s, r, k);
+		in += leaf && segments_is_above(s->tree, r->id, leaf);
+	}
+	return in && in >= SAME_SHARE * r->anchors->len;
+}
+
 static uint32_t find_segment(const segment_state *s, const segment_edit *e, guint i)
 {
 	const struct segment_ref *r = e->segments->pdata[i];
-	bool is_same = e->base && strcmp(e->base, s->tree->key) == 0;
-	if ((is_same || r->id < SEGMENT_FIRST) && segments_find(s->tree, r->id))
+	bool is_same = r->id < SEGMENT_FIRST || (e->base && strcmp(e->base, s->tree->key) == 0);
+	if (segments_find(s->tree, r->id) && (is_same || is_still_there(s, r)))
 		return r->id;
-	return is_same ? 0 : find_by_points(s, r);
+	return find_by_points(s, r);
 }
 
 bool segment_state_find(
@@ -168,21 +209,82 @@ bool segment_state_find(
 
 /* ---- changes ---- */
 
-bool segment_state_apply_all(segment_state *s, const segment_edits *edits, GError **error)
+static void renumber(segment_state *s, const uint16_t *becomes)
 {
+	segments_renumber(s->tree, becomes);
+	for (guint i = 0; i < s->scans->scans->len; i++)
+		for (uint64_t k = 0; k < s->label[i].count; k++)
+			s->label[i].leaf[k] = becomes[s->label[i].leaf[k]];
+}
+
+/* What was made just now, from number `first` on, gets the numbers that it had when the change was made for the first time. */
+static void keep_made(segment_state *s, const segment_edit *e, uint32_t first)
+{
+	g_autofree uint16_t *becomes = g_new(uint16_t, SEGMENTS_MAX + 1);
+	uint32_t next = first;
+	bool any = false;
+	for (uint32_t id = 0; id <= SEGMENTS_MAX; id++)
+		becomes[id] = (uint16_t)(id < first ? id : 0);
+	for (guint i = 0; i < e->made->len; i++) {
+		const struct segment_ref *r = e->made->pdata[i];
+		uint32_t id = find_by_points(s, r);
+		if (id < first || becomes[id] || r->id < SEGMENT_FIRST || r->id >= first ||
+			segments_find(s->tree, r->id))
+			continue;
+		becomes[id] = (uint16_t)r->id;
+		any = true;
+	}
+	for (guint i = 0; any && i < s->tree->nodes->len; i++) {
+		uint32_t id = g_array_index(s->tree->nodes, struct segment, i).id;
+		if (!becomes[id])
+			becomes[id] = (uint16_t)next++;
+	}
+	if (!any)
+		return;
+	s->tree->next = next;
+	renumber(s, becomes);
+}
+
+/* Numbers of before stay free for what has them. */
+static void leave_room(segment_state *s, const segment_edit *e)
+{
+	for (guint i = 0; i < e->made->len; i++) {
+		const struct segment_ref *r = e->made->pdata[i];
+		if (r->id <= SEGMENTS_MAX)
+			s->tree->next = MAX(s->tree->next, r->id + 1);
+	}
+}
+
+static GPtrArray *read_all(segment_state *s, const segment_edits *edits, GError **error)
+{
+	g_autoptr(GPtrArray) all =
+		g_ptr_array_new_with_free_func((GDestroyNotify)segment_edit_free);
 	for (guint i = 0; i < edits->done->len; i++) {
-		g_autoptr(GError) why = NULL;
-		g_autoptr(segment_edit) e =
+		segment_edit *e =
 			segment_edits_read(s->site, g_array_index(edits->done, uint32_t, i), error);
 		if (!e)
-			return false;
-		if (segment_state_apply(s, e, &why))
+			return NULL;
+		g_ptr_array_add(all, e);
+		leave_room(s, e);
+	}
+	return g_steal_pointer(&all);
+}
+
+bool segment_state_apply_all(segment_state *s, const segment_edits *edits, GError **error)
+{
+	g_autoptr(GPtrArray) all = read_all(s, edits, error);
+	for (guint i = 0; all && i < all->len; i++) {
+		g_autoptr(GError) why = NULL;
+		uint32_t first = s->tree->next;
+		if (segment_state_apply(s, all->pdata[i], &why)) {
+			keep_made(s, all->pdata[i], first);
 			continue;
+		}
 		if (!g_error_matches(why, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT)) {
 			g_propagate_error(error, g_steal_pointer(&why));
 			return false;
 		}
 		s->left_out++;
 	}
-	return true;
+	return all;
 }

@@ -40,9 +40,12 @@ bool segment_state_draw(segment_state *s, const segment_edit *e, GError **error)
 
 /* Names a segment in a change, by its number now and by points of it. */
 void segment_state_refer(const segment_state *s, segment_edit *e, uint32_t id);
+/* Names the leaves that a change has made: those with this number and with larger ones. */
+void segment_state_refer_made(const segment_state *s, segment_edit *e, uint32_t first);
 /* Makes a change. G_IO_ERROR_INVALID_ARGUMENT and a sentence when it cannot be made, and nothing has changed then. */
 bool segment_state_apply(segment_state *s, const segment_edit *e, GError **error);
-/* All that count, in their order; what cannot be made any more is left out and counted. */
+/* All that count, in their order; what cannot be made any more is left out and counted. What a change had made before has the
+ * numbers that it had. */
 bool segment_state_apply_all(segment_state *s, const segment_edits *edits, GError **error);
 /* Labels first, the tree last. edits: which changes are in it. */
 bool segment_state_save(segment_state *s, const char *edits, GError **error);
