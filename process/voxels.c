@@ -1,7 +1,6 @@
 #include "process/voxels.h"
 #include "process/morton.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define ROOM_FIRST 4096u
@@ -229,63 +228,4 @@ void voxels_finish(voxels *v)
 	v->voxel = sorted;
 	v->room = v->count + 1;
 	fill_slots(v);
-}
-
-/* ---- links ---- */
-
-static int reach_of(const voxels *v, uint32_t i, double gap_points)
-{
-	double reach = ceil(v->voxel[i].size_m * gap_points / v->size_m);
-	return (int)fmin(fmax(reach, 1), VOXELS_REACH);
-}
-
-/* Indices of the voxels around i, both nearer than either's reach. */
-static uint32_t find_links(const voxels *v, uint32_t i, double gap_points, uint32_t *ret)
-{
-	const struct voxel *c = &v->voxel[i];
-	uint32_t found = 0;
-	int mine = reach_of(v, i, gap_points);
-	for (int z = -mine; z <= mine; z++)
-		for (int y = -mine; y <= mine; y++)
-			for (int x = -mine; x <= mine; x++) {
-				int32_t at[3] = { c->at[0] + x, c->at[1] + y, c->at[2] + z };
-				uint32_t other = x || y || z ? voxels_find(v, at) : VOXEL_NONE;
-				if (other == VOXEL_NONE)
-					continue;
-				int far = MAX(MAX(abs(x), abs(y)), abs(z));
-				if (far <= 1 || far <= reach_of(v, other, gap_points))
-					ret[found++] = other;
-			}
-	return found;
-}
-
-#define LINKS_MAX ((2 * VOXELS_REACH + 1) * (2 * VOXELS_REACH + 1) * (2 * VOXELS_REACH + 1))
-#define BLOCK     4096u
-
-void voxels_link(voxels *v, double gap_points)
-{
-	uint32_t blocks = (v->count + BLOCK - 1) / BLOCK;
-	g_autofree GArray **found = g_new0(GArray *, blocks + 1);
-	g_free(v->first_link);
-	g_free(v->link);
-	v->first_link = g_new0(uint32_t, v->count + 1);
-#pragma omp parallel for schedule(dynamic)
-	for (uint32_t b = 0; b < blocks; b++) {
-		uint32_t links[LINKS_MAX];
-		found[b] = g_array_new(FALSE, FALSE, sizeof(uint32_t));
-		for (uint32_t i = b * BLOCK; i < MIN(v->count, (b + 1) * BLOCK); i++) {
-			uint32_t n = find_links(v, i, gap_points, links);
-			g_array_append_vals(found[b], links, n);
-			v->first_link[i + 1] = n;
-		}
-	}
-	for (uint32_t i = 0; i < v->count; i++)
-		v->first_link[i + 1] += v->first_link[i];
-	v->link = g_new(uint32_t, v->first_link[v->count] + 1);
-	for (uint32_t b = 0; b < blocks; b++) {
-		if (found[b]->len)
-			memcpy(v->link + v->first_link[b * BLOCK], found[b]->data,
-				found[b]->len * sizeof(uint32_t));
-		g_array_unref(found[b]);
-	}
 }

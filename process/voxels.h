@@ -60,7 +60,7 @@ void voxels_merge(voxels *v, const voxels *from);
 /* Sums become means, and voxels are put in an order that keeps neighbours near: indices of voxels_add are void. */
 void voxels_finish(voxels *v);
 /* Links every voxel to those around it: the 26 beside it, and, where points are sparser than voxels, those up to
- * gap_points patches away, at most VOXELS_REACH voxels. The same both ways. */
+ * gap_points patches away, at most VOXELS_REACH voxels. The same both ways. After voxels_finish. */
 #define VOXELS_REACH 4
 void voxels_link(voxels *v, double gap_points);
 

@@ -189,9 +189,23 @@ static int apart(const voxels *v, uint32_t a, uint32_t b)
 	return far;
 }
 
+/* z first, then y, then x: what spreads along links goes the same way always. */
+static void check_order(const voxels *v)
+{
+	for (uint32_t i = 0; i < v->count; i++)
+		for (uint32_t l = v->first_link[i] + 1; l < v->first_link[i + 1]; l++) {
+			const int32_t *a = v->voxel[v->link[l - 1]].at,
+				      *b = v->voxel[v->link[l]].at;
+			g_assert_true(
+				a[2] < b[2] ||
+				(a[2] == b[2] && (a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]))));
+		}
+}
+
 /* Every pair of some voxels with all others. */
 static void check_links(const voxels *v, int reach)
 {
+	check_order(v);
 	for (uint32_t i = 0; i < v->count; i += 11)
 		for (uint32_t j = 0; j < v->count; j++) {
 			bool wanted = i != j && apart(v, i, j) <= reach;
