@@ -555,6 +555,10 @@ static void test_simulated(void)
 		g_test_message("straight: %.3f of %u directed, off by %.2f degrees, p90 %.2f",
 			(double)l->directed / (double)l->straight, (unsigned)l->straight,
 			l->p50_deg, l->p90_deg);
+		if (l->straight < 100)
+			continue;
+		g_assert_cmpfloat(l->p90_deg, <, 3);
+		g_assert_cmpuint(5 * l->directed, >, 2 * l->straight);
 	}
 }
 
