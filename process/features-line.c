@@ -296,6 +296,12 @@ bool feature_fit_line(const struct feature_around *a, const float cut[3], const 
 	return is_line(a, ret, ahead, explained_m, radius_m);
 }
 
+void feature_measure_line(const struct feature_around *a, float explained_m, struct feature_line *l)
+{
+	float on;
+	measure_line(a, l, ON_LINE * ON_LINE * explained_m * explained_m, &on);
+}
+
 void feature_keep_line(features *f, size_t i, const struct feature_line *l, bool is_line)
 {
 	f->kind[i] = is_line ? FEATURE_DIRECTED : FEATURE_UNDIRECTED;

@@ -78,8 +78,10 @@ static void fit_cell(const struct fitter *t, size_t i)
 	struct feature_line l;
 	bool is = feature_fit_line(
 		&a, ridge_has_cut(here) ? here->cut : NULL, ahead, explained_m, radius_m, &l);
-	if (isfinite(l.error_m))
+	if (isfinite(l.error_m)) {
 		is = settle_line(t, i, point, explained_m, radius_m, is, &l);
+		feature_measure_line(&a, explained_m, &l);
+	}
 	feature_keep_line(t->f, i, &l, is);
 }
 

@@ -57,6 +57,9 @@ enum feature_faces {
  * point itself. */
 enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const float here[3],
 	float noise_m, float explained_m, float radius_m, struct feature_line *l);
+/* How far the points are off a line that is not theirs: error and spread; as they were where none are near it. */
+void feature_measure_line(
+	const struct feature_around *a, float explained_m, struct feature_line *l);
 void feature_keep_line(features *f, size_t i, const struct feature_line *l, bool is_line);
 
 features *features_new(uint32_t columns, uint32_t rows); /* all without features */

@@ -9,9 +9,10 @@
  * at any spacing of beams. Edges of colour and intensity are added, linearly, by weights.
  *
  * Feature points are those of a higher degree than a threshold. A line is fitted to the feature points around each, of all scans
- * (their equation 2); those at creases are first moved to where the planes on both sides cut each other. Where they lie on it,
- * its two halves agree, and it agrees with the directions of the cuts, the point is directional. Of the others, dithering points are chosen by
- * error diffusion, such that their number per area of surface tells how dark it is, however far away.
+ * (their equation 2), or at creases taken from the cuts of small planes. It tells where to look: planes fitted to all points on either
+ * side of it give its direction, as the cut of two, or the end of one in the plane that the end is seen in. A point is directional
+ * where two planes cut each other, or its line stands out, is the same in both halves, and no plane tells otherwise. Of the others,
+ * dithering points are chosen by error diffusion, such that their number per area of surface tells how dark it is, however far away.
  *
  * Planes of cells like those of the grid. Const after it was made. The same input gives the same bytes on any number of threads. */
 #include "process/range-grid.h"
