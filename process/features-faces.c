@@ -11,7 +11,9 @@
 #define ACROSS_CELLS 4.0f
 /* Next to the line beams hit both faces at once. */
 #define BESIDE_CELLS 1.0f
-#define TRIPLES      64
+/* Planes are tried until one in so many times a better one would have been missed, but at most so many. */
+#define TRIPLES_MOST 64
+#define MISSED       0.01f
 /* The sine of the angle of three points, of a face with the line; the line is so many times what is explained off a face. */
 #define TRIPLE_SINE 0.1f
 #define TILT_MOST   0.3f
@@ -114,7 +116,8 @@ static float explain(const struct side *s, const struct face *f, float most_m)
 #pragma omp simd reduction(+ : ret)
 	for (uint32_t i = 0; i < s->count; i++) {
 		float h = nx * s->x[i] + ny * s->y[i] + nz * s->z[i] - offset_m;
-		ret += s->weight[i] * fmaxf(1 - h * h * per, 0);
+		float share = 1 - h * h * per, weight = s->weight[i] * share;
+		ret += share > 0 ? weight : 0;
 	}
 	return ret;
 }
@@ -139,9 +142,11 @@ static bool face_through(
 /* Of planes through three points each, the one that explains most: others may stand on the same side. */
 static bool find_face(const struct surroundings *s, const struct side *p, struct face *ret)
 {
-	float best = 0;
+	float best = 0, all = 0, enough = TRIPLES_MOST;
 	uint32_t random = 1;
-	for (int n = 0; n < TRIPLES; n++) {
+	for (uint32_t i = 0; i < p->count; i++)
+		all += p->weight[i];
+	for (int n = 0; (float)n < enough; n++) {
 		uint32_t at[3];
 		struct face f;
 		for (int k = 0; k < 3; k++) {
@@ -151,10 +156,12 @@ static bool find_face(const struct surroundings *s, const struct side *p, struct
 		if (!face_through(s, p, at, &f))
 			continue;
 		float weight = explain(p, &f, ON_FACE_SIGMAS * s->noise_m);
-		if (weight > best) {
-			best = weight;
-			*ret = f;
-		}
+		if (!(weight > best))
+			continue;
+		best = weight;
+		*ret = f;
+		float share = best / all, missed = 1 - share * share * share;
+		enough = fminf(TRIPLES_MOST, logf(MISSED) / logf(fmaxf(missed, 1e-6f)));
 	}
 	return best > 0;
 }
@@ -176,7 +183,8 @@ static struct sums sum_up(const struct side *p, const struct face *f, const floa
 		float h = n[0] * x + n[1] * y + n[2] * z - f->offset_m;
 		float a = along[0] * x + along[1] * y + along[2] * z,
 		      t = across[0] * x + across[1] * y + across[2] * z;
-		float w = fabsf(h) < most_m ? p->weight[i] : 0;
+		float w = p->weight[i];
+		w = fabsf(h) < most_m ? w : 0;
 		count += fabsf(h) < most_m ? 1 : 0;
 		weight += w;
 		sa += w * a;

@@ -117,7 +117,8 @@ static float weight_along(const struct feature_around *a, const float u[3], floa
 		float along = a->x[i] * ux + a->y[i] * uy + a->z[i] * uz;
 		float off2 =
 			a->x[i] * a->x[i] + a->y[i] * a->y[i] + a->z[i] * a->z[i] - along * along;
-		sum += off2 < most ? a->weight[i] : 0;
+		float w = a->weight[i];
+		sum += off2 < most ? w : 0;
 	}
 	return sum;
 }
@@ -173,7 +174,8 @@ static float measure_line(
 		float dx = a->x[i] - ox, dy = a->y[i] - oy, dz = a->z[i] - oz,
 		      along = dx * ux + dy * uy + dz * uz;
 		float off2 = dx * dx + dy * dy + dz * dz - along * along;
-		float w = off2 < on_m2 ? a->weight[i] : 0;
+		float w = a->weight[i];
+		w = off2 < on_m2 ? w : 0;
 		on += w;
 		on2 += w * w;
 		error += w * off2;
