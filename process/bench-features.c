@@ -14,16 +14,16 @@
 
 static const char *const scenes[] = { "court", "street", "bridge", NULL };
 
-static const char heading[] = "features, in percent: edges within a cell of a feature point (>= "
-			      "90; depth edges, creases); feature "
-			      "points on even surface (<= 10);\nat straight edges directional (>= "
-			      "60), off by degrees (median, p90 "
-			      "<= 3), the same of creases and of silhouettes; on leaves "
-			      "directional (<= 10);\ndithering points per "
-			      "m2 of black by range in m, of 60 wanted\n"
-			      "scene      edges    depth    crease     false  directed   p50    "
-			      "p90    crease    p90  silhouette "
-			      "p90    leaves  dithering";
+/* Line by line. */
+static const char *const heading[] = { "features, in percent: edges within a cell of a feature "
+				       "point (>= 90; depth edges, creases);",
+	"feature points on even surface (<= 10); at straight edges directional, off by degrees",
+	"(median, p90 <= 3), the same of creases and of silhouettes; on leaves directional (<= "
+	"10);",
+	"dithering points per m2 of black by range in m, of 60 wanted",
+	"scene      edges    depth    crease     false  directed   p50    p90    crease    p90  "
+	"silhouette p90    leaves  dithering",
+	NULL };
 
 struct station {
 	range_grid *grid;
@@ -312,7 +312,8 @@ bool bench_features(const struct bench_features_options *o, GError **error)
 		json_object_set_array_member(json, "stations", json_array_new());
 		json_object_set_array_member(json, "scenes", json_array_new());
 	} else {
-		puts(heading);
+		for (int i = 0; heading[i]; i++)
+			puts(heading[i]);
 	}
 	bool good = work && (!o->keep || files_make_folder(o->keep, error));
 	for (int i = 0; good && scenes[i]; i++)

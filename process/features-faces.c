@@ -279,6 +279,22 @@ static bool end_face(
 	return sine > EDGEWISE && vector3_unit(ret);
 }
 
+/* ret: the direction, ret_rad: 1 sigma of it. */
+static enum feature_faces tell(const struct surroundings *s, float ret[3], float *ret_rad)
+{
+	struct side sides[2];
+	struct face f[2];
+	gather(s, sides);
+	bool is_first = fit_face(s, &sides[0], &f[0]), is_second = fit_face(s, &sides[1], &f[1]);
+	if (is_first && is_second && cut_faces(f, ret, ret_rad))
+		return FEATURE_FACES_CUT;
+	if (is_first && is_second && lay_into(s, f, ret, ret_rad))
+		return FEATURE_FACES_ONE;
+	if (is_first != is_second && end_face(s, &f[is_second], ret, ret_rad))
+		return FEATURE_FACES_END;
+	return FEATURE_FACES_UNKNOWN;
+}
+
 enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const float here[3],
 	float noise_m, float explained_m, float radius_m, struct feature_line *l)
 {
@@ -288,8 +304,6 @@ enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const floa
 		.explained_m = explained_m,
 		.radius_m = radius_m,
 		.spacing_m = range_grid_point_size_m(g, cell) };
-	struct side sides[2];
-	struct face f[2];
 	float direction[3], uncertain_rad;
 	memcpy(s.along, l->direction, sizeof s.along);
 	for (int k = 0; k < 3; k++)
@@ -297,18 +311,7 @@ enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const floa
 	vector3_add(s.at, -vector3_dot(l->middle, l->direction), l->direction);
 	if (!look_aside(&s))
 		return FEATURE_FACES_UNKNOWN;
-	gather(&s, sides);
-	bool is[2];
-	int count = 0;
-	for (int k = 0; k < 2; k++)
-		count += is[k] = fit_face(&s, &sides[k], &f[k]);
-	enum feature_faces ret = FEATURE_FACES_UNKNOWN;
-	if (count == 2)
-		ret = cut_faces(f, direction, &uncertain_rad)      ? FEATURE_FACES_CUT
-		      : lay_into(&s, f, direction, &uncertain_rad) ? FEATURE_FACES_ONE
-								   : FEATURE_FACES_UNKNOWN;
-	else if (count == 1 && end_face(&s, &f[is[1]], direction, &uncertain_rad))
-		ret = FEATURE_FACES_END;
+	enum feature_faces ret = tell(&s, direction, &uncertain_rad);
 	if (ret == FEATURE_FACES_UNKNOWN)
 		return ret;
 	float cosine = fabsf(vector3_dot(direction, l->direction));
