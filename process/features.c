@@ -17,7 +17,7 @@ struct features_options features_defaults(const struct features_options *options
 	o.geometry_weight = or_default(o.geometry_weight, 1);
 	o.colour_weight = or_default(o.colour_weight, 0.7f);
 	o.intensity_weight = or_default(o.intensity_weight, 0.3f);
-	o.threshold = or_default(o.threshold, 0.5f);
+	o.threshold = or_default(o.threshold, 0.42f);
 	o.line_radius_m = or_default(o.line_radius_m, 0.4f);
 	o.line_error = or_default(o.line_error, 1);
 	o.dither_per_m2 = or_default(o.dither_per_m2, 60);

@@ -67,7 +67,7 @@ struct features_options {
 	/* Weights of the edges in the degree: 1, 0.7, 0.3. What the scan does not have (colour, intensity) leaves its weight to the
 	 * other one. Negative: none. */
 	float geometry_weight, colour_weight, intensity_weight;
-	float threshold; /* 0.5; degree of a feature point */
+	float threshold; /* 0.42; degree of a feature point: an edge alone is 0.5 where it stands out just so */
 	float line_radius_m; /* 0.4: around a point the line is fitted within; wider where beams are sparse */
 	float line_error; /* 1: how far points may lie off a line, in what noise and spacing explain */
 	float dither_per_m2; /* 60: dithering points per area of black surface */

@@ -187,7 +187,7 @@ static void test_crease(void)
 			directed++;
 			exact += fabsf(u[2]) > 0.9986f; /* 3 degrees */
 			g_assert_cmpuint(f->line_error[i], <, 1000);
-			g_assert_true(f->flags[i] & FEATURE_CREASE || f->degree[i] > 127);
+			g_assert_true(f->flags[i] & FEATURE_CREASE || f->degree[i] > 0.42 * 255);
 		}
 		double share = share_near(g, f, in_middle);
 		g_test_message("noise %.3f m: %.3f found, %zu of %zu false, %zu of %zu directed",
@@ -319,7 +319,7 @@ static void test_parameters(void)
 	}
 	g_assert_cmpuint(fewer, <, more);
 	struct features_options o = features_defaults(NULL);
-	g_assert_cmpfloat(o.threshold, ==, 0.5f);
+	g_assert_cmpfloat(o.threshold, ==, 0.42f);
 	g_assert_cmpfloat(features_defaults(&none).colour_weight, ==, 0);
 }
 
