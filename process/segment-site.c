@@ -1,6 +1,7 @@
 #include "process/segment-site.h"
 #include "firmware-io/files.h"
 #include "process/segment-model.h"
+#include "process/segment-names.h"
 #include "process/segment-numbers.h"
 #include "process/segment-state.h"
 #include <glib/gstdio.h>
@@ -283,6 +284,7 @@ static bool keep_numbers(struct maker *m, GError **error)
 	}
 	m->tree->next = SEGMENT_FIRST;
 	take_numbers(m, becomes);
+	segment_names_keep(was, m->tree);
 	m->tree->next = MAX(m->tree->next, next);
 	return true;
 }

@@ -2,7 +2,7 @@
 #define PROCESS_SEGMENT_SITE_H
 /* The segments of a whole site: the tree (segments.h) and the labels of each scan (scan-segments.h). Scans that stand in one frame
  * are segmented together, those that are not placed each alone; all share one tree. What is the same as before keeps its number
- * (segment-numbers.h). Then what a person changed is done to them once more (segment-edits.h).
+ * (segment-numbers.h) and its name (segment-names.h). Then what a person changed is done to them once more (segment-edits.h).
  *
  * Made from the scans, where they stand, their geometry, and the site's own parameters, which stand in site.json:
  *

@@ -7,7 +7,8 @@
  * A node keeps its number as long as it is, also when segments are found anew because a scan was added or a parameter changed:
  * what is the same by its points has the number that it had (segment-numbers.h). The number of what is gone is given to nothing
  * else: "next" is the first one that none ever had. Only when all SEGMENTS_MAX are used up, those that nothing has are given out
- * once more. Where there are no segments yet, numbers are in the order in which things are found.
+ * once more. Names go with the numbers (segment-names.h). Where there are no segments yet, numbers of both are in the order in
+ * which things are found.
  *
  * On disk: SITE/segments/segments.json, a product like the labels beside it (scan-segments.h):
  *

@@ -123,11 +123,29 @@ static void test_back_again(struct desk *d, gconstpointer data)
 	}
 }
 
+/* A name that a person gave counts while it is; without it, the thing is called what it was called before. */
+static void test_names(struct desk *d, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	uint32_t tree = large_leaf(d, CLASS_VEGETATION, 1);
+	g_autofree char *was = g_strdup(node_of(d, tree)->name);
+	g_autoptr(segment_edit) name = edit_of(d, EDIT_RENAME, tree, 0);
+	(void)data;
+	name->name = g_strdup("Old oak");
+	change(d, name, NULL);
+	set(d, "segmentation.gap_m", "0.16");
+	g_assert_cmpuint(named(d, "Old oak"), ==, tree);
+	g_assert_cmpuint(named(d, was), ==, 0);
+	g_assert_true(segment_editor_undo(d->editor, &error));
+	g_assert_cmpuint(named(d, was), ==, tree);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	ADD_AT_DESK("/segment-edit-numbers/found-anew", test_numbers);
 	ADD_AT_DESK("/segment-edit-numbers/undone", test_undone_numbers);
 	ADD_AT_DESK("/segment-edit-numbers/back-again", test_back_again);
+	ADD_AT_DESK("/segment-edit-numbers/names", test_names);
 	return g_test_run();
 }

@@ -1,5 +1,5 @@
-/* Segments of a site that are found anew, as after another scan: what is the same keeps its number, no number of what is gone is given
- * to anything else, and files that say the same stay. */
+/* Segments of a site that are found anew, as after another scan: what is the same keeps its number and its name, no number or name of
+ * what is gone is given to anything else, and files that say the same stay. */
 #define STATIONS 4
 #include "process/model-inputs.h"
 #include "process/segment-things.h"
@@ -80,8 +80,50 @@ static bool are_of_a_kind(const struct segment *x, const struct segment *y)
 }
 
 struct kept {
-	unsigned same, kept, gone, new;
+	unsigned same, kept, gone, new, named;
 };
+
+/* Without its number. */
+static char *kind_of(const struct segment *node)
+{
+	g_autofree char *kind = g_strdup(node->name);
+	size_t end = strlen(kind);
+	while (end && g_ascii_isdigit(kind[end - 1]))
+		end--;
+	return g_strdup_printf("%u %.*s", node->parent, (int)end, kind);
+}
+
+static bool are_called_the_same(const struct segment *x, const struct segment *y)
+{
+	return x->parent == y->parent && strcmp(x->name, y->name) == 0;
+}
+
+/* The same of the same kind is called the same; no two are, and nothing is called as another thing was. Returns how many have kept
+ * a name. */
+static unsigned check_names(const struct both *b)
+{
+	unsigned kept = 0;
+	for (guint i = 0; i < b->now->nodes->len; i++) {
+		const struct segment *y = &g_array_index(b->now->nodes, struct segment, i);
+		const struct segment *x = segments_find(b->was, y->id);
+		g_autofree char *is = kind_of(y), *had = x ? kind_of(x) : NULL;
+		if (y->id < SEGMENT_FIRST)
+			continue;
+		if (had && strcmp(is, had) == 0)
+			g_assert_cmpstr(y->name, ==, x->name);
+		kept += had && strcmp(is, had) == 0 && !segment_things_is_rest(y);
+		for (guint n = 0; n < i; n++)
+			g_assert_false(are_called_the_same(
+				y, &g_array_index(b->now->nodes, struct segment, n)));
+		for (guint n = 0; n < b->was->nodes->len; n++) {
+			const struct segment *other =
+				&g_array_index(b->was->nodes, struct segment, n);
+			g_assert_false(other->id != y->id && are_called_the_same(y, other) &&
+				       g_ascii_isdigit(y->name[strlen(y->name) - 1]));
+		}
+	}
+	return kept;
+}
 
 static struct kept check_kept(const struct both *b)
 {
@@ -112,8 +154,10 @@ static struct kept check_kept(const struct both *b)
 		k.gone +=
 			!segments_find(b->now, g_array_index(b->was->nodes, struct segment, n).id);
 	g_assert_cmpuint(b->now->next, >=, b->was->next);
-	g_test_message("%u of %u that are the same by half keep their numbers; %u are gone, %u new",
-		k.kept, k.same, k.gone, k.new);
+	k.named = check_names(b);
+	g_test_message("%u of %u that are the same by half keep their numbers; %u are gone, %u "
+		       "new; %u keep their names",
+		k.kept, k.same, k.gone, k.new, k.named);
 	g_assert_cmpuint(k.kept, ==, k.same);
 	return k;
 }
@@ -140,6 +184,7 @@ static void test_fourth_scan(void)
 	g_autoptr(both) b = both_new(was, path, 3);
 	struct kept k = check_kept(b);
 	g_assert_cmpuint(k.same, >=, 40);
+	g_assert_cmpuint(k.named, >=, 40);
 	/* from nothing, numbers are others */
 	from_nothing = fresh_site();
 	segment(from_nothing, four);
