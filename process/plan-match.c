@@ -186,8 +186,10 @@ size_t plan_match(const struct plan *a, const struct plan *b, double distance_ma
 	struct ballot k = { .columns = 2 * (uint32_t)ceil(distance_max_m / SHIFT_M) + 8 };
 	k.half_m = k.columns * SHIFT_M / 2;
 	size_t sheet = (size_t)k.columns * k.columns;
-	g_autofree float *votes = k.votes = g_new(float, CHANNELS *sheet);
-	g_autofree float *sum = k.sum = g_new(float, sheet);
+	g_autofree float *votes = g_new(float, CHANNELS *sheet);
+	g_autofree float *sum = g_new(float, sheet);
+	k.votes = votes;
+	k.sum = sum;
 	struct best best = { ret, 0, max };
 	for (int i = 0; i < TURNS && a->edges && b->edges; i++) {
 		float turn = (float)(i * 2 * G_PI / TURNS);
