@@ -1,18 +1,13 @@
 #include "process/bench-features.h"
 #include "acquire/cli.h"
 #include "acquire/scan.h"
-#include "firmware-io/files.h"
 #include "process/bench-run.h"
+#include "process/bench-sites.h"
 #include "process/bench-truth.h"
 #include "process/feature-score.h"
 #include "process/normals.h"
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
-
-#define STATIONS 4
-
-static const char *const scenes[] = { "court", "street", "bridge", NULL };
 
 /* Line by line. */
 static const char *const heading[] = { "features, in percent: edges within a cell of a feature "
@@ -33,29 +28,6 @@ struct station {
 };
 
 /* ---- scans ---- */
-
-static bool scan_missing(
-	const char *path, const char *scene, const struct bench_features_options *o, GError **error)
-{
-	g_autoptr(site) s = site_open_for_writing(path, error);
-	uint32_t cut_off = 0;
-	if (!s || !site_find_partial(s, &cut_off, error) ||
-		(cut_off && !site_discard_partial(s, cut_off, error)))
-		return false;
-	g_autoptr(GArray) there = site_scans(s, error);
-	for (uint32_t i = there ? there->len : 0; there && i < STATIONS; i++) {
-		g_autofree char *device =
-			g_strdup_printf("sim:%s?seed=%" G_GUINT64_FORMAT "&station=%u&speed=max",
-				scene, (guint64)o->seed, i + 1);
-		struct scan_options options = { .device = device,
-			.preset = preset_find(o->preset ? o->preset : "standard") };
-		struct scan_result result;
-		uint32_t partial;
-		if (!scan_record(s, &options, &result, &partial, error))
-			return false;
-	}
-	return there;
-}
 
 static bool read_truth(struct station *s, const char *description, const char *path, GError **error)
 {
@@ -80,14 +52,12 @@ static bool read_truth(struct station *s, const char *description, const char *p
 	return true;
 }
 
-static bool load_stations(struct station *stations, const char *path, const char *work,
-	const char *scene, uint64_t seed, GError **error)
+static bool load_stations(struct station *stations, const struct bench_scene *scene, GError **error)
 {
-	g_autoptr(site) s = site_open(path, error);
-	g_autofree char *truth = g_build_filename(work, "truth", NULL);
-	for (uint32_t i = 0; s && i < STATIONS; i++) {
-		g_autofree char *description = g_strdup_printf(
-			"%s?seed=%" G_GUINT64_FORMAT "&station=%u", scene, seed, i + 1);
+	g_autoptr(site) s = site_open(scene->path, error);
+	g_autofree char *truth = g_build_filename(scene->work, "truth", NULL);
+	for (uint32_t i = 0; s && i < BENCH_STATIONS; i++) {
+		g_autofree char *description = bench_scene_station(scene, i + 1);
 		g_autoptr(panorama) p = scan_load(s, i + 1, false, error);
 		if (!p)
 			return false;
@@ -105,22 +75,6 @@ struct everything {
 	double seconds, peak_mib;      /* of the program */
 	double segments_s, features_s; /* of its stages */
 };
-
-/* A site of the same scans, and of nothing that was computed from them. */
-static bool copy_site(const char *from, const char *to, GError **error)
-{
-	g_autofree char *folder = g_canonicalize_filename(from, NULL);
-	g_autofree char *scans = g_build_filename(folder, "scans", NULL);
-	g_autofree char *own_scans = g_build_filename(to, "scans", NULL);
-	g_autofree char *about = g_build_filename(from, "site.json", NULL);
-	g_autofree char *own_about = g_build_filename(to, "site.json", NULL);
-	g_autofree char *text = NULL;
-	size_t length;
-	return files_make_folder(to, error) &&
-	       (symlink(scans, own_scans) == 0 || files_fail(error, own_scans, "link")) &&
-	       g_file_get_contents(about, &text, &length, error) &&
-	       files_write(own_about, text, length, error);
-}
 
 /* Stages that were due, from what pleinair process --json says. */
 static bool read_stages(const char *text, struct everything *ret, GError **error)
@@ -142,22 +96,19 @@ static bool read_stages(const char *text, struct everything *ret, GError **error
 	return true;
 }
 
-static bool measure_everything(
-	const char *site_folder, const char *work, struct everything *ret, GError **error)
+static bool measure_everything(const char *path, struct everything *ret, GError **error)
 {
-	g_autofree char *copy = g_build_filename(work, "copy", NULL);
 	g_autofree char *program = bench_program("process");
 	struct bench_run before = { 0 }, after = { 0 };
-	bool good = copy_site(site_folder, copy, error) &&
-		    bench_run((const char *[]){ program, copy, "--to=geometry", "--json", NULL },
+	bool good = bench_run((const char *[]){ program, path, "--to=geometry", "--json", NULL },
 			    &before, error) &&
-		    bench_run((const char *[]){ program, copy, "--to=features", "--json", NULL },
+		    bench_run((const char *[]){ program, path, "--to=features", "--json", NULL },
 			    &after, error);
 	*ret = (struct everything){ .seconds = after.seconds, .peak_mib = after.peak_mib };
 	good = good && read_stages(after.output, ret, error);
 	g_free(before.output);
 	g_free(after.output);
-	return files_remove_tree(copy, good ? error : NULL) && good;
+	return good;
 }
 
 /* ---- measuring ---- */
@@ -165,16 +116,17 @@ static bool measure_everything(
 /* Of all stations, each with the feature points of all; seconds on the clock. */
 static double compute(struct station *stations)
 {
-	struct features_view views[STATIONS];
+	struct features_view views[BENCH_STATIONS];
 	gint64 start_us = g_get_monotonic_time();
-	for (int i = 0; i < STATIONS; i++) {
+	for (int i = 0; i < BENCH_STATIONS; i++) {
 		struct features_input of = { .grid = stations[i].grid, .pose = stations[i].pose };
 		stations[i].features = features_estimate(&of, NULL);
 		views[i] = (struct features_view){ of, stations[i].features->degree,
 			stations[i].features->cuts };
 	}
-	for (int i = 0; i < STATIONS; i++)
-		features_fit_lines(stations[i].features, &views[i].scan, views, STATIONS, NULL);
+	for (int i = 0; i < BENCH_STATIONS; i++)
+		features_fit_lines(
+			stations[i].features, &views[i].scan, views, BENCH_STATIONS, NULL);
 	return (double)(g_get_monotonic_time() - start_us) * 1e-6;
 }
 
@@ -266,7 +218,7 @@ static void report_scene(
 
 static void report_stations(const char *scene, struct station *stations, JsonArray *json)
 {
-	for (int i = 0; i < STATIONS; i++) {
+	for (int i = 0; i < BENCH_STATIONS; i++) {
 		struct feature_score score;
 		feature_score_make(stations[i].features, stations[i].grid, stations[i].truth,
 			normals_range_noise_m(stations[i].grid), NULL, &score);
@@ -278,25 +230,20 @@ static void report_stations(const char *scene, struct station *stations, JsonArr
 }
 
 /* json: "stations" and "scenes" are filled; NULL: printed. */
-static bool run_scene(const char *work, const char *scene, const struct bench_features_options *o,
-	JsonObject *json, GError **error)
+static bool measure_scene(const struct bench_scene *scene, gpointer json, GError **error)
 {
-	struct station stations[STATIONS] = { 0 };
+	struct station stations[BENCH_STATIONS] = { 0 };
 	struct everything everything;
-	g_autofree char *name = g_strdup_printf("%s-%" G_GUINT64_FORMAT "-%s", scene,
-		(guint64)o->seed, o->preset ? o->preset : "standard");
-	g_autofree char *path = g_build_filename(o->keep ? o->keep : work, name, NULL);
-	bool good = scan_missing(path, scene, o, error) &&
-		    measure_everything(path, work, &everything, error) &&
-		    load_stations(stations, path, work, scene, o->seed, error);
+	bool good = measure_everything(scene->path, &everything, error) &&
+		    load_stations(stations, scene, error);
 	if (good) {
 		double seconds = compute(stations);
-		report_stations(scene, stations,
+		report_stations(scene->name, stations,
 			json ? json_object_get_array_member(json, "stations") : NULL);
-		report_scene(scene, seconds, &everything,
+		report_scene(scene->name, seconds, &everything,
 			json ? json_object_get_array_member(json, "scenes") : NULL);
 	}
-	for (int i = 0; i < STATIONS; i++) {
+	for (int i = 0; i < BENCH_STATIONS; i++) {
 		range_grid_free(stations[i].grid);
 		features_free(stations[i].features);
 		g_free(stations[i].truth);
@@ -306,8 +253,8 @@ static bool run_scene(const char *work, const char *scene, const struct bench_fe
 
 bool bench_features(const struct bench_features_options *o, GError **error)
 {
-	g_autofree char *work = g_dir_make_tmp("pleinair-bench-XXXXXX", error);
 	JsonObject *json = o->json ? json_object_new() : NULL;
+	struct bench_scenes scenes = { o->seed, o->preset, o->keep, measure_scene, json };
 	if (json) {
 		json_object_set_array_member(json, "stations", json_array_new());
 		json_object_set_array_member(json, "scenes", json_array_new());
@@ -315,11 +262,7 @@ bool bench_features(const struct bench_features_options *o, GError **error)
 		for (int i = 0; heading[i]; i++)
 			puts(heading[i]);
 	}
-	bool good = work && (!o->keep || files_make_folder(o->keep, error));
-	for (int i = 0; good && scenes[i]; i++)
-		good = run_scene(work, scenes[i], o, json, error);
-	if (work && !files_remove_tree(work, good ? error : NULL))
-		good = false;
+	bool good = bench_scenes_measure(&scenes, error);
 	if (json && good)
 		cli_print_json(json);
 	else if (json)

@@ -1,9 +1,7 @@
 #ifndef PROCESS_BENCH_SEGMENTS_H
 #define PROCESS_BENCH_SEGMENTS_H
-/* pleinair bench segments: how well things are told apart, and what that costs. On simulated sites against the truth: what the middle
- * of each measured cell meets first. Cells whose range is another one by more than 0.15 m saw two things at once and are left
- * out, but what stands behind a pane of a building counts as the building. On a site of a person's own, against the classes
- * that its points came with. */
+/* pleinair bench segments: how well things are told apart, and what that costs (segment-score.h). On simulated sites against the
+ * truth; on a site of a person's own, against the classes that its points came with. */
 #include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -12,6 +10,8 @@ struct bench_segments_options {
 	const char *site;   /* NULL: court, street and bridge are simulated, four stations each */
 	const char *preset; /* NULL: standard */
 	uint64_t seed;
+	const char *
+		keep; /* folder where the scans stay, and are taken from the next time; NULL: a temporary one */
 	bool json;
 };
 bool bench_segments(const struct bench_segments_options *options, GError **error);

@@ -1,5 +1,6 @@
 #include "process/bench-sites.h"
 #include "acquire/scan.h"
+#include "firmware-io/files.h"
 #include "process/bench-run.h"
 #include <json-glib/json-glib.h>
 #include <unistd.h>
@@ -29,12 +30,9 @@ static bool stopped(bool (*stop)(void), GError **error)
 	return true;
 }
 
-static bool scan_station(struct bench_site *s, const struct bench_scan *at, site *to,
-	const struct preset *preset, bool (*stop)(void), GError **error)
+static bool scan_one(site *to, const char *device, const struct preset *preset, bool (*stop)(void),
+	GError **error)
 {
-	g_autofree char *what = describe(s, at->moved);
-	g_autofree char *device =
-		g_strdup_printf("sim:%s&station=%u&camera=none", what, at->station);
 	struct scan_options options = {
 		.device = device, .preset = preset, .progress = asked_to_stop, .user_data = &stop
 	};
@@ -50,7 +48,8 @@ static bool scan_station(struct bench_site *s, const struct bench_scan *at, site
 	return true;
 }
 
-static bool scan_stations(struct bench_site *s, const char *path, const struct preset *preset,
+/* devices: of char *, one a scan. */
+static bool scan_missing(const char *path, const GPtrArray *devices, const struct preset *preset,
 	bool (*stop)(void), GError **error)
 {
 	g_autoptr(site) to = site_open_for_writing(path, error);
@@ -59,12 +58,22 @@ static bool scan_stations(struct bench_site *s, const char *path, const struct p
 		(partial && !site_discard_partial(to, partial, error)))
 		return false;
 	g_autoptr(GArray) there = site_scans(to, error);
-	if (!there)
-		return false;
-	for (uint32_t i = there->len; i < s->count; i++)
-		if (!scan_station(s, &s->scans[i], to, preset, stop, error))
+	for (guint i = there ? there->len : 0; there && i < devices->len; i++)
+		if (!scan_one(to, devices->pdata[i], preset, stop, error))
 			return false;
-	return true;
+	return there;
+}
+
+static bool scan_stations(struct bench_site *s, const char *path, const struct preset *preset,
+	bool (*stop)(void), GError **error)
+{
+	g_autoptr(GPtrArray) devices = g_ptr_array_new_with_free_func(g_free);
+	for (uint32_t i = 0; i < s->count; i++) {
+		g_autofree char *what = describe(s, s->scans[i].moved);
+		g_ptr_array_add(devices, g_strdup_printf("sim:%s&station=%u&camera=none", what,
+						 s->scans[i].station));
+	}
+	return scan_missing(path, devices, preset, stop, error);
 }
 
 /* ---- the truth ---- */
@@ -148,7 +157,7 @@ static bool load_scans(struct bench_site *s, const char *path, bool (*stop)(void
 bool bench_site_make(struct bench_site *s, const char *folder, const struct preset *preset,
 	bool (*stop)(void), GError **error)
 {
-	g_autofree char *name = g_strdup_printf("%s-%s%s%" G_GUINT64_FORMAT "-%s", s->scene,
+	g_autofree char *name = g_strdup_printf("%s-%s%s%" G_GUINT64_FORMAT "-%s-grey", s->scene,
 		s->variant ? s->variant : "", s->variant ? "-" : "", (guint64)s->seed,
 		preset->name);
 	g_autofree char *path = g_build_filename(folder, name, NULL);
@@ -165,4 +174,67 @@ void bench_site_clear(struct bench_site *s)
 	g_free(s->scans);
 	s->scans = NULL;
 	s->count = 0;
+}
+
+/* ---- scenes ---- */
+
+static const char *const scenes[] = { "court", "street", "bridge", NULL };
+
+char *bench_scene_station(const struct bench_scene *s, uint32_t station)
+{
+	return g_strdup_printf(
+		"%s?seed=%" G_GUINT64_FORMAT "&station=%u", s->name, s->seed, station);
+}
+
+/* A site of the same scans, and of nothing that was computed from them. */
+static bool copy_site(const char *from, const char *to, GError **error)
+{
+	g_autofree char *folder = g_canonicalize_filename(from, NULL);
+	g_autofree char *scans = g_build_filename(folder, "scans", NULL);
+	g_autofree char *own_scans = g_build_filename(to, "scans", NULL);
+	g_autofree char *about = g_build_filename(from, "site.json", NULL);
+	g_autofree char *own_about = g_build_filename(to, "site.json", NULL);
+	g_autofree char *text = NULL;
+	size_t length;
+	return files_make_folder(to, error) &&
+	       (symlink(scans, own_scans) == 0 || files_fail(error, own_scans, "link")) &&
+	       g_file_get_contents(about, &text, &length, error) &&
+	       files_write(own_about, text, length, error);
+}
+
+static bool scan_scene(
+	const struct bench_scene *s, const char *path, const struct preset *preset, GError **error)
+{
+	g_autoptr(GPtrArray) devices = g_ptr_array_new_with_free_func(g_free);
+	for (uint32_t k = 1; k <= BENCH_STATIONS; k++) {
+		g_autofree char *what = bench_scene_station(s, k);
+		g_ptr_array_add(devices, g_strconcat("sim:", what, NULL));
+	}
+	return scan_missing(path, devices, preset, NULL, error);
+}
+
+static bool measure_scene(
+	const char *scene, const struct bench_scenes *all, const char *work, GError **error)
+{
+	const struct preset *preset = preset_find(all->preset ? all->preset : "standard");
+	g_autofree char *name = g_strdup_printf(
+		"%s-%" G_GUINT64_FORMAT "-%s", scene, (guint64)all->seed, preset->name);
+	g_autofree char *scans = g_build_filename(all->keep ? all->keep : work, name, NULL);
+	g_autofree char *copy = g_build_filename(work, "copy", NULL);
+	struct bench_scene s = { scene, all->seed, copy, work };
+	if (!scan_scene(&s, scans, preset, error) || !copy_site(scans, copy, error))
+		return false;
+	bool good = all->measure(&s, all->user_data, error);
+	return files_remove_tree(copy, good ? error : NULL) && good;
+}
+
+bool bench_scenes_measure(const struct bench_scenes *all, GError **error)
+{
+	g_autofree char *work = g_dir_make_tmp("pleinair-bench-XXXXXX", error);
+	bool good = work && (!all->keep || files_make_folder(all->keep, error));
+	for (size_t i = 0; good && scenes[i]; i++)
+		good = measure_scene(scenes[i], all, work, error);
+	if (work && !files_remove_tree(work, good ? error : NULL))
+		good = false;
+	return good;
 }

@@ -1,6 +1,7 @@
 #ifndef PROCESS_BENCH_SITES_H
 #define PROCESS_BENCH_SITES_H
-/* Simulated sites for trials: scanned as pleinair scan does, with the simulator's own word on where each scan stands. */
+/* Simulated sites: scanned as pleinair scan does. For trials, without a camera, with the simulator's own word on where each scan
+ * stands; and a few scenes as they are, one after the other. Records are removed: the scans do. */
 #include "acquire/preset.h"
 #include "process/pair.h"
 #include <gio/gio.h>
@@ -23,10 +24,33 @@ struct bench_site {
 	uint32_t count;
 };
 
-/* Scans what the folder does not have yet, then loads all. The records are removed. stop is asked now and then. The error of
+/* Scans what the folder does not have yet, then loads all. stop is asked now and then. The error of
  * a stop is G_IO_ERROR_CANCELLED. Any thread, one a site. */
 bool bench_site_make(struct bench_site *s, const char *folder, const struct preset *preset,
 	bool (*stop)(void), GError **error);
 void bench_site_clear(struct bench_site *s);
+
+/* One of court, street and bridge, as its first stations see it. */
+#define BENCH_STATIONS 4
+struct bench_scene {
+	const char *name;
+	uint64_t seed;
+	const char
+		*path; /* a site of scans 1 to BENCH_STATIONS, and of nothing else; removed again */
+	const char *work; /* a folder for files that are needed on the way */
+};
+/* "court?seed=7&station=2"; caller frees. */
+char *bench_scene_station(const struct bench_scene *s, uint32_t station);
+
+struct bench_scenes {
+	uint64_t seed;      /* of all */
+	const char *preset; /* NULL: standard */
+	const char *
+		keep; /* folder where the scans stay, and are taken from the next time; NULL: a temporary one */
+	bool (*measure)(const struct bench_scene *scene, gpointer user_data, GError **error);
+	gpointer user_data;
+};
+/* Scans what the folder does not have yet, and measures; scene by scene. */
+bool bench_scenes_measure(const struct bench_scenes *all, GError **error);
 
 #endif

@@ -38,7 +38,8 @@ static const GOptionEntry entries[] = {
 		"1)",
 		"S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
-		"register, features: where the scans stay, and are taken from the next time",
+		"register, segments, features: where the scans stay, and are taken from the next "
+		"time",
 		"FOLDER" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
 		"model: that the scanners measured (default 20)", "N" },
@@ -121,9 +122,11 @@ static int run_register(void)
 static int run_segments(void)
 {
 	g_autoptr(GError) error = NULL;
-	struct bench_segments_options options = {
-		.site = site_path, .preset = preset, .seed = (uint64_t)seed, .json = json
-	};
+	struct bench_segments_options options = { .site = site_path,
+		.preset = preset,
+		.seed = (uint64_t)seed,
+		.keep = keep,
+		.json = json };
 	if (seed < 0 || seed > 1000000000)
 		return cli_misuse(COMMAND, "seeds go from 0 to 1000000000");
 	return bench_segments(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);

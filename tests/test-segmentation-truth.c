@@ -1,12 +1,11 @@
 /* The segmentation against the simulator's exact truth, against the classes of aerial scans, and on real terrestrial ones.
  *
  * With PLEINAIR_SLOW=1 (make check-slow) sites are scanned at the standard preset, with and without colour; else one of them as a
- * draft. A cell's truth is what its beam meets first; cells whose range is another one saw two things at once and are left
- * out, but panes of glass count for what is seen behind them. */
+ * draft. */
 #include "process/import.h"
 #include "process/scan-data.h"
 #include "process/scan-geometry.h"
-#include "process/scan-points.h"
+#include "process/segment-score.h"
 #include "process/segment-site.h"
 #include "sim/truth.h"
 #include "tests/simulated.h"
@@ -14,18 +13,7 @@
 #include <glib/gstdio.h>
 #include <string.h>
 
-#define STATIONS    4
-#define RANGE_OFF_M 0.15
-#define CLASS_CELLS 100
-#define TREE_CELLS  200
-#define TREE_HIGH_M 2.5
-#define INSTANCES   65536
-
-struct score {
-	double cells[WORLD_CLASSES][SEGMENT_CLASSES];
-	double mean_iou, iou[SEGMENT_CLASSES]; /* NAN: not in the truth */
-	unsigned trees, trees_found;
-};
+#define STATIONS 4
 
 /* ---- sites ---- */
 
@@ -80,36 +68,24 @@ static void segment_all(site *s, const scan_graph *g)
 
 /* ---- against the truth ---- */
 
-struct counter {
-	struct score *score;
-	segments *tree;
-	double *of_leaf;     /* cells with a truth, by leaf */
-	double *of_instance; /* of vegetation */
-	float *low_m, *high_m;
-	GHashTable *pairs; /* instance * 65536 + leaf: cells */
-};
-
-static bool true_cell(const truth *t, const range_grid *g, size_t i, struct truth_cell *ret)
+/* What each beam really met first; caller frees. */
+static struct bench_truth_cell *look(const truth *t, const range_grid *g)
 {
-	double level = hypot((double)g->x_m[i], g->y_m[i]);
-	*ret = truth_look(t, atan2(g->x_m[i], g->y_m[i]), atan2(g->z_m[i], level));
-	bool behind_glass = ret->optics == WORLD_GLASS && ret->class == WORLD_BUILDING;
-	return ret->class != WORLD_NOTHING &&
-	       (behind_glass || fabs(ret->range_m - g->range_m[i]) <= RANGE_OFF_M);
+	struct bench_truth_cell *cells = g_new(struct bench_truth_cell, range_grid_cells(g));
+	for (size_t i = 0; i < range_grid_cells(g); i++) {
+		double level = hypot((double)g->x_m[i], g->y_m[i]);
+		struct truth_cell c =
+			truth_look(t, atan2(g->x_m[i], g->y_m[i]), atan2(g->z_m[i], level));
+		cells[i] = (struct bench_truth_cell){ .range_m = c.range_m,
+			.instance = c.instance,
+			.class = c.class,
+			.optics = c.optics };
+	}
+	return cells;
 }
 
-static void count_tree_cell(struct counter *c, uint32_t instance, uint16_t leaf, double z_m)
-{
-	gpointer key = GUINT_TO_POINTER(instance << 16 | leaf);
-	gsize cells = GPOINTER_TO_SIZE(g_hash_table_lookup(c->pairs, key));
-	g_hash_table_insert(c->pairs, key, GSIZE_TO_POINTER(cells + 1));
-	if (!c->of_instance[instance]++)
-		c->low_m[instance] = c->high_m[instance] = (float)z_m;
-	c->low_m[instance] = fminf(c->low_m[instance], (float)z_m);
-	c->high_m[instance] = fmaxf(c->high_m[instance], (float)z_m);
-}
-
-static void count_scan(struct counter *c, site *s, const struct placed_scan *p, const truth *t)
+static void count_scan(segment_score *score, const segments *tree, site *s,
+	const struct placed_scan *p, const truth *t)
 {
 	g_autoptr(GError) error = NULL;
 	g_autoptr(scan_data) d = scan_data_load(s, p->number, &error);
@@ -117,112 +93,29 @@ static void count_scan(struct counter *c, site *s, const struct placed_scan *p, 
 	g_autoptr(scan_segments) labels = scan_segments_open(s, p->number, &error);
 	g_assert_no_error(error);
 	struct scan_points all = scan_points_of(d, NULL, &p->pose);
-	for (uint64_t i = 0; i < all.count; i++) {
-		struct truth_cell cell;
-		double at[3];
+	g_autofree struct bench_truth_cell *cells = look(t, d->grid);
+	for (uint64_t i = 0; i < all.count; i++)
 		g_assert_true((labels->leaf[i] != SEGMENT_NONE) == scan_points_has(&all, i));
-		if (!scan_points_has(&all, i) || !true_cell(t, d->grid, i, &cell))
-			continue;
-		scan_points_position(&all, i, at);
-		c->score->cells[cell.class][segments_find(c->tree, labels->leaf[i])->class]++;
-		c->of_leaf[labels->leaf[i]]++;
-		if (cell.class == WORLD_VEGETATION)
-			count_tree_cell(c, cell.instance, labels->leaf[i], at[2]);
-	}
+	segment_score_count(score, tree, &all, labels->leaf, cells);
 }
 
-static void score_classes(struct score *s)
-{
-	double sum = 0, classes = 0;
-	for (int c = 1; c < SEGMENT_CLASSES; c++) {
-		double of_truth = 0, told = 0, both = s->cells[c][c];
-		for (int k = 0; k < SEGMENT_CLASSES; k++)
-			of_truth += s->cells[c][k];
-		for (int k = 0; k < WORLD_CLASSES; k++)
-			told += s->cells[k][c];
-		s->iou[c] = of_truth >= CLASS_CELLS ? both / (of_truth + told - both) : NAN;
-		if (of_truth < CLASS_CELLS)
-			continue;
-		sum += s->iou[c];
-		classes++;
-	}
-	s->mean_iou = sum / classes;
-}
-
-static void score_trees(struct counter *c)
-{
-	g_autofree double *best = g_new0(double, INSTANCES);
-	GHashTableIter iter;
-	gpointer key, value;
-	g_hash_table_iter_init(&iter, c->pairs);
-	while (g_hash_table_iter_next(&iter, &key, &value)) {
-		uint32_t instance = GPOINTER_TO_UINT(key) >> 16,
-			 leaf = GPOINTER_TO_UINT(key) & 0xFFFF;
-		double both = (double)GPOINTER_TO_SIZE(value);
-		best[instance] = fmax(best[instance],
-			both / (c->of_instance[instance] + c->of_leaf[leaf] - both));
-	}
-	for (uint32_t i = 0; i < INSTANCES; i++) {
-		if (c->of_instance[i] < TREE_CELLS || c->high_m[i] - c->low_m[i] < TREE_HIGH_M)
-			continue;
-		c->score->trees++;
-		c->score->trees_found += best[i] >= 0.5;
-		if (best[i] < 0.5)
-			g_test_message("tree %u of %.0f cells, %.1f m: IoU %.2f", i,
-				c->of_instance[i], c->high_m[i] - c->low_m[i], best[i]);
-	}
-}
-
-static const char *const world_names[WORLD_CLASSES] = { "nothing", "building", "vegetation",
-	"terrain", "structure", "water", "vehicle", "person", "furniture" };
-
-static void print_score(const struct score *s)
-{
-	g_autoptr(GString) title = g_string_new("           ");
-	for (int k = 0; k < SEGMENT_CLASSES; k++)
-		g_string_append_printf(title, " %10s", segment_classes[k].name);
-	g_test_message("%s        IoU", title->str);
-	for (int c = 1; c < WORLD_CLASSES; c++) {
-		g_autoptr(GString) line = g_string_new(NULL);
-		g_string_printf(line, "%-11s", world_names[c]);
-		for (int k = 0; k < SEGMENT_CLASSES; k++)
-			g_string_append_printf(line, " %10.0f", s->cells[c][k]);
-		if (c < SEGMENT_CLASSES && !isnan(s->iou[c]))
-			g_string_append_printf(line, "      %.3f", s->iou[c]);
-		g_test_message("%s", line->str);
-	}
-	g_test_message("mean IoU %.3f, trees %u of %u", s->mean_iou, s->trees_found, s->trees);
-}
-
-static struct score score_site(site *s, const scan_graph *g, const char *scene)
+static segment_score *score_site(site *s, const scan_graph *g, const char *scene)
 {
 	g_autoptr(GError) error = NULL;
-	struct score score = { 0 };
-	struct counter c = { .score = &score,
-		.tree = segments_load(site_path(s), &error),
-		.of_leaf = g_new0(double, SEGMENTS_MAX + 1),
-		.of_instance = g_new0(double, INSTANCES),
-		.low_m = g_new0(float, INSTANCES),
-		.high_m = g_new0(float, INSTANCES),
-		.pairs = g_hash_table_new(NULL, NULL) };
+	g_autoptr(segments) tree = segments_load(site_path(s), &error);
 	g_assert_no_error(error);
+	segment_score *score = segment_score_new();
 	for (guint k = 0; k < g->scans->len; k++) {
 		g_autoptr(truth) t = truth_at(scene, (int)k + 1);
-		count_scan(&c, s, &g_array_index(g->scans, struct placed_scan, k), t);
+		count_scan(score, tree, s, &g_array_index(g->scans, struct placed_scan, k), t);
 	}
-	score_classes(&score);
-	score_trees(&c);
-	print_score(&score);
-	segments_free(c.tree);
-	g_free(c.of_leaf);
-	g_free(c.of_instance);
-	g_free(c.low_m);
-	g_free(c.high_m);
-	g_hash_table_unref(c.pairs);
+	segment_score_count_trees(score);
+	g_autofree char *table = segment_score_text(score, false);
+	g_test_message("%s", table);
 	return score;
 }
 
-static struct score score_of(const char *scene, const char *preset, const char *more)
+static segment_score *score_of(const char *scene, const char *preset, const char *more)
 {
 	g_autoptr(GError) error = NULL;
 	g_autofree char *folder = simulated_folder();
@@ -251,10 +144,10 @@ static const struct truth_case {
 static void test_scene(gconstpointer data)
 {
 	const struct truth_case *c = data;
-	struct score s = score_of(c->scene, "standard", "&camera=360x640");
-	trees += s.trees;
-	trees_found += s.trees_found;
-	g_assert_cmpfloat(s.mean_iou, >=, c->mean_iou);
+	g_autoptr(segment_score) s = score_of(c->scene, "standard", "&camera=360x640");
+	trees += s->trees;
+	trees_found += s->trees_found;
+	g_assert_cmpfloat(segment_score_mean(s, false), >=, c->mean_iou);
 }
 
 static void test_trees(void)
@@ -267,15 +160,16 @@ static void test_trees(void)
 static void test_without_colour(gconstpointer data)
 {
 	const struct truth_case *c = data;
-	struct score s = score_of(c->scene, "standard", "&camera=none");
-	g_assert_cmpfloat(s.mean_iou, >=, c->grey_mean_iou);
+	g_autoptr(segment_score) s = score_of(c->scene, "standard", "&camera=none");
+	g_assert_cmpfloat(segment_score_mean(s, false), >=, c->grey_mean_iou);
 }
 
 static void test_draft(void)
 {
-	struct score s = score_of("court?seed=411", "draft", "&camera=144x256&ares=1056");
-	g_assert_cmpfloat(s.mean_iou, >=, 0.65);
-	g_assert_cmpuint(s.trees_found * 2, >=, s.trees);
+	g_autoptr(segment_score) s =
+		score_of("court?seed=411", "draft", "&camera=144x256&ares=1056");
+	g_assert_cmpfloat(segment_score_mean(s, false), >=, 0.65);
+	g_assert_cmpuint(s->trees_found * 2, >=, s->trees);
 }
 
 /* ---- against labels, and real scans ---- */
