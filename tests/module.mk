@@ -1,2 +1,2 @@
 # Building and testing.
-packages += gcc make pkg-config libc6-dev git perl clang clang-format libclang-rt-14-dev
+packages += gcc make pkg-config libc6-dev git perl clang clang-format libclang-rt-14-dev libomp-14-dev
