@@ -26,8 +26,8 @@ struct feature_frame feature_frame_of(const float normal[3])
 	return f;
 }
 
-void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
-	const float there[3], int way)
+static inline void form_add(struct feature_form *s, const struct feature_frame *f,
+	const float off[3], const float there[3], int way)
 {
 	const float ahead = vector3_dot(off, f->normal);
 	if (!(vector3_dot(there, f->normal) > SAME_FACE) ||
@@ -47,6 +47,12 @@ void feature_form_add(struct feature_form *s, const struct feature_frame *f, con
 	s->bq += b * q;
 	s->count++;
 	s->ways |= 1u << way;
+}
+
+void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
+	const float there[3], int way)
+{
+	form_add(s, f, off, there, way);
 }
 
 /* Neighbours on all sides, or at least on three of the four axes: an edge's own side alone tells nothing. */
@@ -114,7 +120,7 @@ static void add_cell(const struct features_input *of, const float *const normal[
 		g->z_m[k] - g->z_m[i] };
 	if (g->range_m[k] > 0 &&
 		!(of->leaf && of->leaf[i] && of->leaf[k] && of->leaf[i] != of->leaf[k]))
-		feature_form_add(into, f, off, there, way);
+		form_add(into, f, off, there, way);
 }
 
 static int cells_of(const struct features_options *o, float range_m, float beam_rad)

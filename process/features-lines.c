@@ -10,7 +10,9 @@
 #define WINDOWS_WIDE 4.5f
 /* Edges are found within so many cells of where they are. */
 #define SPACING_SHARE 0.7f
-#define NEAR_CELLS    4.0f
+/* Among so many of the 81 cells around it a point is on no line: that is foliage. */
+#define CROWDED    34
+#define NEAR_CELLS 4.0f
 /* Cells so far off a line are passed by it. */
 #define PASSING_CELLS 1.5f
 
@@ -45,6 +47,9 @@ static void fit_cell(const struct fitter *t, size_t i)
 {
 	const range_grid *g = t->of->grid;
 	struct feature_around a;
+	if (ridges_count(t->own, g->rows, (uint32_t)(i / g->columns), (uint32_t)(i % g->columns)) >
+		CROWDED)
+		return;
 	const float spacing_m = range_grid_point_size_m(g, i);
 	const float window_m = sqrtf(62 * t->o->range_noise_m * spacing_m);
 	const float radius_m =

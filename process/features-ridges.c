@@ -10,6 +10,8 @@
 /* What is not moved to a cut counts less among what is. */
 #define UNMOVED_WEIGHT 0.25f
 
+_Static_assert(WINDOW_MOST < WINDOW_EVERY << (RIDGE_LEVELS - 1), "the last level is wide enough");
+
 /* Edges are some cells wide; where they are highest, they are. */
 static bool is_highest(const struct features_view *v, uint32_t row, uint32_t column)
 {
@@ -139,6 +141,24 @@ struct ridges ridges_find(const struct features_view *v, const struct pose *to_s
 	list_points(&ret, v, to_scan);
 	for (int level = 0; level < RIDGE_LEVELS; level++)
 		ret.tiles[level] = lay_tiles(&ret, g, 1u << level);
+	return ret;
+}
+
+uint32_t ridges_count(const struct ridges *r, uint32_t rows, uint32_t row, uint32_t column)
+{
+	const uint32_t from = column < RIDGES_NEAR ? 0 : column - RIDGES_NEAR,
+		       top = row < RIDGES_NEAR ? 0 : row - RIDGES_NEAR,
+		       bottom = MIN(row + RIDGES_NEAR, rows - 1), word = from / 64,
+		       shift = from % 64;
+	const uint64_t mask = ((uint64_t)1 << (2 * RIDGES_NEAR + 1)) - 1;
+	uint32_t ret = 0;
+	for (uint32_t y = top; y <= bottom; y++) {
+		const uint64_t *bits = r->bits + (size_t)y * r->words + word;
+		uint64_t run = bits[0] >> shift;
+		if (shift && word + 1 < r->words)
+			run |= bits[1] << (64 - shift);
+		ret += (uint32_t)__builtin_popcountll(run & mask);
+	}
 	return ret;
 }
 

@@ -46,6 +46,10 @@ static inline bool ridges_has(const struct ridges *r, uint32_t row, uint32_t col
 	return r->bits[(size_t)row * r->words + column / 64] >> column % 64 & 1;
 }
 
+/* Of the cells so many cells around, and itself: how many are. rows: of the grid. */
+#define RIDGES_NEAR 4
+uint32_t ridges_count(const struct ridges *r, uint32_t rows, uint32_t row, uint32_t column);
+
 static inline bool ridge_has_cut(const struct ridge_point *p)
 {
 	return p->cut[0] != 0 || p->cut[1] != 0 || p->cut[2] != 0;

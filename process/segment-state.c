@@ -157,7 +157,8 @@ static uint32_t leaf_of_anchor(const segment_state *s, const struct segment_ref 
 {
 	const struct segment_anchor *a = &g_array_index(r->anchors, struct segment_anchor, k);
 	const struct segment_label *l = labels_of(s, a->scan);
-	return l && a->cell < l->count ? l->leaf[a->cell] : SEGMENT_NONE;
+	uint32_t leaf = l && a->cell < l->count ? l->leaf[a->cell] : SEGMENT_NONE;
+	return segments_find(s->tree, leaf) ? leaf : SEGMENT_NONE;
 }
 
 /* The leaf that most of its points are in now, and from there as far up as it stood; classes stay out of it. */
