@@ -18,7 +18,9 @@
 #define FOLIAGE_SURE  0.6f
 #define GREEN_ZERO    0.05f
 #define GREEN_WEIGHT  1.6f
+#define NO_GREEN      -0.04f
 #define CROWN_VOXELS  60u
+#define LARGE_VOXELS  1000u
 #define ERROR_FROM_M  0.010f
 #define ERROR_VOXEL_M 0.15f
 #define ERROR_FULL_M  0.030f
@@ -33,6 +35,7 @@
 /* A porch, outside stairs, a dormer. */
 #define PART_LINKS 40u
 #define PART_M     2.5
+#define SILL_LINKS 5u
 #define FLOATS_M   2.8f /* nothing but a part of a house is so far above the ground */
 #define TALL_M     5.5f
 /* Kerbs and edgings lie; what stands goes on above this. */
@@ -45,6 +48,7 @@ struct rules {
 	const voxels *v;
 	uint8_t *class; /* UNKNOWN: not yet */
 	float *foliage; /* evidence of it, about 0..1 */
+	float *green;   /* the part of it that colour tells, below 0: of another colour */
 };
 
 /* ---- walls, roofs, and what holds up ground ---- */
@@ -150,11 +154,11 @@ static void weigh_foliage(struct rules *r)
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		const struct voxel *v = &r->v->voxel[i];
 		float green = v->rgb[1] - 0.5f * (v->rgb[0] + v->rgb[2]) - GREEN_ZERO;
+		r->green[i] = v->coloured * GREEN_WEIGHT * fminf(fmaxf(green, -0.08f), 0.2f);
 		float error = (r->in->shape[i].error_m / scale - ERROR_FROM_M) /
 			      (ERROR_FULL_M - ERROR_FROM_M);
 		r->foliage[i] = 0.55f * r->in->shape[i].rough + 0.45f * fminf(fmaxf(error, 0), 1) +
-				v->coloured * GREEN_WEIGHT * fminf(fmaxf(green, -0.08f), 0.2f) +
-				0.3f * v->late;
+				r->green[i] + 0.3f * v->late;
 	}
 }
 
@@ -179,6 +183,12 @@ static uint32_t *wall_contacts(const struct rules *r, const components *c)
 	return contacts;
 }
 
+/* What is little larger than the voxels that roughness is told from is rough, whatever it is: its colour tells, if it has one. */
+static bool may_be_plant(const struct component *c, float green)
+{
+	return c->voxels >= LARGE_VOXELS || green > NO_GREEN;
+}
+
 /* Crowns and shrubs: foliage all through, and enough of it; but not what is all along a roof. */
 static void find_crowns(struct rules *r)
 {
@@ -187,11 +197,13 @@ static void find_crowns(struct rules *r)
 		kind[i] = r->class[i] == UNKNOWN && r->foliage[i] >= FOLIAGE;
 	g_autoptr(components) c = components_find(r->v, kind, 0);
 	g_autofree float *mean = component_means(r, c, r->foliage);
+	g_autofree float *green = component_means(r, c, r->green);
 	g_autofree uint32_t *contacts = wall_contacts(r, c);
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		uint32_t k = c->of[i];
 		if (k != VOXEL_NONE && c->component[k].voxels >= CROWN_VOXELS &&
-			mean[k] >= FOLIAGE_SURE && contacts[k] < c->component[k].voxels)
+			mean[k] >= FOLIAGE_SURE && may_be_plant(&c->component[k], green[k]) &&
+			contacts[k] < c->component[k].voxels)
 			r->class[i] = CLASS_VEGETATION;
 	}
 }
@@ -223,7 +235,7 @@ static void take_what_lies_against(struct rules *r, uint8_t class, int links)
 /* ---- what stands alone ---- */
 
 struct thing {
-	float foliage;
+	float foliage, green;
 	float low_m, high_m;                /* above the ground */
 	double length_m, width_m;           /* upright box along its longer side */
 	uint32_t contacts[SEGMENT_CLASSES]; /* links to voxels of a class */
@@ -307,8 +319,10 @@ static struct thing *measure_things(const struct rules *r, const components *c)
 	g_autoptr(voxels) blocks = building_blocks(r);
 	struct thing *thing = g_new0(struct thing, c->count + 1);
 	g_autofree float *foliage = component_means(r, c, r->foliage);
+	g_autofree float *green = component_means(r, c, r->green);
 	for (uint32_t k = 0; k < c->count; k++) {
 		thing[k].foliage = foliage[k];
+		thing[k].green = green[k];
 		thing[k].low_m = INFINITY;
 		thing[k].high_m = -INFINITY;
 		measure_box(&c->component[k], &thing[k]);
@@ -351,9 +365,19 @@ static bool is_canopy(const struct thing *t)
 static bool is_wall(const struct thing *t)
 {
 	bool is_sheet = t->high_m > TOP_LEAST_M && t->width_m < 0.1 && t->length_m > 0.6;
-	bool is_long = t->near_building && t->high_m > 3.5f && t->length_m > PART_M;
+	bool is_long = t->near_building && t->high_m > BENCH_M && t->length_m > PART_M &&
+		       (t->width_m < 1 || t->high_m > 3.5f);
 	return (t->high_m > TALL_M && t->length_m > 1.2) ||
-	       ((is_sheet || is_long) && !t->contacts[CLASS_STRUCTURE] && t->foliage < FOLIAGE);
+	       ((is_sheet || is_long) && !t->contacts[CLASS_STRUCTURE]);
+}
+
+static bool is_plant(const struct thing *t, const struct component *c)
+{
+	const uint32_t *contacts = t->contacts;
+	bool is_trunk = contacts[CLASS_VEGETATION] > contacts[CLASS_BUILDING] &&
+			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] &&
+			t->length_m < TRUNK_M && t->width_m < TRUNK_M / 2;
+	return is_trunk || (t->foliage >= FOLIAGE && may_be_plant(c, t->green));
 }
 
 static bool is_part_of_house(const struct thing *t, const struct component *c)
@@ -363,33 +387,25 @@ static bool is_part_of_house(const struct thing *t, const struct component *c)
 		contacts[CLASS_BUILDING] > contacts[CLASS_STRUCTURE] &&
 		(t->low_m > TOP_LEAST_M || t->length_m > PART_M))
 		return true;
-	if (t->foliage >= FOLIAGE)
+	if (is_plant(t, c))
 		return t->near_building && t->low_m > 0.6f;
 	bool is_thin = t->width_m < 0.3 ||
 		       (t->width_m < 0.4 && (t->length_m > PART_M || t->high_m > BENCH_M));
 	bool is_bench = t->low_m < 0.6f && t->high_m < BENCH_M && t->length_m > 0.8 &&
 			t->length_m < PART_M && t->width_m > 0.15;
-	return (contacts[CLASS_BUILDING] > c->voxels / 2 && !is_bench &&
+	bool is_sill = contacts[CLASS_BUILDING] > SILL_LINKS * c->voxels;
+	return (contacts[CLASS_BUILDING] > c->voxels / 2 && (is_sill || !is_bench) &&
 		       (t->low_m > 0.4f || is_thin)) ||
 	       (t->near_building && t->low_m > 0.6f) || t->low_m > FLOATS_M || is_wall(t);
 }
 
-static bool is_plant(const struct thing *t)
-{
-	const uint32_t *contacts = t->contacts;
-	bool is_trunk = contacts[CLASS_VEGETATION] > contacts[CLASS_BUILDING] &&
-			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] &&
-			t->length_m < TRUNK_M && t->width_m < TRUNK_M / 2;
-	return is_trunk || t->foliage >= FOLIAGE;
-}
-
 static uint8_t class_of_thing(const struct thing *t, const struct component *c)
 {
-	if (t->contacts[CLASS_VEGETATION] && is_plant(t))
+	if (t->contacts[CLASS_VEGETATION] && is_plant(t, c))
 		return CLASS_VEGETATION;
 	if (is_part_of_house(t, c))
 		return CLASS_BUILDING;
-	if (is_plant(t))
+	if (is_plant(t, c))
 		return CLASS_VEGETATION;
 	return is_person(t) || is_car(t) || is_canopy(t) ? CLASS_OTHER : CLASS_STRUCTURE;
 }
@@ -439,7 +455,8 @@ static void tell_lying(struct rules *r)
 uint8_t *classify(const struct classify_input *in)
 {
 	g_autofree float *foliage = g_new(float, in->voxels->count + 1);
-	struct rules r = { in, in->voxels, g_new(uint8_t, in->voxels->count + 1), foliage };
+	g_autofree float *green = g_new(float, in->voxels->count + 1);
+	struct rules r = { in, in->voxels, g_new(uint8_t, in->voxels->count + 1), foliage, green };
 	memset(r.class, UNKNOWN, in->voxels->count);
 	weigh_foliage(&r);
 	find_walls(&r);
