@@ -1,6 +1,7 @@
 #include "process/segmentation.h"
 #include "process/classify.h"
 #include "process/ground.h"
+#include "process/plinth.h"
 #include "process/segment-things.h"
 #include "process/voxel-shape.h"
 #include "process/water.h"
@@ -26,6 +27,7 @@ struct segmentation {
 	ground *ground;
 	voxels *voxels;
 	struct segment_things things;
+	struct plinths plinths;
 	GPtrArray *told; /* uint8_t of each scan, by somebody else; NULL: nobody did */
 };
 
@@ -36,6 +38,7 @@ void segmentation_free(segmentation *s)
 	ground_free(s->ground);
 	voxels_free(s->voxels);
 	segment_things_clear(&s->things);
+	plinths_clear(&s->plinths);
 	g_clear_pointer(&s->told, g_ptr_array_unref);
 	g_free(s);
 }
@@ -337,6 +340,7 @@ static bool find_things(const struct passes *p, segments *into, GError **error)
 	g_autofree uint8_t *class = classify(&in);
 	if (!ask(p, error) || !count_labels(p, class, error))
 		return false;
+	s->plinths = plinths_find(s->ground, s->voxels, class, ground_class, height_m);
 	uint32_t points_min =
 		p->options && p->options->points_min ? p->options->points_min : POINTS_MIN;
 	return segment_things_find(&s->things, &in, class, points_min, into, error);
@@ -378,8 +382,12 @@ static uint16_t leaf_of(
 	if (voxel != VOXEL_NONE)
 		return segment_things_leaf(t, t->leaf_of_voxel[voxel], label);
 	uint32_t surfel = ground_surfel(s->ground, p.at_m);
-	return segment_things_leaf(
-		t, surfel == VOXEL_NONE ? t->rest[CLASS_OTHER] : t->leaf_of_surfel[surfel], label);
+	if (surfel == VOXEL_NONE)
+		return segment_things_leaf(t, t->rest[CLASS_OTHER], label);
+	uint32_t foot_of = plinths_at(&s->plinths, surfel, p.at_m[2]);
+	return segment_things_leaf(t,
+		foot_of != VOXEL_NONE ? t->leaf_of_voxel[foot_of] : t->leaf_of_surfel[surfel],
+		label);
 }
 
 void segmentation_label(const segmentation *s, size_t index, const struct segmentation_scan *scan,
