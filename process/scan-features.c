@@ -69,19 +69,8 @@ static const char *why_due(const site *s, const struct scan_source *source)
 bool features_site_is_due(const site *s, const scan_graph *graph,
 	const struct features_options *options, bool *ret_due, char **ret_why, GError **error)
 {
-	g_autoptr(GArray) sources = find_sources(s, graph, options, error);
-	*ret_due = false;
-	if (ret_why)
-		*ret_why = NULL;
-	if (!sources)
-		return false;
-	char *why = scan_sources_why_due(s, sources, why_due);
-	*ret_due = why;
-	if (ret_why)
-		*ret_why = why;
-	else
-		g_free(why);
-	return true;
+	return scan_sources_is_due(
+		s, find_sources(s, graph, options, error), why_due, ret_due, ret_why);
 }
 
 /* ---- making them ---- */

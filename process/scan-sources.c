@@ -103,13 +103,19 @@ GArray *scan_sources_find(const site *s, const scan_graph *graph,
 	return g_steal_pointer(&sources);
 }
 
-char *scan_sources_why_due(const site *s, GArray *sources, scan_source_why why)
+bool scan_sources_is_due(
+	const site *s, GArray *sources, scan_source_why why, bool *ret_due, char **ret_why)
 {
-	for (guint i = 0; i < sources->len; i++) {
-		const char *words = why(s, scan_sources_at(sources, i));
-		if (words)
-			return g_strdup_printf(
-				"scan %u %s", scan_sources_at(sources, i)->number, words);
+	g_autoptr(GArray) own = sources;
+	*ret_due = false;
+	if (ret_why)
+		*ret_why = NULL;
+	for (guint i = 0; own && !*ret_due && i < own->len; i++) {
+		const struct scan_source *source = scan_sources_at(own, i);
+		const char *words = why(s, source);
+		*ret_due = words;
+		if (words && ret_why)
+			*ret_why = g_strdup_printf("scan %u %s", source->number, words);
 	}
-	return NULL;
+	return own;
 }

@@ -34,7 +34,9 @@ static inline struct scan_source *scan_sources_at(GArray *sources, guint i)
 
 /* A few words on why the product of a source must be made; NULL: it need not. */
 typedef const char *(*scan_source_why)(const site *s, const struct scan_source *source);
-/* Of the first that is due: "scan 3 has no normals", caller frees; NULL: none is. */
-char *scan_sources_why_due(const site *s, GArray *sources, scan_source_why why);
+/* Whether any is due, and of the first that is "scan 3 has no normals" (caller frees; NULL: none is; ret_why may be NULL). Takes the
+ * sources; false when there are none, for an error is told of already. */
+bool scan_sources_is_due(
+	const site *s, GArray *sources, scan_source_why why, bool *ret_due, char **ret_why);
 
 #endif
