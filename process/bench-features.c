@@ -121,12 +121,14 @@ static double compute(struct station *stations)
 	for (int i = 0; i < BENCH_STATIONS; i++) {
 		struct features_input of = { .grid = stations[i].grid, .pose = stations[i].pose };
 		stations[i].features = features_estimate(&of, NULL);
-		views[i] = (struct features_view){ of, stations[i].features->degree,
-			stations[i].features->cuts };
+		views[i] = (struct features_view){ of,
+			features_ridges_new(&of, stations[i].features, NULL) };
 	}
 	for (int i = 0; i < BENCH_STATIONS; i++)
 		features_fit_lines(
 			stations[i].features, &views[i].scan, views, BENCH_STATIONS, NULL);
+	for (int i = 0; i < BENCH_STATIONS; i++)
+		features_ridges_free((features_ridges *)views[i].ridges);
 	return (double)(g_get_monotonic_time() - start_us) * 1e-6;
 }
 

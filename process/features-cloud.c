@@ -201,7 +201,7 @@ static void gather_point(uint32_t i, const float off[3], void *data)
 				 (g->radius_m * g->radius_m);
 	float degree = g->f->degree[i] * (1 / 255.f);
 	if (near > 0)
-		feature_keep_point(&g->around, off, NULL, near * degree * degree);
+		feature_keep_point(&g->around, off, NULL, near * degree * degree, 0);
 }
 
 static void fit_point(const struct job *j, const struct cloud_cells *x, size_t i, float radius_m)

@@ -26,8 +26,8 @@
 #define START_SHARE 0.4f
 #define OWN_WEIGHT  2.0f
 
-void feature_keep_point(
-	struct feature_around *a, const float at[3], const float cut[3], float weight)
+void feature_keep_point(struct feature_around *a, const float at[3], const float cut[3],
+	float weight, uint8_t frame)
 {
 	if (a->count ==
 		FEATURE_POINTS_MOST) { /* a window wider than it must be: half of them are enough */
@@ -37,6 +37,7 @@ void feature_keep_point(
 			a->z[i] = a->z[2 * i];
 			a->weight[i] = 2 * a->weight[2 * i];
 			memcpy(a->cut[i], a->cut[2 * i], sizeof a->cut[i]);
+			a->frame[i] = a->frame[2 * i];
 		}
 		a->count = FEATURE_POINTS_MOST / 2;
 	}
@@ -45,6 +46,7 @@ void feature_keep_point(
 	a->z[a->count] = at[2];
 	for (int k = 0; k < 3; k++)
 		a->cut[a->count][k] = cut ? cut[k] : 0;
+	a->frame[a->count] = frame;
 	a->weight[a->count++] = weight;
 }
 

@@ -24,10 +24,9 @@ struct fitter {
 	const struct features_view *views;
 	size_t count;
 	const struct features_options *o;
-	const struct ridges *own;
-	struct pose *to_view;  /* from the scan's frame into each view's */
-	struct ridges *ridges; /* of each view */
-	uint8_t least;         /* degree of a feature point */
+	const features_ridges *own;
+	struct pose *to_view, *to_own; /* from the scan's frame into each view's, and back */
+	uint8_t least;                 /* degree of a feature point */
 };
 
 /* Whether the line of the feature points, which is one or not, is one in the end. Faces that cut each other make one of their own. */
@@ -45,12 +44,58 @@ static bool settle_line(const struct fitter *t, size_t i, const float here[3], f
 	}
 }
 
+/* From the frames of the views into the scan's own. */
+static void turn_points(const struct fitter *t, struct feature_around *a)
+{
+	for (uint32_t i = 0; i < a->count; i++) {
+		double off[3] = { (double)a->x[i], (double)a->y[i], (double)a->z[i] };
+		double cut[3] = { (double)a->cut[i][0], (double)a->cut[i][1],
+			(double)a->cut[i][2] };
+		if (t->views[a->frame[i]].scan.grid == t->of->grid)
+			continue;
+		pose_rotate(&t->to_own[a->frame[i]], off, off);
+		pose_rotate(&t->to_own[a->frame[i]], cut, cut);
+		a->x[i] = (float)off[0];
+		a->y[i] = (float)off[1];
+		a->z[i] = (float)off[2];
+		for (int k = 0; k < 3; k++)
+			a->cut[i][k] = (float)cut[k];
+	}
+}
+
+/* Gathers the feature points around one, of all views. */
+static void look_around(const struct fitter *t, size_t i, const struct ridge_point *here,
+	float radius_m, struct feature_around *a)
+{
+	const range_grid *g = t->of->grid;
+	struct ridges_window w = { .leaf = here->leaf,
+		.radius_m = radius_m,
+		.spacing_m = range_grid_point_size_m(g, i),
+		.is_cut = ridge_has_cut(here) };
+	a->count = 0;
+	for (size_t k = 0; k < t->count; k++) {
+		const bool is_own = t->views[k].scan.grid == g;
+		const double at[3] = { (double)here->x, (double)here->y, (double)here->z };
+		uint32_t cell = (uint32_t)i;
+		w.ridges = t->views[k].ridges;
+		w.frame = (uint8_t)k;
+		memcpy(w.at, at, sizeof at);
+		if (!is_own) {
+			pose_apply(&t->to_view[k], at, w.at);
+			cell = range_grid_find(w.ridges->grid, w.at[0], w.at[1], w.at[2]);
+		}
+		if (cell != RANGE_GRID_NONE)
+			ridges_look_around(&w, cell, a);
+	}
+	turn_points(t, a);
+}
+
 static void fit_cell(const struct fitter *t, size_t i)
 {
 	const range_grid *g = t->of->grid;
+	const uint32_t row = (uint32_t)(i / g->columns), column = (uint32_t)(i % g->columns);
 	struct feature_around a;
-	if (ridges_count(t->own, g->rows, (uint32_t)(i / g->columns), (uint32_t)(i % g->columns)) >
-		CROWDED)
+	if (ridges_count(t->own, row, column) > CROWDED)
 		return;
 	const float spacing_m = range_grid_point_size_m(g, i);
 	const float window_m = sqrtf(62 * t->o->range_noise_m * spacing_m);
@@ -58,28 +103,9 @@ static void fit_cell(const struct fitter *t, size_t i)
 		fmaxf(t->o->line_radius_m, fmaxf(BEAMS_WIDE * spacing_m, WINDOWS_WIDE * window_m));
 	const float explained_m =
 		t->o->line_error * hypotf(t->o->range_noise_m, SPACING_SHARE * spacing_m);
-	const struct ridge_point *here =
-		ridges_at(t->own, (uint32_t)(i / g->columns), (uint32_t)(i % g->columns));
+	const struct ridge_point *here = ridges_at(t->own, row, column);
 	const float point[3] = { here->x, here->y, here->z };
-	a.count = 0;
-	for (size_t k = 0; k < t->count; k++) {
-		bool is_own = t->views[k].scan.grid == g;
-		double at[3] = { point[0], point[1], point[2] };
-		if (!is_own)
-			pose_apply(&t->to_view[k], at, at);
-		uint32_t cell =
-			is_own ? (uint32_t)i
-			       : range_grid_find(t->views[k].scan.grid, at[0], at[1], at[2]);
-		struct ridges_window w = { .view = &t->views[k],
-			.ridges = &t->ridges[k],
-			.leaf = t->of->leaf ? t->of->leaf[i] : 0,
-			.here = { here->x, here->y, here->z },
-			.radius_m = radius_m,
-			.spacing_m = spacing_m,
-			.is_cut = ridge_has_cut(here) };
-		if (cell != RANGE_GRID_NONE)
-			ridges_look_around(&w, cell, at, &a);
-	}
+	look_around(t, i, here, radius_m, &a);
 	const float ahead[3] = { g->x_m[i] / g->range_m[i], g->y_m[i] / g->range_m[i],
 		g->z_m[i] / g->range_m[i] };
 	struct feature_line l;
@@ -93,7 +119,7 @@ static void fit_cell(const struct fitter *t, size_t i)
 }
 
 /* Lines are fitted at one in five of the highest cells, such that along any row, column or diagonal every fifth is one. */
-static bool is_chosen(const struct ridges *ridges, uint32_t row, uint32_t column)
+static bool is_chosen(const features_ridges *ridges, uint32_t row, uint32_t column)
 {
 	return (row + 2 * column) % 5 == 0 && ridges_has(ridges, row, column);
 }
@@ -128,7 +154,7 @@ static bool passes(const struct fitter *t, size_t k, size_t i)
 }
 
 /* A chosen cell near by, on the same surface: the nearest whose line passes here, else the nearest; false: there is none. */
-static bool find_chosen(const struct fitter *t, const struct ridges *ridges, uint32_t row,
+static bool find_chosen(const struct fitter *t, const features_ridges *ridges, uint32_t row,
 	uint32_t column, size_t *ret, bool *ret_passes)
 {
 	static const int8_t way[24][2] = { { 0, 1 }, { 0, -1 }, { 1, 0 }, { -1, 0 }, { 1, 1 },
@@ -159,7 +185,7 @@ static bool find_chosen(const struct fitter *t, const struct ridges *ridges, uin
 
 /* What is not chosen has the line of the nearest that is; where there is none, its own. */
 static void take_over(
-	const struct fitter *t, const struct ridges *ridges, uint32_t row, uint32_t column)
+	const struct fitter *t, const features_ridges *ridges, uint32_t row, uint32_t column)
 {
 	features *f = t->f;
 	size_t i = (size_t)row * t->of->grid->columns + column, k;
@@ -182,18 +208,16 @@ void features_fit_lines(features *f, const struct features_input *of,
 	if (!(o.range_noise_m > 0))
 		o.range_noise_m = normals_range_noise_m(g);
 	g_autofree struct pose *to_view = g_new0(struct pose, count + 1);
-	g_autofree struct ridges *ridges = g_new0(struct ridges, count + 1);
-	const struct ridges *own = NULL;
-	struct fitter t = { f, of, views, count, &o, NULL, to_view, ridges, feature_least(&o) };
+	g_autofree struct pose *to_own = g_new0(struct pose, count + 1);
+	const features_ridges *own = NULL;
 	for (size_t k = 0; k < count; k++) {
 		to_view[k] = pose_between(&views[k].scan.pose, &of->pose);
-		struct pose to_scan = pose_inverse(&to_view[k]);
-		ridges[k] = ridges_find(&views[k], views[k].scan.grid == g ? NULL : &to_scan,
-			t.least, o.single_thread);
-		own = views[k].scan.grid == g ? &ridges[k] : own;
+		to_own[k] = pose_inverse(&to_view[k]);
+		own = views[k].scan.grid == g ? views[k].ridges : own;
 	}
-	g_assert(own);
-	t.own = own;
+	g_assert(own && count <= UINT8_MAX);
+	const struct fitter t = { f, of, views, count, &o, own, to_view, to_own,
+		feature_least(&o) };
 	const uint32_t across = (g->columns + BLOCK_CELLS - 1) / BLOCK_CELLS,
 		       blocks = across * ((g->rows + BLOCK_CELLS - 1) / BLOCK_CELLS);
 #pragma omp parallel for schedule(dynamic) if (!o.single_thread)
@@ -207,6 +231,4 @@ void features_fit_lines(features *f, const struct features_input *of,
 				!is_chosen(own, row, column))
 				take_over(&t, own, row, column);
 		}
-	for (size_t k = 0; k < count; k++)
-		ridges_clear(&ridges[k]);
 }

@@ -28,11 +28,12 @@ struct feature_around {
 	uint32_t count;
 	float x[FEATURE_POINTS_MOST], y[FEATURE_POINTS_MOST], z[FEATURE_POINTS_MOST],
 		weight[FEATURE_POINTS_MOST];
-	float cut[FEATURE_POINTS_MOST][3]; /* of the planes at a crease; 0 0 0: none */
+	float cut[FEATURE_POINTS_MOST][3];  /* of the planes at a crease; 0 0 0: none */
+	uint8_t frame[FEATURE_POINTS_MOST]; /* whichever it is in, until all are in one */
 };
 /* cut: a direction; may be NULL. */
-void feature_keep_point(
-	struct feature_around *a, const float at[3], const float cut[3], float weight);
+void feature_keep_point(struct feature_around *a, const float at[3], const float cut[3],
+	float weight, uint8_t frame);
 
 struct feature_line {
 	float direction[3], middle[3];

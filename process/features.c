@@ -184,9 +184,13 @@ features *features_of_scans(const struct features_input *scans, size_t count, si
 {
 	g_autofree struct features_view *views = g_new0(struct features_view, count);
 	g_autofree features **all = g_new0(features *, count);
+	g_autoptr(GPtrArray) ridges =
+		g_ptr_array_new_with_free_func((GDestroyNotify)features_ridges_free);
 	for (size_t k = 0; k < count; k++) {
 		all[k] = features_estimate(&scans[k], options);
-		views[k] = (struct features_view){ scans[k], all[k]->degree, all[k]->cuts };
+		views[k] = (struct features_view){ scans[k],
+			features_ridges_new(&scans[k], all[k], options) };
+		g_ptr_array_add(ridges, (gpointer)views[k].ridges);
 	}
 	features_fit_lines(all[which], &scans[which], views, count, options);
 	for (size_t k = 0; k < count; k++)

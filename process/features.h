@@ -88,11 +88,17 @@ struct features_input {
 features *features_estimate(
 	const struct features_input *of, const struct features_options *options);
 
-/* A scan around, as the line fits need it. */
+/* The feature points of a scan that lines are fitted to (features-ridges.h). Found once, after that read by any number of threads. */
+typedef struct features_ridges features_ridges;
+features_ridges *features_ridges_new(
+	const struct features_input *of, const features *f, const struct features_options *options);
+void features_ridges_free(features_ridges *r); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(features_ridges, features_ridges_free)
+
+/* A scan around, as the line fits need it; its leaves are those that its ridges were found with. */
 struct features_view {
 	struct features_input scan;
-	const uint8_t *degree;
-	const GArray *cuts; /* as in features; may be NULL */
+	const features_ridges *ridges;
 };
 /* Kind, direction and line error of the feature points, from those of all views; the scan itself must be one of them. */
 void features_fit_lines(features *f, const struct features_input *of,

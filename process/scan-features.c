@@ -78,13 +78,15 @@ bool features_site_is_due(const site *s, const scan_graph *graph,
 /* A scan in memory, with what is known of it alone. */
 struct entry {
 	scan_data *data;
-	features *features; /* NULL for a cloud */
+	features *features; /* NULL for a cloud, as is the next */
+	features_ridges *ridges;
 };
 
 static void entry_free(gpointer data)
 {
 	struct entry *e = data;
 	scan_data_free(e->data);
+	features_ridges_free(e->ridges);
 	features_free(e->features);
 	g_free(e);
 }
@@ -121,7 +123,10 @@ static struct entry *read_entry(struct maker *m, const struct scan_source *s, GE
 		return NULL;
 	struct entry *e = g_new0(struct entry, 1);
 	struct features_input input = { .grid = d->grid, .pose = s->pose };
-	e->features = d->grid ? features_estimate(&input, options_of(m)) : NULL;
+	if (d->grid) {
+		e->features = features_estimate(&input, options_of(m));
+		e->ridges = features_ridges_new(&input, e->features, options_of(m));
+	}
 	e->data = g_steal_pointer(&d);
 	return e;
 }
@@ -191,7 +196,7 @@ static bool make_grid(struct maker *m, const struct scan_source *s, GError **err
 		if (!e || !go_on(m, (i + 1.0) / (s->neighbour_count + 2.0), error))
 			return false;
 		own = (struct features_input){ .grid = e->data->grid, .pose = of->pose };
-		views[i] = (struct features_view){ own, e->features->degree, e->features->cuts };
+		views[i] = (struct features_view){ own, e->ridges };
 		f = e->features;
 	}
 	features_fit_lines(f, &own, views, s->neighbour_count + 1, options_of(m));
