@@ -17,30 +17,55 @@
 
 /* ---- how far it is to the next depth edge ---- */
 
-/* Cells, up to REACH_MOST + 1, the longer way along a row or a column counts. */
-static void measure_distance(
-	const struct features_input *of, const uint8_t *flags, uint8_t *distance)
+#define FAR_AWAY (REACH_MOST + 1)
+
+/* Cells along the row, up to FAR_AWAY. */
+static void measure_row(
+	const range_grid *g, const uint8_t *flags, uint32_t row, uint8_t *restrict distance)
+{
+	const int32_t width = (int32_t)g->columns, before = g->wraps ? MIN(FAR_AWAY, width) : 0;
+	const size_t from = (size_t)row * g->columns;
+	for (int32_t c = 0; c < width; c++)
+		distance[c] = !(g->range_m[from + (size_t)c] > 0) ||
+					      (flags[from + (size_t)c] &
+						      (FEATURE_SILHOUETTE | FEATURE_BEHIND))
+				      ? 0
+				      : FAR_AWAY;
+	for (int32_t n = -before, last = FAR_AWAY; n < width; n++) {
+		uint8_t *d = distance + (n < 0 ? n + width : n);
+		last = *d = (uint8_t)MIN(*d, last + 1);
+	}
+	for (int32_t n = width - 1 + before, last = FAR_AWAY; n >= 0; n--) {
+		uint8_t *d = distance + (n >= width ? n - width : n);
+		last = *d = (uint8_t)MIN(*d, last + 1);
+	}
+}
+
+/* Cells, up to FAR_AWAY, the longer way along a row or a column counts. */
+static void measure_distance(const struct features_input *of, const struct features_options *o,
+	const uint8_t *flags, uint8_t *distance)
 {
 	const range_grid *g = of->grid;
-	size_t cells = range_grid_cells(g);
-	for (size_t i = 0; i < cells; i++)
-		distance[i] =
-			!(g->range_m[i] > 0) || (flags[i] & (FEATURE_SILHOUETTE | FEATURE_BEHIND))
-				? 0
-				: REACH_MOST + 1;
-	for (int pass = 0; pass < 2; pass++)
-		for (size_t n = 0; n < cells; n++) {
-			size_t i = pass ? cells - 1 - n : n, k;
-			uint32_t row = (uint32_t)(i / g->columns),
-				 column = (uint32_t)(i % g->columns);
-			int way = pass ? 1 : -1;
-			static const int8_t side[4][2] = { { 1, -1 }, { 1, 0 }, { 1, 1 },
-				{ 0, 1 } };
-			for (int s = 0; s < 4 && distance[i]; s++)
-				if (range_grid_step(
-					    g, row, column, way * side[s][0], way * side[s][1], &k))
-					distance[i] = MIN(distance[i], distance[k] + 1);
+	const int32_t rows = (int32_t)g->rows;
+	const size_t width = g->columns;
+	g_autofree uint8_t *along = g_malloc(range_grid_cells(g) + 1);
+#pragma omp parallel for schedule(static) if (!o->single_thread)
+	for (int32_t row = 0; row < rows; row++)
+		measure_row(g, flags, (uint32_t)row, along + (size_t)row * width);
+#pragma omp parallel for schedule(static) if (!o->single_thread)
+	for (int32_t row = 0; row < rows; row++) {
+		uint8_t *restrict ret = distance + (size_t)row * width;
+		memcpy(ret, along + (size_t)row * width, width);
+		for (int32_t r = MAX(row - REACH_MOST, 0); r <= MIN(row + REACH_MOST, rows - 1);
+			r++) {
+			const uint8_t *restrict there = along + (size_t)r * width,
+						away = (uint8_t)abs(r - row);
+			for (size_t c = 0; c < width; c++) {
+				uint8_t d = MAX(there[c], away);
+				ret[c] = MIN(ret[c], d);
+			}
 		}
+	}
 }
 
 /* ---- the error of the planes on both sides ---- */
@@ -50,6 +75,8 @@ struct creases {
 	const struct feature_planes *planes;
 	const struct features_options *options;
 	const uint8_t *distance;
+	float *meets; /* the ray of each cell meets its plane so many times as far away as its point; 0: nowhere */
+	float *tilt2; /* square of 1 sigma of the plane's tilt */
 	float *error; /* of the planes on both sides, over the distance in between: the sine of their angle */
 	uint8_t *reach; /* cells to either side */
 	float *ridge;   /* the filter's answer */
@@ -63,17 +90,34 @@ static inline float dot_at(const struct feature_planes *p, size_t i, const float
 	return p->normal[0][i] * v[0] + p->normal[1][i] * v[1] + p->normal[2][i] * v[2];
 }
 
+static float meets_at(const struct creases *c, size_t i)
+{
+	const range_grid *g = c->of->grid;
+	const float at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] }, ahead = dot_at(c->planes, i, at);
+	const float offset_m = fabsf(c->planes->offset_m[i]);
+	return offset_m > 0 && ahead < 0 ? -offset_m / ahead : 0;
+}
+
+/* Of a plane of that many cells. */
+static float tilt2_of(const struct creases *c, size_t i)
+{
+	const range_grid *g = c->of->grid;
+	const float spacing_m = g->range_m[i] * (float)sqrt(g->row_rad * g->column_rad);
+	const float cosine = fminf(fabsf(c->planes->offset_m[i]) / g->range_m[i], 1);
+	const float cells = fmaxf(c->planes->count[i], 4);
+	const float tilt = 3.5f * c->options->range_noise_m * cosine / (cells * spacing_m);
+	return tilt * tilt * cosine;
+}
+
 /* The point on the plane of the cell, on its own ray. */
 static inline bool point_on(const struct creases *c, size_t i, float ret[3])
 {
 	const range_grid *g = c->of->grid;
-	float at[3] = { g->x_m[i], g->y_m[i], g->z_m[i] }, ahead = dot_at(c->planes, i, at);
-	float offset_m = fabsf(c->planes->offset_m[i]);
-	if (!(offset_m > 0) || !(ahead < 0))
-		return false;
-	for (int k = 0; k < 3; k++)
-		ret[k] = -offset_m / ahead * at[k];
-	return true;
+	const float meets = c->meets[i];
+	ret[0] = meets * g->x_m[i];
+	ret[1] = meets * g->y_m[i];
+	ret[2] = meets * g->z_m[i];
+	return meets > 0;
 }
 
 /* Half the width of the windows in metres, as normals.c has it. */
@@ -102,16 +146,6 @@ static int reach_of(
 	return MIN(MAX((int)lrintf(cells), 3), MIN(REACH_MOST, (int)c->distance[i]));
 }
 
-/* 1 sigma of the tilt of a plane of that many cells. */
-static float tilt_of(const struct creases *c, size_t i)
-{
-	const range_grid *g = c->of->grid;
-	float spacing_m = g->range_m[i] * (float)sqrt(g->row_rad * g->column_rad);
-	float cosine = fminf(fabsf(c->planes->offset_m[i]) / g->range_m[i], 1);
-	return 3.5f * c->options->range_noise_m * cosine * sqrtf(cosine) /
-	       (fmaxf(c->planes->count[i], 4) * spacing_m);
-}
-
 static void measure_error(
 	const struct creases *c, uint32_t row, uint32_t column, const int8_t way[2])
 {
@@ -133,8 +167,7 @@ static void measure_error(
 		between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
 	float off_m = 0.5f *
 		      (fabsf(dot_at(c->planes, a, between)) + fabsf(dot_at(c->planes, b, between)));
-	float tilt = CREASE_SIGMAS *
-		     sqrtf(tilt_of(c, a) * tilt_of(c, a) + tilt_of(c, b) * tilt_of(c, b));
+	float tilt = CREASE_SIGMAS * sqrtf(c->tilt2[a] + c->tilt2[b]);
 	c->error[i] = 2 * off_m / sqrtf(fmaxf(away2_m2, 1e-12f)) / fmaxf(CREASE_LEAST, tilt);
 }
 
@@ -217,13 +250,18 @@ static GArray *find_cuts(const struct creases *c, const uint8_t *way_of)
 {
 	GArray *ret = g_array_new(FALSE, FALSE, sizeof(struct feature_cut));
 	const range_grid *g = c->of->grid;
-	for (uint32_t row = 0; row < g->rows; row++)
+#pragma omp parallel for ordered schedule(dynamic) if (!c->options->single_thread)
+	for (uint32_t row = 0; row < g->rows; row++) {
+		g_autoptr(GArray) of_row = g_array_new(FALSE, FALSE, sizeof(struct feature_cut));
 		for (uint32_t column = 0; column < g->columns; column++) {
 			uint8_t way = way_of[(size_t)row * g->columns + column];
 			struct feature_cut cut;
 			if (way && cut_at(c, row, column, ways[way - 1], &cut))
-				g_array_append_val(ret, cut);
+				g_array_append_val(of_row, cut);
 		}
+#pragma omp ordered
+		g_array_append_vals(ret, of_row->data, of_row->len);
+	}
 	return ret;
 }
 
@@ -237,8 +275,17 @@ void feature_creases(const struct features_input *of, const struct feature_plane
 	g_autofree float *ridge = g_new(float, cells + 1);
 	g_autofree uint8_t *way_of = g_malloc0(cells + 1);
 	g_autofree float *best = g_new0(float, cells + 1);
-	struct creases c = { of, p, o, distance, error, reach, ridge, best };
-	measure_distance(of, flags, distance);
+	g_autofree float *meets = g_new(float, cells + 1);
+	g_autofree float *tilt2 = g_new(float, cells + 1);
+	struct creases c = { of, p, o, distance, meets, tilt2, error, reach, ridge, best };
+	measure_distance(of, o, flags, distance);
+#pragma omp parallel for schedule(static) if (!o->single_thread)
+	for (size_t i = 0; i < cells; i++)
+		if (g->range_m[i] > 0) {
+			meets[i] = meets_at(&c, i);
+			tilt2[i] = tilt2_of(&c, i);
+		} else
+			meets[i] = tilt2[i] = 0;
 	for (int w = 0; w < 4; w++) {
 #pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
 		for (uint32_t row = 0; row < g->rows; row++)
