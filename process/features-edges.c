@@ -65,41 +65,80 @@ static bool is_void(const range_grid *g, uint32_t row, uint32_t column, int down
 	return none >= VOID_CELLS;
 }
 
-static void mark_cell(const struct features_input *of, const struct feature_planes *p,
-	const struct features_options *o, uint32_t row, uint32_t column, float *answer,
-	uint8_t *flags)
+/* From each cell of a row to the next that way; 0 where one has no point. */
+static void measure_jumps(const struct features_input *of, const struct feature_planes *p,
+	const struct features_options *o, uint32_t row, const int8_t way[2], float *ret)
 {
-	static const int8_t way[4][2] = { { 0, 1 }, { 0, -1 }, { 1, 0 }, { -1, 0 } };
 	const range_grid *g = of->grid;
-	size_t i = (size_t)row * g->columns + column, k;
-	float most = 0;
-	uint8_t found = 0;
-	for (int w = 0; w < 4; w++) {
-		if (!range_grid_step(g, row, column, way[w][0], way[w][1], &k))
-			continue;
-		bool none = !(g->range_m[k] > 0);
-		float jump = none ? VOID_ANSWER * is_void(g, row, column, way[w][0], way[w][1])
-				  : jump_between(of, p, o, i, k);
-		bool near = none || g->range_m[i] <= g->range_m[k];
-		if (jump >= 1)
-			found |= near ? FEATURE_SILHOUETTE : FEATURE_BEHIND;
-		if (near)
-			most = fmaxf(most, jump);
+	for (uint32_t column = 0; column < g->columns; column++) {
+		const size_t i = (size_t)row * g->columns + column;
+		size_t k;
+		ret[column] = g->range_m[i] > 0 &&
+					      range_grid_step(g, row, column, way[0], way[1], &k) &&
+					      g->range_m[k] > 0
+				      ? jump_between(of, p, o, i, k)
+				      : 0;
 	}
-	answer[i] = most;
-	flags[i] |= found;
 }
+
+/* jump: to the next that way, if that has a point. */
+static void mark_way(const range_grid *g, uint32_t row, uint32_t column, const int8_t way[2],
+	float jump, float *most, uint8_t *found)
+{
+	const size_t i = (size_t)row * g->columns + column;
+	size_t k;
+	if (!range_grid_step(g, row, column, way[0], way[1], &k))
+		return;
+	const bool none = !(g->range_m[k] > 0);
+	if (none)
+		jump = VOID_ANSWER * is_void(g, row, column, way[0], way[1]);
+	const bool near = none || g->range_m[i] <= g->range_m[k];
+	if (jump >= 1)
+		*found |= near ? FEATURE_SILHOUETTE : FEATURE_BEHIND;
+	if (near)
+		*most = fmaxf(*most, jump);
+}
+
+static const int8_t right[2] = { 0, 1 }, left[2] = { 0, -1 }, down[2] = { 1, 0 }, up[2] = { -1, 0 };
+
+/* Rows from..to, the last not included. Two cells see the same jump between them, which is measured once. */
+static void mark_rows(const struct features_input *of, const struct feature_planes *p,
+	const struct features_options *o, uint32_t from, uint32_t to, float *answer, uint8_t *flags)
+{
+	const range_grid *g = of->grid;
+	g_autofree float *aside = g_new(float, g->columns);
+	g_autofree float *above = g_new0(float, g->columns);
+	g_autofree float *below = g_new(float, g->columns);
+	if (from > 0)
+		measure_jumps(of, p, o, from - 1, down, above);
+	for (uint32_t row = from; row < to; row++) {
+		measure_jumps(of, p, o, row, right, aside);
+		measure_jumps(of, p, o, row, down, below);
+		for (uint32_t column = 0; column < g->columns; column++) {
+			const size_t i = (size_t)row * g->columns + column;
+			answer[i] = 0;
+			if (!(g->range_m[i] > 0))
+				continue;
+			mark_way(g, row, column, right, aside[column], &answer[i], &flags[i]);
+			mark_way(g, row, column, left,
+				aside[column > 0 ? column - 1 : g->columns - 1], &answer[i],
+				&flags[i]);
+			mark_way(g, row, column, down, below[column], &answer[i], &flags[i]);
+			mark_way(g, row, column, up, above[column], &answer[i], &flags[i]);
+		}
+		float *swap = above;
+		above = below;
+		below = swap;
+	}
+}
+
+#define ROWS_AT_ONCE 16
 
 void feature_depth_edges(const struct features_input *of, const struct feature_planes *p,
 	const struct features_options *o, float *answer, uint8_t *flags)
 {
-	const range_grid *g = of->grid;
-#pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
-	for (uint32_t row = 0; row < g->rows; row++)
-		for (uint32_t column = 0; column < g->columns; column++) {
-			size_t i = (size_t)row * g->columns + column;
-			answer[i] = 0;
-			if (g->range_m[i] > 0)
-				mark_cell(of, p, o, row, column, answer, flags);
-		}
+	const uint32_t rows = of->grid->rows;
+#pragma omp parallel for schedule(dynamic) if (!o->single_thread)
+	for (uint32_t row = 0; row < rows; row += ROWS_AT_ONCE)
+		mark_rows(of, p, o, row, MIN(row + ROWS_AT_ONCE, rows), answer, flags);
 }
