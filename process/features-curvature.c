@@ -3,11 +3,6 @@
 #include "process/vector3.h"
 #include <string.h>
 
-/* Neighbours are taken so many cells away at most, and a window's width at best. */
-#define REACH_MOST 16
-/* Normals further apart are of another face; points further off the plane, as a share of how far away they are, too. */
-#define SAME_FACE        0.7f
-#define OFF_PLANE        0.5f
 #define NEIGHBOURS_LEAST 6
 
 struct feature_frame feature_frame_of(const float normal[3])
@@ -26,12 +21,11 @@ struct feature_frame feature_frame_of(const float normal[3])
 	return f;
 }
 
-static inline void form_add(struct feature_form *s, const struct feature_frame *f,
-	const float off[3], const float there[3], int way)
+void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
+	const float there[3], int way)
 {
-	const float ahead = vector3_dot(off, f->normal);
-	if (!(vector3_dot(there, f->normal) > SAME_FACE) ||
-		ahead * ahead > OFF_PLANE * OFF_PLANE * vector3_dot(off, off))
+	if (!feature_form_is_same_face(vector3_dot(off, off), vector3_dot(off, f->normal),
+		    vector3_dot(there, f->normal)))
 		return;
 	float a = vector3_dot(off, f->first), b = vector3_dot(off, f->second),
 	      p = vector3_dot(there, f->first), q = vector3_dot(there, f->second);
@@ -47,12 +41,6 @@ static inline void form_add(struct feature_form *s, const struct feature_frame *
 	s->bq += b * q;
 	s->count++;
 	s->ways |= 1u << way;
-}
-
-void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
-	const float there[3], int way)
-{
-	form_add(s, f, off, there, way);
 }
 
 /* Neighbours on all sides, or at least on three of the four axes: an edge's own side alone tells nothing. */
@@ -107,62 +95,4 @@ void feature_form_keep(
 	for (int k = 0; k < 3; k++)
 		along[k] = cosine * frame->first[k] + sine * frame->second[k];
 	model_pack_normal(along, f->principal[i]);
-}
-
-/* ---- of grids ---- */
-
-static void add_cell(const struct features_input *of, const float *const normal[3],
-	const struct feature_frame *f, size_t i, size_t k, int way, struct feature_form *into)
-{
-	const range_grid *g = of->grid;
-	const float there[3] = { normal[0][k], normal[1][k], normal[2][k] };
-	const float off[3] = { g->x_m[k] - g->x_m[i], g->y_m[k] - g->y_m[i],
-		g->z_m[k] - g->z_m[i] };
-	if (g->range_m[k] > 0 &&
-		!(of->leaf && of->leaf[i] && of->leaf[k] && of->leaf[i] != of->leaf[k]))
-		form_add(into, f, off, there, way);
-}
-
-static int cells_of(const struct features_options *o, float range_m, float beam_rad)
-{
-	float beam_m = range_m * beam_rad,
-	      wide_m = fmaxf(o->radius_m, sqrtf(62 * o->range_noise_m * beam_m));
-	return CLAMP((int)lrintf(1.5f * wide_m / beam_m), 1, REACH_MOST);
-}
-
-static void bend_cell(const struct features_input *of, const float *const normal[3],
-	const struct features_options *o, uint32_t row, uint32_t column, features *f)
-{
-	/* One after the other around; the opposite of each is four later. */
-	static const int8_t way[8][2] = { { 0, 1 }, { 1, 1 }, { 1, 0 }, { 1, -1 }, { 0, -1 },
-		{ -1, -1 }, { -1, 0 }, { -1, 1 } };
-	const range_grid *g = of->grid;
-	const size_t i = (size_t)row * g->columns + column;
-	const float own[3] = { normal[0][i], normal[1][i], normal[2][i] };
-	if (!(g->range_m[i] > 0) || !(vector3_dot(own, own) > 0))
-		return;
-	const float level =
-		fmaxf(sqrtf(g->x_m[i] * g->x_m[i] + g->y_m[i] * g->y_m[i]) / g->range_m[i], 0.05f);
-	const int down = cells_of(o, g->range_m[i], (float)g->row_rad);
-	const int right = cells_of(o, g->range_m[i], (float)g->column_rad * level);
-	const struct feature_frame frame = feature_frame_of(own);
-	struct feature_form form = { 0 };
-	for (int half = 2; half >= 1; half--)
-		for (int w = 0; w < 8; w++) {
-			size_t k;
-			int y = way[w][0] * MAX(down / half, 1),
-			    x = way[w][1] * MAX(right / half, 1);
-			if (range_grid_step(g, row, column, y, x, &k))
-				add_cell(of, normal, &frame, i, k, w, &form);
-		}
-	feature_form_keep(&form, &frame, f, i);
-}
-
-void feature_curvature(const struct features_input *of, const float *const normal[3],
-	const struct features_options *o, features *f)
-{
-#pragma omp parallel for schedule(dynamic, 8) if (!o->single_thread)
-	for (uint32_t row = 0; row < of->grid->rows; row++)
-		for (uint32_t column = 0; column < of->grid->columns; column++)
-			bend_cell(of, normal, o, row, column, f);
 }

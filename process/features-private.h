@@ -105,6 +105,12 @@ struct feature_form {
 	unsigned count,
 		ways; /* ways: one bit each of eight directions, the opposite of each four later */
 };
+/* Of a neighbour whose normal has that cosine with the point's, that far off its plane: normals further apart are of another face, points
+ * further off, as a share of how far away they are, too. */
+static inline bool feature_form_is_same_face(float away2_m2, float off_plane_m, float cosine)
+{
+	return cosine > 0.7f && off_plane_m * off_plane_m <= 0.25f * away2_m2;
+}
 /* off: of the neighbour from the point, which is not added itself; there: its normal. What is of another face is left out. */
 void feature_form_add(struct feature_form *s, const struct feature_frame *f, const float off[3],
 	const float there[3], int way);

@@ -162,7 +162,8 @@ features *features_estimate(const struct features_input *of, const struct featur
 	struct normals_options normals = { .radius_m = o.radius_m,
 		.range_noise_m = o.range_noise_m,
 		.segment = segments,
-		.single_thread = o.single_thread };
+		.single_thread = o.single_thread,
+		.portable = o.portable };
 	feature_planes_init(&p, range_grid_cells(g));
 	struct normals_planes planes = { .normal = { p.normal[0], p.normal[1], p.normal[2] },
 		.error_m = p.error_m,

@@ -73,6 +73,7 @@ struct features_options {
 	float dither_per_m2; /* 60: dithering points per area of black surface */
 	float tone_exponent; /* 1: of the darkness */
 	bool single_thread;
+	bool portable; /* without the vectors of this very processor: for tests */
 };
 struct features_options features_defaults(
 	const struct features_options *options); /* filled in; may be NULL */
