@@ -61,17 +61,12 @@ static bool look_aside(struct surroundings *s)
 	return vector3_unit(s->aside);
 }
 
-static void keep(struct side *s, const float off[3], float weight)
-{
-	if (s->count == POINTS_MOST)
-		return;
-	s->x[s->count] = off[0];
-	s->y[s->count] = off[1];
-	s->z[s->count] = off[2];
-	s->weight[s->count++] = weight;
-}
+/* A window of the grid, of which every so many cells each way are looked at, its middle one of them. */
+struct window {
+	int down, right, stride;
+};
 
-static void gather(const struct surroundings *s, struct side sides[2])
+static struct window window_of(const struct surroundings *s)
 {
 	const range_grid *g = s->grid;
 	const float range_m = vector3_length(s->at);
@@ -83,26 +78,80 @@ static void gather(const struct surroundings *s, struct side sides[2])
 		MIN(WINDOW_MOST, (int)(g->columns - 1) / 2));
 	const int stride =
 		1 + (int)sqrtf((float)((2 * down + 1) * (2 * right + 1)) / (1.6f * POINTS_MOST));
+	return (struct window){ down / stride * stride, right / stride * stride, stride };
+}
+
+/* Windows have fewer cells that are looked at. */
+#define SEEN_MOST 1024
+struct seen {
+	uint32_t count;
+	float x[SEEN_MOST], y[SEEN_MOST], z[SEEN_MOST], weight[SEEN_MOST], side[SEEN_MOST];
+};
+
+/* Points of a window, as the scanner has them. */
+static void see(const struct surroundings *s, struct seen *ret)
+{
+	const range_grid *g = s->grid;
+	const struct window w = window_of(s);
+	const int32_t row = (int32_t)(s->cell / g->columns), width = (int32_t)g->columns,
+		      column = (int32_t)(s->cell % g->columns);
+	uint32_t count = 0;
+	for (int32_t y = row - w.down; y <= row + w.down; y += w.stride) {
+		const size_t from = (size_t)y * g->columns;
+		for (int32_t x = column - w.right; y >= 0 && y < (int32_t)g->rows &&
+						   x <= column + w.right && count < SEEN_MOST;
+			x += w.stride) {
+			const int32_t c = x < 0 ? x + width : x >= width ? x - width : x;
+			const size_t k = from + (size_t)c;
+			if ((c != x && !g->wraps) || !(g->range_m[k] > 0))
+				continue;
+			ret->x[count] = g->x_m[k];
+			ret->y[count] = g->y_m[k];
+			ret->z[count++] = g->z_m[k];
+		}
+	}
+	ret->count = count;
+}
+
+/* What is near the line, but not next to it: how much each point counts, 0 and less: not at all; and on which side it is. */
+static void weigh(const struct surroundings *s, struct seen *p)
+{
 	const float beside_m = BESIDE_CELLS * s->spacing_m;
 	const float across_m = fmaxf(ACROSS_SHARE * s->radius_m, ACROSS_CELLS * s->spacing_m);
-	const uint32_t row = (uint32_t)(s->cell / g->columns),
-		       column = (uint32_t)(s->cell % g->columns);
+	const float per_along = 1 / (s->radius_m * s->radius_m),
+		    per_across = 1 / (across_m * across_m), beside2 = beside_m * beside_m;
+	const float *at = s->at, *u = s->along, *v = s->aside;
+#pragma omp simd
+	for (uint32_t i = 0; i < p->count; i++) {
+		const float x = p->x[i] - at[0], y = p->y[i] - at[1], z = p->z[i] - at[2];
+		const float along = x * u[0] + y * u[1] + z * u[2],
+			    across2 = x * x + y * y + z * z - along * along;
+		float near = 1 - along * along * per_along, close = 1 - across2 * per_across;
+		near = near > 0 ? near : 0;
+		close = close > 0 ? close : 0;
+		p->side[i] = p->x[i] * v[0] + p->y[i] * v[1] + p->z[i] * v[2];
+		p->weight[i] = across2 > beside2 ? near * close : 0;
+		p->x[i] = x;
+		p->y[i] = y;
+		p->z[i] = z;
+	}
+}
+
+static void gather(const struct surroundings *s, struct side sides[2])
+{
+	struct seen seen;
+	see(s, &seen);
+	weigh(s, &seen);
 	sides[0].count = sides[1].count = 0;
-	for (int y = -down / stride * stride; y <= down; y += stride)
-		for (int x = -right / stride * stride; x <= right; x += stride) {
-			size_t k;
-			if (!range_grid_step(g, row, column, y, x, &k) || !(g->range_m[k] > 0))
-				continue;
-			const float there[3] = { g->x_m[k], g->y_m[k], g->z_m[k] };
-			const float off[3] = { there[0] - s->at[0], there[1] - s->at[1],
-				there[2] - s->at[2] };
-			const float along = vector3_dot(off, s->along),
-				    across2 = vector3_dot(off, off) - along * along;
-			const float near = 1 - along * along / (s->radius_m * s->radius_m),
-				    close = 1 - across2 / (across_m * across_m);
-			if (near > 0 && close > 0 && across2 > beside_m * beside_m)
-				keep(&sides[vector3_dot(there, s->aside) > 0], off, near * close);
-		}
+	for (uint32_t i = 0; i < seen.count; i++) {
+		struct side *to = &sides[seen.side[i] > 0];
+		if (!(seen.weight[i] > 0) || to->count == POINTS_MOST)
+			continue;
+		to->x[to->count] = seen.x[i];
+		to->y[to->count] = seen.y[i];
+		to->z[to->count] = seen.z[i];
+		to->weight[to->count++] = seen.weight[i];
+	}
 }
 
 /* ---- a face ---- */
@@ -295,15 +344,28 @@ static enum feature_faces tell(const struct surroundings *s, float ret[3], float
 	return FEATURE_FACES_UNKNOWN;
 }
 
+#if defined __x86_64__
+__attribute__((flatten, target("avx2,fma"))) static enum feature_faces tell_avx2(
+	const struct surroundings *s, float ret[3], float *ret_rad)
+{
+	return tell(s, ret, ret_rad);
+}
+#endif
+
 enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const float here[3],
-	float noise_m, float explained_m, float radius_m, struct feature_line *l)
+	const struct features_options *o, float explained_m, float radius_m, struct feature_line *l)
 {
 	struct surroundings s = { .grid = g,
 		.cell = cell,
-		.noise_m = noise_m,
+		.noise_m = o->range_noise_m,
 		.explained_m = explained_m,
 		.radius_m = radius_m,
 		.spacing_m = range_grid_point_size_m(g, cell) };
+	enum feature_faces (*tell_all)(const struct surroundings *, float *, float *) = tell;
+#if defined __x86_64__
+	if (!o->portable && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+		tell_all = tell_avx2;
+#endif
 	float direction[3], uncertain_rad;
 	memcpy(s.along, l->direction, sizeof s.along);
 	for (int k = 0; k < 3; k++)
@@ -311,7 +373,7 @@ enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const floa
 	vector3_add(s.at, -vector3_dot(l->middle, l->direction), l->direction);
 	if (!look_aside(&s))
 		return FEATURE_FACES_UNKNOWN;
-	enum feature_faces ret = tell(&s, direction, &uncertain_rad);
+	enum feature_faces ret = tell_all(&s, direction, &uncertain_rad);
 	if (ret == FEATURE_FACES_UNKNOWN)
 		return ret;
 	float cosine = fabsf(vector3_dot(direction, l->direction));

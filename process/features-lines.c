@@ -34,8 +34,7 @@ static bool settle_line(const struct fitter *t, size_t i, const float here[3], f
 	float radius_m, bool is, struct feature_line *l)
 {
 	const bool is_crease = t->f->flags[i] & FEATURE_CREASE;
-	switch (feature_faces_at(
-		t->of->grid, i, here, t->o->range_noise_m, explained_m, radius_m, l)) {
+	switch (feature_faces_at(t->of->grid, i, here, t->o, explained_m, radius_m, l)) {
 	case FEATURE_FACES_CUT: return true;
 	case FEATURE_FACES_ONE:
 	case FEATURE_FACES_UNKNOWN: /* a pole, a twig */
