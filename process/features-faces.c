@@ -32,7 +32,7 @@
 #define CUT_LEAST 0.25f
 #define EDGEWISE  0.34f
 /* The direction, 1 sigma in rad; and the cosine of what it may be off what it began with. */
-#define CERTAIN_RAD 0.015f
+#define CERTAIN_RAD 0.012f
 #define SAME_CUT    0.95f
 #define SAME_END    0.97f
 /* The line, and what is looked at around it; in the scanner's frame. */
@@ -217,16 +217,16 @@ static bool find_face(const struct surroundings *s, const struct side *p, struct
 
 /* Weighted means, of heights over a plane (h) and places on it along the line (a) and across (t). */
 struct sums {
-	float count, weight, a, t, h, aa, at, tt, ah, th, hh;
+	float count, weight, weight2, a, t, h, aa, at, tt, ah, th, hh;
 };
 
 static struct sums sum_up(const struct side *p, const struct face *f, const float along[3],
 	const float across[3], float most_m)
 {
-	float count = 0, weight = 0, sa = 0, st = 0, sh = 0, saa = 0, sat = 0, stt = 0, sah = 0,
-	      sth = 0, shh = 0;
+	float count = 0, weight = 0, weight2 = 0, sa = 0, st = 0, sh = 0, saa = 0, sat = 0, stt = 0,
+	      sah = 0, sth = 0, shh = 0;
 	const float *n = f->normal;
-#pragma omp simd reduction(+ : count, weight, sa, st, sh, saa, sat, stt, sah, sth, shh)
+#pragma omp simd reduction(+ : count, weight, weight2, sa, st, sh, saa, sat, stt, sah, sth, shh)
 	for (uint32_t i = 0; i < p->count; i++) {
 		float x = p->x[i], y = p->y[i], z = p->z[i];
 		float h = n[0] * x + n[1] * y + n[2] * z - f->offset_m;
@@ -236,6 +236,7 @@ static struct sums sum_up(const struct side *p, const struct face *f, const floa
 		w = fabsf(h) < most_m ? w : 0;
 		count += fabsf(h) < most_m ? 1 : 0;
 		weight += w;
+		weight2 += w * w;
 		sa += w * a;
 		st += w * t;
 		sh += w * h;
@@ -247,7 +248,7 @@ static struct sums sum_up(const struct side *p, const struct face *f, const floa
 		shh += w * h * h;
 	}
 	const float per = 1 / weight, a = sa * per, t = st * per, h = sh * per;
-	return (struct sums){ count, weight, a, t, h, saa * per - a * a, sat * per - a * t,
+	return (struct sums){ count, weight, weight2, a, t, h, saa * per - a * a, sat * per - a * t,
 		stt * per - t * t, sah * per - a * h, sth * per - t * h, shh * per - h * h };
 }
 
@@ -269,7 +270,7 @@ static bool fit_round(
 		    slope = (m.th * m.aa - m.ah * m.at) / det;
 	const float error2 = fmaxf(m.hh - tilt * m.ah - slope * m.th, 0);
 	f->error_m = sqrtf(error2);
-	f->tilt_rad = sqrtf(error2 * m.tt / (det * m.count));
+	f->tilt_rad = sqrtf(error2 * m.tt * m.weight2 / (det * m.weight * m.weight));
 	f->offset_m += m.h - tilt * m.a - slope * m.t;
 	vector3_add(f->normal, -tilt, along);
 	vector3_add(f->normal, -slope, across);

@@ -13,6 +13,9 @@
 #define CERTAIN_RAD  0.024f
 #define LONG_ENOUGH  0.27f /* standard deviation along it, in the radius */
 #define POINTS_LEAST 6
+/* Of so many parts of a line's length. */
+#define PARTS        16
+#define FILLED_LEAST 0.7f
 /* Directions of the halves of a line are apart by less, in rad. */
 #define HALVES_APART 0.1f
 /* Cuts of planes along a crease: the cosine of what they may be apart, how many, how far they are off their mean. */
@@ -228,7 +231,27 @@ static float halves_apart(const struct feature_around *a, const struct feature_l
 	return isfinite(apart2) ? sqrtf(apart2) : INFINITY;
 }
 
-/* Whether it is one: it stands out, its direction is certain, and the point itself is on it. */
+/* Of the parts of the line between the first and the last that have points, the share that has some: what lies across the bars of a
+ * railing is no line. */
+static float share_filled(
+	const struct feature_around *a, const struct feature_line *l, float on_m2, float radius_m)
+{
+	const float *u = l->direction, *o = l->middle, per = PARTS / (2 * radius_m);
+	uint32_t filled = 0;
+	for (uint32_t i = 0; i < a->count; i++) {
+		const float off[3] = { a->x[i] - o[0], a->y[i] - o[1], a->z[i] - o[2] },
+			    along = vector3_dot(off, u);
+		const float part = along * per + PARTS / 2.f;
+		if (vector3_dot(off, off) - along * along < on_m2 && part >= 0 && part < PARTS)
+			filled |= 1u << (int)part;
+	}
+	if (!filled)
+		return 0;
+	const int span = 32 - __builtin_clz(filled) - __builtin_ctz(filled);
+	return (float)__builtin_popcount(filled) / (float)span;
+}
+
+/* Whether it is one: it stands out, without gaps, its direction is certain, and the point itself is on it. */
 static bool is_line(const struct feature_around *a, struct feature_line *l, const float ahead[3],
 	float explained_m, float radius_m)
 {
@@ -237,6 +260,7 @@ static bool is_line(const struct feature_around *a, struct feature_line *l, cons
 	return count > 0 && l->error_m <= ERROR_MOST * explained_m &&
 	       l->error_m <= CERTAIN_RAD * l->spread_m * sqrtf(count) &&
 	       l->spread_m >= LONG_ENOUGH * radius_m && halves_apart(a, l, on_m2) <= HALVES_APART &&
+	       share_filled(a, l, on_m2, radius_m) >= FILLED_LEAST &&
 	       on >= STANDS_OUT * weight_of_others(a, ahead, ON_LINE * explained_m);
 }
 

@@ -13,6 +13,8 @@
 /* Among so many of the 81 cells around it a point is on no line: that is foliage. */
 #define CROWDED    34
 #define NEAR_CELLS 4.0f
+/* Points of a pole are of both its sides: a line that no face tells is askew by as much as they are apart. */
+#define NARROW 0.06f
 /* Rows and columns of a block. */
 #define BLOCK_CELLS 64
 /* Cells so far off a line are passed by it. */
@@ -38,7 +40,7 @@ static bool settle_line(const struct fitter *t, size_t i, const float here[3], f
 	case FEATURE_FACES_CUT: return true;
 	case FEATURE_FACES_ONE:
 	case FEATURE_FACES_UNKNOWN: /* a pole, a twig */
-	case FEATURE_FACES_END: return is && !is_crease;
+	case FEATURE_FACES_END: return is && !is_crease && l->error_m < NARROW * l->spread_m;
 	default: return false;
 	}
 }
