@@ -1,5 +1,5 @@
 #include "process/classify.h"
-#include "process/components.h"
+#include "process/classify-thing.h"
 #include <math.h>
 #include <string.h>
 
@@ -7,48 +7,43 @@
 #define WALL_UP_MOST  0.4 /* z of the normal */
 #define WALL_AREA_M2  3.0
 #define WALL_HEIGHT_M 1.8
-#define TOP_LEAST_M   2.2 /* above the ground */
 #define ROUGH_MOST    0.35f
 /* What holds up ground. */
 #define BEHIND_M      1.6
 #define HOLDS_SHARE   0.25
 #define HOLDS_AREA_M2 45.0
 /* Foliage. */
-#define FOLIAGE       0.5f
 #define FOLIAGE_SURE  0.6f
 #define GREEN_ZERO    0.05f
 #define GREEN_WEIGHT  1.6f
-#define NO_GREEN      -0.04f
 #define CROWN_VOXELS  60u
-#define LARGE_VOXELS  1000u
 #define ERROR_FROM_M  0.010f
 #define ERROR_VOXEL_M 0.15f
 #define ERROR_FULL_M  0.030f
-#define TRUNK_M       2.0
 /* What is seen through an opening. */
 #define THROUGH_M      4.0
 #define THROUGH_FACING 0.35f
 /* What lies against something. */
 #define AGAINST_LINKS 2
-#define BENCH_M       1.3f /* up to here things may stand against it that are none of it */
 
-/* A porch, outside stairs, a dormer. */
-#define PART_LINKS 40u
-#define PART_M     2.5
-#define SILL_LINKS 5u
-#define FLOATS_M   2.8f /* nothing but a part of a house is so far above the ground */
-#define TALL_M     5.5f
 /* Kerbs and edgings lie; what stands goes on above this. */
 #define LYING_M 0.3f
+
+/* Further along a front, where few beams meet it. */
+#define IN_LINE_M       0.4 /* off its plane */
+#define IN_LINE_FAR_M   20.0
+#define IN_LINE_FLAT_M  0.5
+#define IN_LINE_MOST_M2 1.5
 
 #define UNKNOWN 255
 
 struct rules {
 	const struct classify_input *in;
 	const voxels *v;
-	uint8_t *class; /* UNKNOWN: not yet */
-	float *foliage; /* evidence of it, about 0..1 */
-	float *green;   /* the part of it that colour tells, below 0: of another colour */
+	uint8_t *class;  /* UNKNOWN: not yet */
+	uint8_t *region; /* class of each smooth region, UNKNOWN: it is none of these */
+	float *foliage;  /* evidence of it, about 0..1 */
+	float *green;    /* the part of it that colour tells, below 0: of another colour */
 };
 
 /* ---- walls, roofs, and what holds up ground ---- */
@@ -121,13 +116,13 @@ static struct surface *measure_regions(const struct rules *r, uint32_t **ret_hol
 static int class_of_region(
 	const struct surface *s, const struct smooth_region *region, double holding)
 {
-	if (s->area_m2 < WALL_AREA_M2 || s->rough > ROUGH_MOST || s->foliage > FOLIAGE)
+	if (s->area_m2 < WALL_AREA_M2 || s->rough > ROUGH_MOST || s->foliage > CLASSIFY_FOLIAGE)
 		return UNKNOWN;
 	if (holding > HOLDS_SHARE)
 		return s->area_m2 >= HOLDS_AREA_M2 ? CLASS_STRUCTURE : UNKNOWN;
-	bool is_wall = fabs(s->up) < WALL_UP_MOST && s->height_high_m >= TOP_LEAST_M &&
+	bool is_wall = fabs(s->up) < WALL_UP_MOST && s->height_high_m >= CLASSIFY_TOP_LEAST_M &&
 		       region->high_m[2] - region->low_m[2] >= WALL_HEIGHT_M;
-	bool is_roof = fabs(s->up) >= WALL_UP_MOST && s->height_mean_m >= TOP_LEAST_M;
+	bool is_roof = fabs(s->up) >= WALL_UP_MOST && s->height_mean_m >= CLASSIFY_TOP_LEAST_M;
 	return is_wall || is_roof ? CLASS_BUILDING : UNKNOWN;
 }
 
@@ -136,13 +131,12 @@ static void find_walls(struct rules *r)
 	const smooth_regions *regions = r->in->regions;
 	g_autofree uint32_t *holding = NULL;
 	g_autofree struct surface *s = measure_regions(r, &holding);
-	g_autofree uint8_t *class = g_new(uint8_t, regions->count + 1);
 	for (uint32_t k = 0; k < regions->count; k++)
-		class[k] = (uint8_t)class_of_region(
+		r->region[k] = (uint8_t)class_of_region(
 			&s[k], &regions->region[k], (double)holding[k] / regions->region[k].voxels);
 	for (uint32_t i = 0; i < r->v->count; i++)
 		if (regions->of[i] != VOXEL_NONE)
-			r->class[i] = class[regions->of[i]];
+			r->class[i] = r->region[regions->of[i]];
 }
 
 /* ---- foliage ---- */
@@ -183,18 +177,12 @@ static uint32_t *wall_contacts(const struct rules *r, const components *c)
 	return contacts;
 }
 
-/* What is little larger than the voxels that roughness is told from is rough, whatever it is: its colour tells, if it has one. */
-static bool may_be_plant(const struct component *c, float green)
-{
-	return c->voxels >= LARGE_VOXELS || green > NO_GREEN;
-}
-
 /* Crowns and shrubs: foliage all through, and enough of it; but not what is all along a roof. */
 static void find_crowns(struct rules *r)
 {
 	g_autofree uint8_t *kind = g_new0(uint8_t, r->v->count + 1);
 	for (uint32_t i = 0; i < r->v->count; i++)
-		kind[i] = r->class[i] == UNKNOWN && r->foliage[i] >= FOLIAGE;
+		kind[i] = r->class[i] == UNKNOWN && r->foliage[i] >= CLASSIFY_FOLIAGE;
 	g_autoptr(components) c = components_find(r->v, kind, 0);
 	g_autofree float *mean = component_means(r, c, r->foliage);
 	g_autofree float *green = component_means(r, c, r->green);
@@ -202,7 +190,8 @@ static void find_crowns(struct rules *r)
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		uint32_t k = c->of[i];
 		if (k != VOXEL_NONE && c->component[k].voxels >= CROWN_VOXELS &&
-			mean[k] >= FOLIAGE_SURE && may_be_plant(&c->component[k], green[k]) &&
+			mean[k] >= FOLIAGE_SURE &&
+			classify_may_be_plant(&c->component[k], green[k]) &&
 			contacts[k] < c->component[k].voxels)
 			r->class[i] = CLASS_VEGETATION;
 	}
@@ -223,7 +212,7 @@ static void take_what_lies_against(struct rules *r, uint8_t class, int links)
 			uint32_t i = g_array_index(queue, uint32_t, from);
 			for (uint32_t l = r->v->first_link[i]; l < r->v->first_link[i + 1]; l++) {
 				uint32_t j = r->v->link[l];
-				if (r->class[j] != UNKNOWN || r->in->height_m[j] < BENCH_M)
+				if (r->class[j] != UNKNOWN || r->in->height_m[j] < CLASSIFY_BENCH_M)
 					continue;
 				r->class[j] = class;
 				g_array_append_val(queue, j);
@@ -233,14 +222,6 @@ static void take_what_lies_against(struct rules *r, uint8_t class, int links)
 }
 
 /* ---- what stands alone ---- */
-
-struct thing {
-	float foliage, green;
-	float low_m, high_m;                /* above the ground */
-	double length_m, width_m;           /* upright box along its longer side */
-	uint32_t contacts[SEGMENT_CLASSES]; /* links to voxels of a class */
-	bool near_building;
-};
 
 static void measure_box(const struct component *c, struct thing *t)
 {
@@ -314,6 +295,39 @@ static bool is_seen_through(const struct rules *r, const voxels *blocks, uint32_
 	return false;
 }
 
+/* Whether it is flat in the plane of the wall, and not far aside of it. */
+static bool goes_on(const struct smooth_region *wall, const struct component *c)
+{
+	const double length = hypot(wall->normal[0], wall->normal[1]);
+	if (!(length > 0))
+		return false;
+	const double n[2] = { wall->normal[0] / length, wall->normal[1] / length };
+	const double off[2] = { c->centre_m[0] - wall->centre_m[0],
+		c->centre_m[1] - wall->centre_m[1] };
+	const double half_m = 0.5 * (fabs(n[1]) * (wall->high_m[0] - wall->low_m[0]) +
+					    fabs(n[0]) * (wall->high_m[1] - wall->low_m[1]));
+	const double *q = c->covariance_m2;
+	const double flat_m2 =
+		12 * (n[0] * n[0] * q[0] + 2 * n[0] * n[1] * q[1] + n[1] * n[1] * q[3]);
+	return fabs(n[0] * off[0] + n[1] * off[1]) < IN_LINE_M &&
+	       fabs(n[0] * off[1] - n[1] * off[0]) < half_m + IN_LINE_FAR_M &&
+	       flat_m2 < IN_LINE_FLAT_M * IN_LINE_FLAT_M;
+}
+
+static bool is_in_line(const struct rules *r, const struct component *c)
+{
+	const smooth_regions *regions = r->in->regions;
+	for (uint32_t k = 0; k < regions->count; k++) {
+		const struct smooth_region *wall = &regions->region[k];
+		bool is_wall = r->region[k] == CLASS_BUILDING &&
+			       fabs(wall->normal[2]) <
+				       WALL_UP_MOST * hypot(wall->normal[0], wall->normal[1]);
+		if (is_wall && goes_on(wall, c))
+			return true;
+	}
+	return false;
+}
+
 static struct thing *measure_things(const struct rules *r, const components *c)
 {
 	g_autoptr(voxels) blocks = building_blocks(r);
@@ -327,6 +341,9 @@ static struct thing *measure_things(const struct rules *r, const components *c)
 		thing[k].high_m = -INFINITY;
 		measure_box(&c->component[k], &thing[k]);
 		thing[k].near_building = is_near(blocks, c->component[k].centre_m);
+		thing[k].in_line =
+			c->component[k].voxels * r->v->size_m * r->v->size_m < IN_LINE_MOST_M2 &&
+			is_in_line(r, &c->component[k]);
 	}
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		if (c->of[i] == VOXEL_NONE)
@@ -339,75 +356,6 @@ static struct thing *measure_things(const struct rules *r, const components *c)
 				t->contacts[r->class[r->v->link[l]]]++;
 	}
 	return thing;
-}
-
-/* Seen from one side, it has no depth. */
-static bool is_person(const struct thing *t)
-{
-	return t->high_m > 1.0f && t->high_m < 2.1f && t->length_m > 0.3 && t->length_m < 1.3 &&
-	       t->width_m > 0.1 && t->width_m < 0.9 && t->low_m < 0.6f;
-}
-
-/* Of one that stands behind others, the roof alone may be seen. */
-static bool is_car(const struct thing *t)
-{
-	return t->high_m > 1.1f && t->high_m < 2.6f && t->length_m > 1.7 && t->length_m < 6.5 &&
-	       t->width_m > 0.7 && t->width_m < 2.6 && t->low_m < 1.3f;
-}
-
-/* A parasol, an awning that stands free: its legs are too thin to tie it to the ground. */
-static bool is_canopy(const struct thing *t)
-{
-	return t->low_m > 1.6f && t->high_m < 3.3f && t->length_m > 1.2 && t->length_m < 5;
-}
-
-/* One that was seen in few points, or from far aside. */
-static bool is_wall(const struct thing *t)
-{
-	bool is_sheet = t->high_m > TOP_LEAST_M && t->width_m < 0.1 && t->length_m > 0.6;
-	bool is_long = t->near_building && t->high_m > BENCH_M && t->length_m > PART_M &&
-		       (t->width_m < 1 || t->high_m > 3.5f);
-	return (t->high_m > TALL_M && t->length_m > 1.2) ||
-	       ((is_sheet || is_long) && !t->contacts[CLASS_STRUCTURE]);
-}
-
-static bool is_plant(const struct thing *t, const struct component *c)
-{
-	const uint32_t *contacts = t->contacts;
-	bool is_trunk = contacts[CLASS_VEGETATION] > contacts[CLASS_BUILDING] &&
-			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] &&
-			t->length_m < TRUNK_M && t->width_m < TRUNK_M / 2;
-	return is_trunk || (t->foliage >= FOLIAGE && may_be_plant(c, t->green));
-}
-
-static bool is_part_of_house(const struct thing *t, const struct component *c)
-{
-	const uint32_t *contacts = t->contacts;
-	if (contacts[CLASS_BUILDING] >= PART_LINKS &&
-		contacts[CLASS_BUILDING] > contacts[CLASS_STRUCTURE] &&
-		(t->low_m > TOP_LEAST_M || t->length_m > PART_M))
-		return true;
-	if (is_plant(t, c))
-		return t->near_building && t->low_m > 0.6f;
-	bool is_thin = t->width_m < 0.3 ||
-		       (t->width_m < 0.4 && (t->length_m > PART_M || t->high_m > BENCH_M));
-	bool is_bench = t->low_m < 0.6f && t->high_m < BENCH_M && t->length_m > 0.8 &&
-			t->length_m < PART_M && t->width_m > 0.15;
-	bool is_sill = contacts[CLASS_BUILDING] > SILL_LINKS * c->voxels;
-	return (contacts[CLASS_BUILDING] > c->voxels / 2 && (is_sill || !is_bench) &&
-		       (t->low_m > 0.4f || is_thin)) ||
-	       (t->near_building && t->low_m > 0.6f) || t->low_m > FLOATS_M || is_wall(t);
-}
-
-static uint8_t class_of_thing(const struct thing *t, const struct component *c)
-{
-	if (t->contacts[CLASS_VEGETATION] && is_plant(t, c))
-		return CLASS_VEGETATION;
-	if (is_part_of_house(t, c))
-		return CLASS_BUILDING;
-	if (is_plant(t, c))
-		return CLASS_VEGETATION;
-	return is_person(t) || is_car(t) || is_canopy(t) ? CLASS_OTHER : CLASS_STRUCTURE;
 }
 
 /* Rooms behind windows and doorways, as far as they were seen. */
@@ -429,7 +377,7 @@ static void tell_standing(struct rules *r)
 	g_autofree struct thing *thing = measure_things(r, c);
 	for (uint32_t i = 0; i < r->v->count; i++)
 		if (c->of[i] != VOXEL_NONE)
-			r->class[i] = class_of_thing(&thing[c->of[i]], &c->component[c->of[i]]);
+			r->class[i] = classify_thing(&thing[c->of[i]], &c->component[c->of[i]]);
 }
 
 /* What stands above it, or it lies on the ground and is part of it. */
@@ -442,7 +390,7 @@ static uint8_t class_of_lying(const struct rules *r, uint32_t i)
 		if (above != VOXEL_NONE && r->class[above] != UNKNOWN)
 			return r->class[above];
 	}
-	return r->foliage[i] >= FOLIAGE ? CLASS_VEGETATION : CLASS_TERRAIN;
+	return r->foliage[i] >= CLASSIFY_FOLIAGE ? CLASS_VEGETATION : CLASS_TERRAIN;
 }
 
 static void tell_lying(struct rules *r)
@@ -456,7 +404,9 @@ uint8_t *classify(const struct classify_input *in)
 {
 	g_autofree float *foliage = g_new(float, in->voxels->count + 1);
 	g_autofree float *green = g_new(float, in->voxels->count + 1);
-	struct rules r = { in, in->voxels, g_new(uint8_t, in->voxels->count + 1), foliage, green };
+	g_autofree uint8_t *region = g_new(uint8_t, in->regions->count + 1);
+	struct rules r = { in, in->voxels, g_new(uint8_t, in->voxels->count + 1), region, foliage,
+		green };
 	memset(r.class, UNKNOWN, in->voxels->count);
 	weigh_foliage(&r);
 	find_walls(&r);
