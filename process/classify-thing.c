@@ -3,6 +3,7 @@
 #define NO_GREEN     -0.04f
 #define LARGE_VOXELS 1000u
 #define TRUNK_M      2.0
+#define AMID_LINKS   3u /* of each voxel to foliage: limbs inside a crown */
 /* A porch, outside stairs, a dormer. */
 #define PART_LINKS 40u
 #define PART_M     2.5
@@ -56,7 +57,8 @@ static bool is_plant(const struct thing *t, const struct component *c)
 	bool is_trunk = contacts[CLASS_VEGETATION] > contacts[CLASS_BUILDING] &&
 			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] &&
 			t->length_m < TRUNK_M && t->width_m < TRUNK_M / 2;
-	return is_trunk || (t->foliage >= CLASSIFY_FOLIAGE && classify_may_be_plant(c, t->green));
+	bool is_amid = contacts[CLASS_VEGETATION] > AMID_LINKS * c->voxels;
+	return is_trunk || is_amid || (t->foliage >= CLASSIFY_FOLIAGE && classify_may_be_plant(c, t->green));
 }
 
 static bool is_part_of_house(const struct thing *t, const struct component *c)
