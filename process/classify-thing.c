@@ -58,7 +58,8 @@ static bool is_plant(const struct thing *t, const struct component *c)
 			contacts[CLASS_VEGETATION] > contacts[CLASS_STRUCTURE] &&
 			t->length_m < TRUNK_M && t->width_m < TRUNK_M / 2;
 	bool is_amid = contacts[CLASS_VEGETATION] > AMID_LINKS * c->voxels;
-	return is_trunk || is_amid || (t->foliage >= CLASSIFY_FOLIAGE && classify_may_be_plant(c, t->green));
+	return is_trunk || is_amid ||
+	       (t->foliage >= CLASSIFY_FOLIAGE && classify_may_be_plant(c, t->green));
 }
 
 static bool is_part_of_house(const struct thing *t, const struct component *c)
