@@ -89,7 +89,8 @@ struct features_input {
 features *features_estimate(
 	const struct features_input *of, const struct features_options *options);
 
-/* The feature points of a scan that lines are fitted to (features-ridges.h). Found once, after that read by any number of threads. */
+/* The feature points of a scan that lines are fitted to (features-ridges.h). Found once, after that read by any number of threads.
+ * The grid is borrowed; what the features say is taken over. */
 typedef struct features_ridges features_ridges;
 features_ridges *features_ridges_new(
 	const struct features_input *of, const features *f, const struct features_options *options);
