@@ -12,9 +12,15 @@
 #define SPACING_SHARE 0.7f
 /* Among so many of the 81 cells around it a point is on no line: that is foliage. */
 #define CROWDED    34
-#define NEAR_CELLS 4.0f
+#define NEAR_CELLS 8.0f
 /* Points of a pole are of both its sides: a line that no face tells is askew by as much as they are apart. */
 #define NARROW 0.06f
+/* Lines are fitted at one in so many of the highest cells, such that along any row, column or diagonal every so manieth is one: so
+ * many columns further on in the row below; and every step of a column is so many rows. */
+#define CHOSEN_OF   11
+#define CHOSEN_STEP 3
+#define CHOSEN_BACK 4 /* times the step: one, but for multiples of CHOSEN_OF */
+#define CHOSEN_AWAY (CHOSEN_OF / 2)
 /* Rows and columns of a block. */
 #define BLOCK_CELLS 64
 /* Cells so far off a line are passed by it. */
@@ -119,10 +125,17 @@ static void fit_cell(const struct fitter *t, size_t i)
 	feature_keep_line(t->f, i, &l, is);
 }
 
-/* Lines are fitted at one in five of the highest cells, such that along any row, column or diagonal every fifth is one. */
 static bool is_chosen(const features_ridges *ridges, uint32_t row, uint32_t column)
 {
-	return (row + 2 * column) % 5 == 0 && ridges_has(ridges, row, column);
+	return (row + CHOSEN_STEP * column) % CHOSEN_OF == 0 && ridges_has(ridges, row, column);
+}
+
+/* How far off in its row the column is that may be chosen, either way. */
+static int32_t columns_to_chosen(uint32_t row, uint32_t column)
+{
+	const int32_t after = (int32_t)((CHOSEN_OF - CHOSEN_BACK) * (row + CHOSEN_STEP * column) %
+					CHOSEN_OF);
+	return after > CHOSEN_AWAY ? after - CHOSEN_OF : after;
 }
 
 /* Cells of a block look around in the same ones, which stay in the cache meanwhile. */
@@ -158,30 +171,28 @@ static bool passes(const struct fitter *t, size_t k, size_t i)
 static bool find_chosen(const struct fitter *t, const features_ridges *ridges, uint32_t row,
 	uint32_t column, size_t *ret, bool *ret_passes)
 {
-	static const int8_t way[24][2] = { { 0, 1 }, { 0, -1 }, { 1, 0 }, { -1, 0 }, { 1, 1 },
-		{ 1, -1 }, { -1, 1 }, { -1, -1 }, { 0, 2 }, { 0, -2 }, { 2, 0 }, { -2, 0 },
-		{ 1, 2 }, { 1, -2 }, { -1, 2 }, { -1, -2 }, { 2, 1 }, { 2, -1 }, { -2, 1 },
-		{ -2, -1 }, { 2, 2 }, { 2, -2 }, { -2, 2 }, { -2, -2 } };
 	const range_grid *g = t->of->grid;
 	const size_t i = (size_t)row * g->columns + column;
 	const float near_m = NEAR_CELLS * range_grid_point_size_m(g, i) + 3 * t->o->range_noise_m;
-	bool found = *ret_passes = false;
-	for (int w = 0; w < 24; w++) {
+	int32_t nearest = INT32_MAX;
+	*ret_passes = false;
+	for (int32_t down = -CHOSEN_AWAY; down <= CHOSEN_AWAY; down++) {
+		const int32_t right = columns_to_chosen((uint32_t)((int32_t)row + down), column);
+		const int32_t away2 = down * down + right * right;
 		size_t k;
-		if (!range_grid_step(g, row, column, way[w][0], way[w][1], &k) ||
+		if (!range_grid_step(g, row, column, down, right, &k) ||
 			!is_chosen(
 				ridges, (uint32_t)(k / g->columns), (uint32_t)(k % g->columns)) ||
 			fabsf(g->range_m[k] - g->range_m[i]) > near_m)
 			continue;
-		bool is_line = passes(t, k, i);
-		if (is_line || !found)
-			*ret = k;
-		found = true;
+		const bool is_line = passes(t, k, i);
+		if (is_line < *ret_passes || (is_line == *ret_passes && away2 >= nearest))
+			continue;
+		*ret = k;
 		*ret_passes = is_line;
-		if (is_line)
-			break;
+		nearest = away2;
 	}
-	return found;
+	return nearest < INT32_MAX;
 }
 
 /* What is not chosen has the line of the nearest that is; where there is none, its own. */
