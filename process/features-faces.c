@@ -14,6 +14,7 @@
 /* Planes are tried until one in so many times a better one would have been missed, but at most so many. */
 #define TRIPLES_MOST 64
 #define MISSED       0.01f
+#define TRIED_MOST   80 /* points */
 /* The sine of the angle of three points, of a face with the line; the line is so many times what is explained off a face. */
 #define TRIPLE_SINE 0.1f
 #define TILT_MOST   0.3f
@@ -40,6 +41,7 @@ struct surroundings {
 	const range_grid *grid;
 	size_t cell;
 	float noise_m, explained_m, radius_m, spacing_m;
+	bool is_cut_only;
 	float at[3], along[3];
 	float aside[3]; /* across the plane that the line is seen in */
 };
@@ -188,11 +190,28 @@ static bool face_through(
 	       fabsf(vector3_dot(ret->normal, s->along)) < TILT_MOST;
 }
 
+/* So many of the points tell planes apart as well as all. */
+static void thin_out(const struct side *p, struct side *ret)
+{
+	const uint32_t stride = (p->count + TRIED_MOST - 1) / TRIED_MOST;
+	ret->count = 0;
+	for (uint32_t i = 0; i < p->count; i += stride) {
+		const uint32_t to = ret->count++;
+		ret->x[to] = p->x[i];
+		ret->y[to] = p->y[i];
+		ret->z[to] = p->z[i];
+		ret->weight[to] = p->weight[i];
+	}
+}
+
 /* Of planes through three points each, the one that explains most: others may stand on the same side. */
 static bool find_face(const struct surroundings *s, const struct side *p, struct face *ret)
 {
 	float best = 0, all = 0, enough = TRIPLES_MOST;
 	uint32_t random = 1;
+	struct side thin;
+	thin_out(p, &thin);
+	p = &thin;
 	for (uint32_t i = 0; i < p->count; i++)
 		all += p->weight[i];
 	for (int n = 0; (float)n < enough; n++) {
@@ -335,7 +354,10 @@ static enum feature_faces tell(const struct surroundings *s, float ret[3], float
 	struct side sides[2];
 	struct face f[2];
 	gather(s, sides);
-	bool is_first = fit_face(s, &sides[0], &f[0]), is_second = fit_face(s, &sides[1], &f[1]);
+	const bool is_first = fit_face(s, &sides[0], &f[0]);
+	if (s->is_cut_only && !is_first)
+		return FEATURE_FACES_UNKNOWN;
+	const bool is_second = fit_face(s, &sides[1], &f[1]);
 	if (is_first && is_second && cut_faces(f, ret, ret_rad))
 		return FEATURE_FACES_CUT;
 	if (is_first && is_second && lay_into(s, f, ret, ret_rad))
@@ -354,13 +376,15 @@ __attribute__((flatten, target("avx2,fma"))) static enum feature_faces tell_avx2
 #endif
 
 enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const float here[3],
-	const struct features_options *o, float explained_m, float radius_m, struct feature_line *l)
+	const struct features_options *o, float explained_m, float radius_m, bool is_cut_only,
+	struct feature_line *l)
 {
 	struct surroundings s = { .grid = g,
 		.cell = cell,
 		.noise_m = o->range_noise_m,
 		.explained_m = explained_m,
 		.radius_m = radius_m,
+		.is_cut_only = is_cut_only,
 		.spacing_m = range_grid_point_size_m(g, cell) };
 	enum feature_faces (*tell_all)(const struct surroundings *, float *, float *) = tell;
 #if defined __x86_64__

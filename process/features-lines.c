@@ -41,12 +41,12 @@ struct fitter {
 static bool settle_line(const struct fitter *t, size_t i, const float here[3], float explained_m,
 	float radius_m, bool is, struct feature_line *l)
 {
-	const bool is_crease = t->f->flags[i] & FEATURE_CREASE;
-	switch (feature_faces_at(t->of->grid, i, here, t->o, explained_m, radius_m, l)) {
+	const bool is_end = is && !(t->f->flags[i] & FEATURE_CREASE);
+	switch (feature_faces_at(t->of->grid, i, here, t->o, explained_m, radius_m, !is_end, l)) {
 	case FEATURE_FACES_CUT: return true;
 	case FEATURE_FACES_ONE:
 	case FEATURE_FACES_UNKNOWN: /* a pole, a twig */
-	case FEATURE_FACES_END: return is && !is_crease && l->error_m < NARROW * l->spread_m;
+	case FEATURE_FACES_END: return is_end && l->error_m < NARROW * l->spread_m;
 	default: return false;
 	}
 }

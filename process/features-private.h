@@ -55,9 +55,9 @@ enum feature_faces {
 };
 /* Fits planes to the points on both sides of the line in the picture, for many cells of a face together know its tilt much better than
  * the feature points, each off by a cell, know the line. Sets its direction to what they tell; otherwise leaves it as it is. cell, here: the
- * point itself; o: with the noise of ranges. */
+ * point itself; o: with the noise of ranges; is_cut_only: what is no cut need not be told. */
 enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const float here[3],
-	const struct features_options *o, float explained_m, float radius_m,
+	const struct features_options *o, float explained_m, float radius_m, bool is_cut_only,
 	struct feature_line *l);
 /* How far the points are off a line that is not theirs: error and spread; as they were where none are near it. */
 void feature_measure_line(
