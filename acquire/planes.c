@@ -191,14 +191,10 @@ static bool remove_colour(const char *folder, GError **error)
 	return unlink(path) == 0 || errno == ENOENT || files_fail(error, path, "remove");
 }
 
-bool planes_save(const panorama *p, const char *folder, GError **error)
+/* Of planes that were worked on side by side: the first one's is handed on; false: there is one. */
+static bool first_error(GError *errors[], int count, GError **error)
 {
-	GError *errors[PLANES] = { NULL };
 	bool good = true;
-	int count = p->rgb ? PLANES : COLOUR;
-#pragma omp parallel for schedule(dynamic, 1)
-	for (int i = 0; i < count; i++)
-		write_fresh(p, i, folder, &errors[i]);
 	for (int i = 0; i < count; i++) {
 		if (good && errors[i]) {
 			g_propagate_error(error, g_steal_pointer(&errors[i]));
@@ -206,8 +202,18 @@ bool planes_save(const panorama *p, const char *folder, GError **error)
 		}
 		g_clear_error(&errors[i]);
 	}
-	good = good && rename_fresh(folder, count, error) &&
-	       (p->rgb || remove_colour(folder, error)) && files_sync_folder(folder, error);
+	return good;
+}
+
+bool planes_save(const panorama *p, const char *folder, GError **error)
+{
+	GError *errors[PLANES] = { NULL };
+	int count = p->rgb ? PLANES : COLOUR;
+#pragma omp parallel for schedule(dynamic, 1)
+	for (int i = 0; i < count; i++)
+		write_fresh(p, i, folder, &errors[i]);
+	bool good = first_error(errors, count, error) && rename_fresh(folder, count, error) &&
+		    (p->rgb || remove_colour(folder, error)) && files_sync_folder(folder, error);
 	if (!good)
 		remove_fresh(folder);
 	return good;
@@ -293,8 +299,12 @@ panorama *planes_load(const char *folder, const struct panorama_desc *desc, GErr
 		return NULL;
 	if (g_file_test(colour, G_FILE_TEST_EXISTS))
 		p->rgb = g_malloc0((size_t)desc->columns * desc->rows * 3);
-	for (int i = 0; i < (p->rgb ? PLANES : COLOUR); i++)
-		if (!load_plane(p, i, folder, error))
-			return NULL;
+	GError *errors[PLANES] = { NULL };
+	int count = p->rgb ? PLANES : COLOUR;
+#pragma omp parallel for schedule(dynamic, 1)
+	for (int i = 0; i < count; i++)
+		load_plane(p, i, folder, &errors[i]);
+	if (!first_error(errors, count, error))
+		return NULL;
 	return check_cells(p, folder, error) ? g_steal_pointer(&p) : NULL;
 }

@@ -99,13 +99,15 @@ void feature_dither(const range_grid *g, const float *const normal[3],
 	const struct features_options *o, features *f)
 {
 	struct levels levels = { { 0 } };
-	g_autofree float *wanted = g_new(float, g->columns + 1);
+	g_autofree float *wanted = g_new(float, range_grid_cells(g) + 1);
 	float *here = g_new0(float, g->columns + 1), *below = g_new0(float, g->columns + 1);
 	if (!g->rgb && g->intensity)
 		find_levels(g, &levels);
+#pragma omp parallel for schedule(static) if (!o->single_thread)
+	for (uint32_t row = 0; row < g->rows; row++)
+		blend_row(g, normal, &levels, o, row, wanted + (size_t)row * g->columns);
 	for (uint32_t row = 0; row < g->rows; row++) {
-		blend_row(g, normal, &levels, o, row, wanted);
-		diffuse_row(f, g, wanted, row, here, below);
+		diffuse_row(f, g, wanted + (size_t)row * g->columns, row, here, below);
 		float *swap = here;
 		here = below;
 		below = swap;

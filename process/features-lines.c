@@ -133,8 +133,8 @@ static bool is_chosen(const features_ridges *ridges, uint32_t row, uint32_t colu
 /* How far off in its row the column is that may be chosen, either way. */
 static int32_t columns_to_chosen(uint32_t row, uint32_t column)
 {
-	const int32_t after = (int32_t)((CHOSEN_OF - CHOSEN_BACK) * (row + CHOSEN_STEP * column) %
-					CHOSEN_OF);
+	const int32_t after =
+		(int32_t)((CHOSEN_OF - CHOSEN_BACK) * (row + CHOSEN_STEP * column) % CHOSEN_OF);
 	return after > CHOSEN_AWAY ? after - CHOSEN_OF : after;
 }
 

@@ -102,9 +102,10 @@ static struct weights weights_of(const range_grid *g, const struct features_opti
 	return w;
 }
 
-static void add_edges(const range_grid *g, const float *answer, float weight, uint8_t flag,
-	features *f, float *degree)
+static void add_edges(const range_grid *g, const struct features_options *o, const float *answer,
+	float weight, uint8_t flag, features *f, float *degree)
 {
+#pragma omp parallel for schedule(static) if (!o->single_thread)
 	for (size_t i = 0; i < range_grid_cells(g); i++) {
 		if (!(g->range_m[i] > 0))
 			continue;
@@ -124,19 +125,20 @@ static void estimate_degree(features *f, const struct features_input *of,
 	g_autofree float *degree = g_new0(float, cells + 1);
 	feature_depth_edges(of, p, o, answer, f->flags);
 	feature_creases(of, p, o, answer, f->flags, &f->cuts);
-	add_edges(g, answer, w.geometry, 0, f, degree);
+	add_edges(g, o, answer, w.geometry, 0, f, degree);
 	if (g->rgb) {
 		feature_colour_edges(g, o, answer);
-		add_edges(g, answer, w.colour, FEATURE_COLOUR_EDGE, f, degree);
+		add_edges(g, o, answer, w.colour, FEATURE_COLOUR_EDGE, f, degree);
 	}
 	if (g->intensity) {
 		feature_intensity_edges(g, o, answer);
-		add_edges(g, answer, w.intensity, FEATURE_INTENSITY_EDGE, f, degree);
+		add_edges(g, o, answer, w.intensity, FEATURE_INTENSITY_EDGE, f, degree);
 	}
-	for (size_t i = 0; i < cells; i++)
+#pragma omp parallel for schedule(static) if (!o->single_thread)
+	for (size_t i = 0; i < cells; i++) {
 		f->degree[i] = (uint8_t)lrintf(255 * fminf(degree[i], 1));
-	for (size_t i = 0; i < cells; i++)
 		f->kind[i] = f->degree[i] > feature_least(o) ? FEATURE_UNDIRECTED : FEATURE_NONE;
+	}
 }
 
 /* ---- all of it ---- */

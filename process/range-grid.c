@@ -105,6 +105,7 @@ range_grid *range_grid_from_panorama(const panorama *p)
 	struct angle_table azimuth = angle_table_new(columns, p->column_rad / 2, p->column_rad);
 	struct angle_table elevation =
 		angle_table_new(rows, p->desc.elevation_max_rad - p->row_rad / 2, -p->row_rad);
+#pragma omp parallel for schedule(static)
 	for (uint32_t r = 0; r < rows; r++)
 		place_row(g, p, r, &azimuth, elevation.sine[r], elevation.cosine[r]);
 	angle_table_clear(&azimuth);

@@ -141,27 +141,46 @@ struct leaf_box {
 	double low_m[3], high_m[3];
 };
 
+static struct leaf_box *leaf_boxes_new(void)
+{
+	struct leaf_box *ret = g_new(struct leaf_box, SEGMENTS_MAX + 1);
+	for (uint32_t k = 0; k <= SEGMENTS_MAX; k++)
+		ret[k] = (struct leaf_box){ 0, { INFINITY, INFINITY, INFINITY },
+			{ -INFINITY, -INFINITY, -INFINITY } };
+	return ret;
+}
+
+static void add_box(
+	struct leaf_box *to, uint64_t count, const double low_m[3], const double high_m[3])
+{
+	to->points += count;
+	for (int k = 0; k < 3; k++) {
+		to->low_m[k] = fmin(to->low_m[k], low_m[k]);
+		to->high_m[k] = fmax(to->high_m[k], high_m[k]);
+	}
+}
+
 static void count_leaves(segments *tree, const struct scan_points *p, const uint16_t *leaf)
 {
-	g_autofree struct leaf_box *sum = g_new(struct leaf_box, SEGMENTS_MAX + 1);
-	for (uint32_t k = 0; k <= SEGMENTS_MAX; k++)
-		sum[k] = (struct leaf_box){ 0, { INFINITY, INFINITY, INFINITY },
-			{ -INFINITY, -INFINITY, -INFINITY } };
-	for (uint64_t i = 0; i < p->count; i++) {
-		double at[3];
-		if (leaf[i] == SEGMENT_NONE)
-			continue;
-		struct leaf_box *s = &sum[leaf[i]];
-		scan_points_position(p, i, at);
-		s->points++;
-		for (int k = 0; k < 3; k++) {
-			s->low_m[k] = fmin(s->low_m[k], at[k]);
-			s->high_m[k] = fmax(s->high_m[k], at[k]);
+	g_autofree struct leaf_box *all = leaf_boxes_new();
+#pragma omp parallel
+	{
+		g_autofree struct leaf_box *own = leaf_boxes_new();
+#pragma omp for schedule(static) nowait
+		for (uint64_t i = 0; i < p->count; i++) {
+			double at[3];
+			if (leaf[i] == SEGMENT_NONE)
+				continue;
+			scan_points_position(p, i, at);
+			add_box(&own[leaf[i]], 1, at, at);
 		}
+#pragma omp critical
+		for (uint32_t k = 1; k <= SEGMENTS_MAX; k++)
+			add_box(&all[k], own[k].points, own[k].low_m, own[k].high_m);
 	}
 	for (uint32_t k = 1; k <= SEGMENTS_MAX; k++)
-		if (sum[k].points)
-			segments_count(tree, k, sum[k].points, sum[k].low_m, sum[k].high_m, 0);
+		if (all[k].points)
+			segments_count(tree, k, all[k].points, all[k].low_m, all[k].high_m, 0);
 }
 
 static bool label_scans(struct maker *m, const segmentation *seg, GError **error)

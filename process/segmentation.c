@@ -13,10 +13,11 @@
 #define GAP_POINTS  1.6 /* between voxels, where points are sparser than these */
 #define POINTS_MIN  60u
 /* What lies so near the ground and faces up is ground. */
-#define GROUND_M    0.12f
-#define GROUND_GAPS 0.3f
-#define GROUND_UP   0.6f
-#define SLABS       16u /* of a scan */
+#define GROUND_M         0.12f
+#define GROUND_GAPS      0.3f
+#define GROUND_UP        0.6f
+#define SLABS            16u /* of a scan */
+#define LABELLED_AT_ONCE 8192u
 /* What fits no plane at all leaves so much at least. */
 #define NO_PLANE_M   0.05f
 #define COSINE_LEAST 0.15
@@ -371,14 +372,17 @@ segmentation *segmentation_new(const struct segmentation_source *source,
 
 /* ---- leaves ---- */
 
-static uint16_t leaf_of(
-	const segmentation *s, size_t index, const struct segmentation_scan *scan, uint64_t i)
+/* last: the voxel of the point before, becomes that of this one. */
+static uint16_t leaf_of(const segmentation *s, size_t index, const struct segmentation_scan *scan,
+	uint64_t i, uint32_t *last)
 {
 	const struct segment_things *t = &s->things;
 	struct voxel_point p;
 	place_point(scan, i, &p);
 	uint8_t label = label_of(s, index, scan, i);
-	uint32_t voxel = is_ground(s, &p) ? VOXEL_NONE : voxels_find_point(s->voxels, p.at_m);
+	uint32_t voxel =
+		is_ground(s, &p) ? VOXEL_NONE : voxels_find_point_after(s->voxels, p.at_m, *last);
+	*last = voxel;
 	if (voxel != VOXEL_NONE)
 		return segment_things_leaf(t, t->leaf_of_voxel[voxel], label);
 	uint32_t surfel = ground_surfel(s->ground, p.at_m);
@@ -393,8 +397,13 @@ static uint16_t leaf_of(
 void segmentation_label(const segmentation *s, size_t index, const struct segmentation_scan *scan,
 	uint16_t *ret_leaf)
 {
-#pragma omp parallel for schedule(dynamic, 8192)
-	for (uint64_t i = 0; i < scan->points.count; i++)
-		ret_leaf[i] = scan_points_has(&scan->points, i) ? leaf_of(s, index, scan, i)
-								: SEGMENT_NONE;
+#pragma omp parallel for schedule(dynamic)
+	for (uint64_t from = 0; from < scan->points.count; from += LABELLED_AT_ONCE) {
+		const uint64_t end = MIN(from + LABELLED_AT_ONCE, scan->points.count);
+		uint32_t last = VOXEL_NONE;
+		for (uint64_t i = from; i < end; i++)
+			ret_leaf[i] = scan_points_has(&scan->points, i)
+					      ? leaf_of(s, index, scan, i, &last)
+					      : SEGMENT_NONE;
+	}
 }

@@ -76,11 +76,18 @@ static bool place_of(const voxels *v, const double at_m[3], int32_t ret[3], floa
 	return true;
 }
 
-uint32_t voxels_find_point(const voxels *v, const double at_m[3])
+uint32_t voxels_find_point_after(const voxels *v, const double at_m[3], uint32_t last)
 {
 	int32_t at[3];
 	float place[3];
-	return place_of(v, at_m, at, place) ? voxels_find(v, at) : VOXEL_NONE;
+	if (!place_of(v, at_m, at, place))
+		return VOXEL_NONE;
+	return last < v->count && is_at(&v->voxel[last], at) ? last : voxels_find(v, at);
+}
+
+uint32_t voxels_find_point(const voxels *v, const double at_m[3])
+{
+	return voxels_find_point_after(v, at_m, VOXEL_NONE);
 }
 
 static void fill_slots(voxels *v)

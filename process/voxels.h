@@ -66,6 +66,8 @@ void voxels_link(voxels *v, double gap_points);
 
 uint32_t voxels_find(const voxels *v, const int32_t at[3]);
 uint32_t voxels_find_point(const voxels *v, const double at_m[3]);
+/* last: what was found before, or VOXEL_NONE; points that come one after another often lie in the same. */
+uint32_t voxels_find_point_after(const voxels *v, const double at_m[3], uint32_t last);
 /* The voxel's mean point. */
 static inline void voxel_point_m(const voxels *v, uint32_t i, double ret_m[3])
 {
