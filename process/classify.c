@@ -314,23 +314,33 @@ static bool goes_on(const struct smooth_region *wall, const struct component *c)
 	       flat_m2 < IN_LINE_FLAT_M * IN_LINE_FLAT_M;
 }
 
-static bool is_in_line(const struct rules *r, const struct component *c)
+/* Regions that are walls, of struct smooth_region *. */
+static GPtrArray *list_walls(const struct rules *r)
 {
 	const smooth_regions *regions = r->in->regions;
+	GPtrArray *ret = g_ptr_array_new();
 	for (uint32_t k = 0; k < regions->count; k++) {
-		const struct smooth_region *wall = &regions->region[k];
-		bool is_wall = r->region[k] == CLASS_BUILDING &&
-			       fabs(wall->normal[2]) <
-				       WALL_UP_MOST * hypot(wall->normal[0], wall->normal[1]);
-		if (is_wall && goes_on(wall, c))
-			return true;
+		struct smooth_region *wall = &regions->region[k];
+		if (r->region[k] == CLASS_BUILDING &&
+			fabs(wall->normal[2]) <
+				WALL_UP_MOST * hypot(wall->normal[0], wall->normal[1]))
+			g_ptr_array_add(ret, wall);
 	}
+	return ret;
+}
+
+static bool is_in_line(const GPtrArray *walls, const struct component *c)
+{
+	for (guint k = 0; k < walls->len; k++)
+		if (goes_on(walls->pdata[k], c))
+			return true;
 	return false;
 }
 
 static struct thing *measure_things(const struct rules *r, const components *c)
 {
 	g_autoptr(voxels) blocks = building_blocks(r);
+	g_autoptr(GPtrArray) walls = list_walls(r);
 	struct thing *thing = g_new0(struct thing, c->count + 1);
 	g_autofree float *foliage = component_means(r, c, r->foliage);
 	g_autofree float *green = component_means(r, c, r->green);
@@ -343,7 +353,7 @@ static struct thing *measure_things(const struct rules *r, const components *c)
 		thing[k].near_building = is_near(blocks, c->component[k].centre_m);
 		thing[k].in_line =
 			c->component[k].voxels * r->v->size_m * r->v->size_m < IN_LINE_MOST_M2 &&
-			is_in_line(r, &c->component[k]);
+			is_in_line(walls, &c->component[k]);
 	}
 	for (uint32_t i = 0; i < r->v->count; i++) {
 		if (c->of[i] == VOXEL_NONE)

@@ -27,8 +27,9 @@ struct layer {
 
 struct ground {
 	voxels *surfels; /* of points that face up */
-	voxels *rest;    /* of the others, on the same lattice: leaves face anywhere */
-	uint8_t *state;  /* enum surfel_state */
+	voxel_columns *plan;
+	voxels *rest;   /* of the others, on the same lattice: leaves face anywhere */
+	uint8_t *state; /* enum surfel_state */
 	/* columns */
 	int32_t low[2];
 	uint32_t columns, rows;
@@ -51,6 +52,7 @@ void ground_free(ground *g)
 	if (!g)
 		return;
 	voxels_free(g->surfels);
+	voxel_columns_free(g->plan);
 	voxels_free(g->rest);
 	g_free(g->state);
 	g_free(g->first);
@@ -73,6 +75,11 @@ void ground_merge(ground *g, const ground *from)
 const voxels *ground_surfels(const ground *g)
 {
 	return g->surfels;
+}
+
+const voxel_columns *ground_plan(const ground *g)
+{
+	return g->plan;
 }
 
 bool ground_is(const ground *g, uint32_t surfel)
@@ -116,16 +123,14 @@ static void around(const ground *g, uint32_t s, int reach, visit_func visit, voi
 		int up = 1 + (int)ceil(SLOPE_MOST * ring);
 		for (int y = -ring; y <= ring; y++)
 			for (int x = -ring; x <= ring;
-				x += abs(y) == ring || x == ring ? 1 : 2 * ring)
-				for (int z = -up; z <= up; z++) {
-					int32_t at[3] = { v->at[0] + x, v->at[1] + y,
-						v->at[2] + z };
-					uint32_t other = voxels_find(g->surfels, at);
-					if (other == VOXEL_NONE || other == s)
-						continue;
-					if (goes_on(g, s, other))
-						found += visit(g, s, other, user_data);
-				}
+				x += abs(y) == ring || x == ring ? 1 : 2 * ring) {
+				const uint32_t *other = NULL;
+				uint32_t count = voxel_columns_find(g->plan, v->at[0] + x,
+					v->at[1] + y, v->at[2] - up, v->at[2] + up, &other);
+				for (uint32_t k = 0; k < count; k++)
+					if (other[k] != s && goes_on(g, s, other[k]))
+						found += visit(g, s, other[k], user_data);
+			}
 		/* what lies behind the next ground is reached from there */
 		if (ring > 1 ? found > 0 : found >= 6)
 			return;
@@ -545,6 +550,7 @@ static void add_patches(ground *g)
 void ground_find(ground *g, const double (*station_m)[3], size_t stations)
 {
 	voxels_finish(g->surfels);
+	g->plan = voxel_columns_new(g->surfels);
 	g_autoptr(GArray) queue = g_array_new(FALSE, FALSE, sizeof(uint32_t));
 	g->state = g_new0(uint8_t, g->surfels->count + 1);
 	for (uint32_t i = 0; i < g->surfels->count; i++)

@@ -8,7 +8,7 @@
  * nothing below it that goes on from the ground near it.
  *
  * Filled by one thread; const after ground_find, then any number of threads may ask. */
-#include "process/voxels.h"
+#include "process/voxel-columns.h"
 
 typedef struct ground ground;
 /* cell_m: of its columns, two patches at least. */
@@ -33,6 +33,7 @@ uint32_t ground_top(const ground *g, const double at_m[2]);
 float ground_above_m(const ground *g, const double at_m[3]);
 /* The surfels, for whoever goes on from the ground: VOXEL_NONE where none of the ground is at that place. */
 const voxels *ground_surfels(const ground *g);
+const voxel_columns *ground_plan(const ground *g); /* of the surfels; after ground_find */
 bool ground_is(const ground *g, uint32_t surfel);
 
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(ground, ground_free)

@@ -51,9 +51,7 @@ static bool is_at(const struct cube *c, const int32_t at[3])
 
 static uint32_t find_slot(const struct linker *l, const int32_t at[3])
 {
-	uint64_t h = (uint32_t)at[0] * 0x9E3779B97F4A7C15u ^ (uint32_t)at[1] * 0xC2B2AE3D27D4EB4Fu ^
-		     (uint32_t)at[2] * 0x165667B19E3779F9u;
-	uint32_t s = (uint32_t)((h ^ h >> 29) * 0xBF58476D1CE4E5B9u >> 32) & (l->slots - 1);
+	uint32_t s = voxel_hash(at) & (l->slots - 1);
 	while (l->slot[s] != CUBE_NONE && !is_at(cube_at(l, l->slot[s]), at))
 		s = (s + 1) & (l->slots - 1);
 	return s;

@@ -38,13 +38,6 @@ void voxels_free(voxels *v)
 
 /* ---- where a voxel is ---- */
 
-static uint32_t hash(const int32_t at[3])
-{
-	uint64_t h = (uint32_t)at[0] * 0x9E3779B97F4A7C15u ^ (uint32_t)at[1] * 0xC2B2AE3D27D4EB4Fu ^
-		     (uint32_t)at[2] * 0x165667B19E3779F9u;
-	return (uint32_t)((h ^ h >> 29) * 0xBF58476D1CE4E5B9u >> 32);
-}
-
 static bool is_at(const struct voxel *v, const int32_t at[3])
 {
 	return v->at[0] == at[0] && v->at[1] == at[1] && v->at[2] == at[2];
@@ -53,7 +46,7 @@ static bool is_at(const struct voxel *v, const int32_t at[3])
 /* The slot of a place: that of its voxel, or the empty one that it would get. */
 static uint32_t find_slot(const voxels *v, const int32_t at[3])
 {
-	uint32_t s = hash(at) & (v->slots - 1);
+	uint32_t s = voxel_hash(at) & (v->slots - 1);
 	while (v->slot[s] != VOXEL_NONE && !is_at(&v->voxel[v->slot[s]], at))
 		s = (s + 1) & (v->slots - 1);
 	return s;

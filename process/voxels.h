@@ -51,6 +51,14 @@ struct voxels {
 	struct voxel_area *area;
 };
 
+/* Of a place in the lattice. */
+static inline uint32_t voxel_hash(const int32_t at[3])
+{
+	uint64_t h = (uint32_t)at[0] * 0x9E3779B97F4A7C15u ^ (uint32_t)at[1] * 0xC2B2AE3D27D4EB4Fu ^
+		     (uint32_t)at[2] * 0x165667B19E3779F9u;
+	return (uint32_t)((h ^ h >> 29) * 0xBF58476D1CE4E5B9u >> 32);
+}
+
 voxels *voxels_new(double size_m);
 void voxels_free(voxels *v); /* NULL is fine */
 /* The voxel it went into; VOXEL_NONE: beyond the lattice, a hundred thousand km away. */

@@ -43,16 +43,17 @@ static uint32_t beside(const struct finder *f, uint32_t i, int x, int y)
 	const struct voxel *c = &f->v->voxel[i];
 	uint32_t best = VOXEL_NONE;
 	double nearest = INFINITY;
-	int up = (int)ceil(1 / f->v->size_m);
-	for (int z = -up; z <= up; z++) {
-		int32_t at[3] = { c->at[0] + x, c->at[1] + y, c->at[2] + z };
-		uint32_t other = voxels_find(f->v, at);
-		if (other == VOXEL_NONE || !ground_is(f->g, other))
+	const int up = (int)ceil(1 / f->v->size_m);
+	const uint32_t *other = NULL;
+	const uint32_t count = voxel_columns_find(ground_plan(f->g), c->at[0] + x, c->at[1] + y,
+		c->at[2] - up, c->at[2] + up, &other);
+	for (uint32_t k = 0; k < count; k++) {
+		if (!ground_is(f->g, other[k]))
 			continue;
-		double off = fabs(level_of(f->v, other) - level_of(f->v, i));
+		double off = fabs(level_of(f->v, other[k]) - level_of(f->v, i));
 		if (off < nearest) {
 			nearest = off;
-			best = other;
+			best = other[k];
 		}
 	}
 	return best;
