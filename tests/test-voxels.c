@@ -1,4 +1,5 @@
 /* Sums of points in voxels against plain ones, and which voxels are linked. */
+#include "process/voxel-columns.h"
 #include "tests/surfaces-made.h"
 #include <stdlib.h>
 
@@ -259,6 +260,48 @@ static void test_links_both_ways(void)
 	g_assert_false(has_link(v, s, d) || has_link(v, d, s));
 }
 
+/* Of every place of the plan, heights from far below to far above, against a look at each. */
+static void check_column(const voxel_columns *c, int32_t x, int32_t y, int32_t low, int32_t high)
+{
+	const uint32_t *found = NULL;
+	uint32_t count = voxel_columns_find(c, x, y, low, high, &found), known = 0;
+	for (int32_t z = low; z <= high; z++) {
+		uint32_t i = voxels_find(c->v, (const int32_t[3]){ x, y, z });
+		if (i == VOXEL_NONE)
+			continue;
+		g_assert_cmpuint(known, <, count);
+		g_assert_cmpuint(found[known++], ==, i);
+	}
+	g_assert_cmpuint(known, ==, count);
+}
+
+static void test_columns(void)
+{
+	g_autofree struct voxel_point *p = make_points(1);
+	g_autoptr(voxels) v = add_all(p, false);
+	g_autoptr(voxel_columns) c = voxel_columns_new(v);
+	for (int32_t x = -25; x <= 25; x++)
+		for (int32_t y = -25; y <= 25; y++)
+			for (int32_t low = -24; low <= 24; low += 8) {
+				check_column(c, x, y, low, low + 4);
+				check_column(c, x, y, low, low);
+				check_column(c, x, y, -100, low);
+			}
+	g_assert_cmpuint(c->column[c->count - 1].end, ==, v->count);
+}
+
+static void test_find_after(void)
+{
+	g_autofree struct voxel_point *p = make_points(1);
+	g_autoptr(voxels) v = add_all(p, false);
+	uint32_t last = VOXEL_NONE;
+	for (int i = 0; i < POINTS; i++) {
+		g_assert_cmpuint(voxels_find_point_after(v, p[i].at_m, last), ==,
+			voxels_find_point(v, p[i].at_m));
+		last = i % 3 ? voxels_find_point(v, p[i].at_m) : (uint32_t)i % v->count;
+	}
+}
+
 static void test_empty(void)
 {
 	g_autoptr(voxels) v = voxels_new(1);
@@ -266,6 +309,8 @@ static void test_empty(void)
 	voxels_link(v, 2);
 	g_assert_cmpuint(v->count, ==, 0);
 	g_assert_cmpuint(voxels_find_point(v, (double[3]){ 0, 0, 0 }), ==, VOXEL_NONE);
+	g_autoptr(voxel_columns) c = voxel_columns_new(v);
+	check_column(c, 0, 0, -3, 3);
 }
 
 int main(int argc, char **argv)
@@ -278,6 +323,8 @@ int main(int argc, char **argv)
 	g_test_add_func("/voxels/links-of-dense", test_links_of_dense);
 	g_test_add_func("/voxels/links-of-sparse", test_links_of_sparse);
 	g_test_add_func("/voxels/links-both-ways", test_links_both_ways);
+	g_test_add_func("/voxels/columns", test_columns);
+	g_test_add_func("/voxels/find-after", test_find_after);
 	g_test_add_func("/voxels/empty", test_empty);
 	return g_test_run();
 }
