@@ -17,7 +17,7 @@
 #include "process/scan-graph.h"
 
 #define SCAN_FEATURES_KIND    "features"
-#define SCAN_FEATURES_VERSION 4
+#define SCAN_FEATURES_VERSION 5
 /* Further away scanners see little of the same, and not as well. */
 #define FEATURES_NEIGHBOURS 4
 #define FEATURES_REACH_M    30.0
