@@ -20,6 +20,10 @@
 #define ERROR_FROM_M  0.010f
 #define ERROR_VOXEL_M 0.15f
 #define ERROR_FULL_M  0.030f
+/* Ivy: of a colour that walls do not have, all of it together of a plant's. */
+#define CLIMBER_GREEN      -0.03f
+#define CLIMBER_GREEN_MEAN 0.02f
+#define CLIMBER_VOXELS     200u
 /* What is seen through an opening. */
 #define THROUGH_M      4.0
 #define THROUGH_FACING 0.35f
@@ -193,6 +197,29 @@ static void find_crowns(struct rules *r)
 			mean[k] >= FOLIAGE_SURE &&
 			classify_may_be_plant(&c->component[k], green[k]) &&
 			contacts[k] < c->component[k].voxels)
+			r->class[i] = CLASS_VEGETATION;
+	}
+}
+
+/* What climbs a wall lies in its plane and grew into one with it, but is rough and green. */
+static void find_climbers(struct rules *r)
+{
+	g_autofree uint8_t *kind = g_new0(uint8_t, r->v->count + 1);
+	for (uint32_t i = 0; i < r->v->count; i++)
+		kind[i] = (r->class[i] == UNKNOWN || r->class[i] == CLASS_BUILDING) &&
+			  r->foliage[i] >= CLASSIFY_FOLIAGE && r->green[i] > CLIMBER_GREEN;
+	g_autoptr(components) c = components_find(r->v, kind, 0);
+	g_autofree float *mean = component_means(r, c, r->foliage);
+	g_autofree float *green = component_means(r, c, r->green);
+	g_autofree uint32_t *of_walls = g_new0(uint32_t, c->count + 1);
+	for (uint32_t i = 0; i < r->v->count; i++)
+		if (c->of[i] != VOXEL_NONE)
+			of_walls[c->of[i]] += r->class[i] == CLASS_BUILDING;
+	for (uint32_t i = 0; i < r->v->count; i++) {
+		uint32_t k = c->of[i];
+		if (k != VOXEL_NONE && c->component[k].voxels >= CLIMBER_VOXELS &&
+			2 * of_walls[k] > c->component[k].voxels && mean[k] >= FOLIAGE_SURE &&
+			green[k] >= CLIMBER_GREEN_MEAN)
 			r->class[i] = CLASS_VEGETATION;
 	}
 }
@@ -420,6 +447,7 @@ uint8_t *classify(const struct classify_input *in)
 	memset(r.class, UNKNOWN, in->voxels->count);
 	weigh_foliage(&r);
 	find_walls(&r);
+	find_climbers(&r);
 	find_crowns(&r);
 	take_what_lies_against(&r, CLASS_BUILDING, AGAINST_LINKS);
 	take_what_lies_against(&r, CLASS_STRUCTURE, AGAINST_LINKS);
