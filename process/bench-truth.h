@@ -14,7 +14,9 @@ enum bench_truth_class {
 	BENCH_TRUTH_CLASSES = 9
 };
 extern const char *const bench_truth_names[BENCH_TRUTH_CLASSES];
-#define BENCH_TRUTH_GLASS 1 /* of optics: a pane, which a beam may pass */
+/* Of optics: a pane, which a beam may pass; water, which answers a beam from straight above alone. */
+#define BENCH_TRUTH_GLASS 1
+#define BENCH_TRUTH_WATER 2
 
 struct bench_truth_cell {
 	float range_m, normal[3]; /* of what the middle of the cell meets first; 0: nothing */

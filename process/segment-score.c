@@ -1,10 +1,11 @@
 #include "process/segment-score.h"
 
-#define RANGE_OFF_M 0.15
-#define CELLS_LEAST 100 /* of a class that counts */
-#define TREE_CELLS  200
-#define TREE_HIGH_M 2.5
-#define INSTANCES   65536
+#define RANGE_OFF_M   0.15
+#define WATER_ANSWERS 0.9848f /* cosine of the incidence */
+#define CELLS_LEAST   100     /* of a class that counts */
+#define TREE_CELLS    200
+#define TREE_HIGH_M   2.5
+#define INSTANCES     65536
 
 struct score_plants {
 	double of_leaf[SEGMENTS_MAX + 1]; /* cells with a truth */
@@ -45,9 +46,15 @@ static void count_plant(struct score_plants *p, uint32_t instance, uint32_t leaf
 	p->instance[instance].high_m = fmaxf(p->instance[instance].high_m, z_m);
 }
 
-static bool is_known(const struct bench_truth_cell *c, float range_m)
+/* Whether the point is one of what the middle of its beam meets. Where that is water met aslant, an edge of the beam met the shore. */
+static bool is_known(const struct bench_truth_cell *c, const range_grid *g, size_t i)
 {
-	bool behind_glass = c->optics == BENCH_TRUTH_GLASS && c->class == BENCH_TRUTH_BUILDING;
+	const bool behind_glass =
+		c->optics == BENCH_TRUTH_GLASS && c->class == BENCH_TRUTH_BUILDING;
+	const float range_m = g->range_m[i], *n = c->normal;
+	const float facing = fabsf(n[0] * g->x_m[i] + n[1] * g->y_m[i] + n[2] * g->z_m[i]);
+	if (c->optics == BENCH_TRUTH_WATER && !(facing >= WATER_ANSWERS * range_m))
+		return false;
 	return c->class != BENCH_TRUTH_NOTHING && c->class < BENCH_TRUTH_CLASSES &&
 	       (behind_glass || fabsf(c->range_m - range_m) <= RANGE_OFF_M);
 }
@@ -58,7 +65,7 @@ void segment_score_count(segment_score *s, const segments *tree, const struct sc
 	for (uint64_t i = 0; i < p->count; i++) {
 		double at[3];
 		s->points += leaf[i] != SEGMENT_NONE;
-		if (leaf[i] == SEGMENT_NONE || !is_known(&truth[i], p->data->grid->range_m[i]))
+		if (leaf[i] == SEGMENT_NONE || !is_known(&truth[i], p->data->grid, i))
 			continue;
 		scan_points_position(p, i, at);
 		s->cells[truth[i].class][segments_find(tree, leaf[i])->class]++;
