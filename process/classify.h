@@ -6,7 +6,7 @@
  * Large smooth regions that rise above the ground are walls and roofs; those with ground on top of them, behind them, hold that
  * ground up: bridges, retaining walls. What is rough all through is foliage, and what is thin and stands under it, its trunks; but
  * in voxels small things are rough whatever they are, and are foliage only where they are green, or nothing has a colour. What
- * lies against a wall is part of it. What remains stands alone, and its size tells. */
+ * lies against a wall is part of it, but ivy is not, where colour tells it. What remains stands alone, and its size tells. */
 #include "process/ground.h"
 #include "process/segment-class.h"
 #include "process/smooth-regions.h"

@@ -15,12 +15,13 @@
 #define NEAR_CELLS 8.0f
 /* Points of a pole are of both its sides: a line that no face tells is askew by as much as they are apart. */
 #define NARROW 0.06f
-/* Lines are fitted at one in so many of the highest cells, such that along any row, column or diagonal every so manieth is one: so
- * many columns further on in the row below; and every step of a column is so many rows. */
+/* Lines are fitted at one in so many of the highest cells: where row + CHOSEN_STEP column is a multiple of that, which is so along any
+ * row, column or diagonal once in as many cells. */
 #define CHOSEN_OF   11
 #define CHOSEN_STEP 3
-#define CHOSEN_BACK 4 /* times the step: one, but for multiples of CHOSEN_OF */
+#define CHOSEN_BACK 4 /* times CHOSEN_STEP leaves 1 */
 #define CHOSEN_AWAY (CHOSEN_OF / 2)
+_Static_assert(CHOSEN_STEP *CHOSEN_BACK % CHOSEN_OF == 1, "its inverse");
 /* Rows and columns of a block. */
 #define BLOCK_CELLS 64
 /* Cells so far off a line are passed by it. */
