@@ -20,7 +20,7 @@
 #define CHOSEN_OF   11
 #define CHOSEN_STEP 3
 #define CHOSEN_BACK 4 /* times CHOSEN_STEP leaves 1 */
-#define CHOSEN_AWAY (CHOSEN_OF / 2)
+#define CHOSEN_AWAY 6 /* rows, and columns, within which one is taken over */
 _Static_assert(CHOSEN_STEP *CHOSEN_BACK % CHOSEN_OF == 1, "its inverse");
 /* Rows and columns of a block. */
 #define BLOCK_CELLS 64
@@ -131,12 +131,10 @@ static bool is_chosen(const features_ridges *ridges, uint32_t row, uint32_t colu
 	return (row + CHOSEN_STEP * column) % CHOSEN_OF == 0 && ridges_has(ridges, row, column);
 }
 
-/* How far off in its row the column is that may be chosen, either way. */
+/* How far behind a cell, in its row, the next column is that may be chosen: 0..CHOSEN_OF-1. */
 static int32_t columns_to_chosen(uint32_t row, uint32_t column)
 {
-	const int32_t after =
-		(int32_t)((CHOSEN_OF - CHOSEN_BACK) * (row + CHOSEN_STEP * column) % CHOSEN_OF);
-	return after > CHOSEN_AWAY ? after - CHOSEN_OF : after;
+	return (int32_t)((CHOSEN_OF - CHOSEN_BACK) * (row + CHOSEN_STEP * column) % CHOSEN_OF);
 }
 
 /* Cells of a block look around in the same ones, which stay in the cache meanwhile. */
@@ -168,49 +166,59 @@ static bool passes(const struct fitter *t, size_t k, size_t i)
 	       PASSING_CELLS * range_grid_point_size_m(g, i) * vector3_length(aside);
 }
 
-/* A chosen cell near by, on the same surface: the nearest whose line passes here, else the nearest; false: there is none. */
-static bool find_chosen(const struct fitter *t, const features_ridges *ridges, uint32_t row,
-	uint32_t column, size_t *ret, bool *ret_passes)
+/* A cell that others may take the line from, and how far away it is. */
+struct chosen {
+	size_t cell;
+	int32_t away2;
+	bool passes, found;
+};
+
+/* Takes the one at that place if it is chosen, on the same surface, and better. */
+static void try_chosen(const struct fitter *t, uint32_t row, uint32_t column, int32_t down,
+	int32_t right, struct chosen *ret)
 {
 	const range_grid *g = t->of->grid;
 	const size_t i = (size_t)row * g->columns + column;
 	const float near_m = NEAR_CELLS * range_grid_point_size_m(g, i) + 3 * t->o->range_noise_m;
-	int32_t nearest = INT32_MAX;
-	*ret_passes = false;
+	const int32_t away2 = down * down + right * right;
+	size_t k;
+	if (!range_grid_step(g, row, column, down, right, &k) ||
+		!is_chosen(t->own, (uint32_t)(k / g->columns), (uint32_t)(k % g->columns)) ||
+		fabsf(g->range_m[k] - g->range_m[i]) > near_m)
+		return;
+	const bool is_line = passes(t, k, i);
+	if (!ret->found || is_line > ret->passes || (is_line == ret->passes && away2 < ret->away2))
+		*ret = (struct chosen){ k, away2, is_line, true };
+}
+
+/* The nearest whose line passes here, else the nearest. */
+static struct chosen find_chosen(const struct fitter *t, uint32_t row, uint32_t column)
+{
+	struct chosen ret = { 0 };
 	for (int32_t down = -CHOSEN_AWAY; down <= CHOSEN_AWAY; down++) {
-		const int32_t right = columns_to_chosen((uint32_t)((int32_t)row + down), column);
-		const int32_t away2 = down * down + right * right;
-		size_t k;
-		if (!range_grid_step(g, row, column, down, right, &k) ||
-			!is_chosen(
-				ridges, (uint32_t)(k / g->columns), (uint32_t)(k % g->columns)) ||
-			fabsf(g->range_m[k] - g->range_m[i]) > near_m)
-			continue;
-		const bool is_line = passes(t, k, i);
-		if (is_line < *ret_passes || (is_line == *ret_passes && away2 >= nearest))
-			continue;
-		*ret = k;
-		*ret_passes = is_line;
-		nearest = away2;
+		const int32_t behind = columns_to_chosen((uint32_t)((int32_t)row + down), column);
+		if (behind <= CHOSEN_AWAY)
+			try_chosen(t, row, column, down, behind, &ret);
+		if (CHOSEN_OF - behind <= CHOSEN_AWAY)
+			try_chosen(t, row, column, down, behind - CHOSEN_OF, &ret);
 	}
-	return nearest < INT32_MAX;
+	return ret;
 }
 
 /* What is not chosen has the line of the nearest that is; where there is none, its own. */
-static void take_over(
-	const struct fitter *t, const features_ridges *ridges, uint32_t row, uint32_t column)
+static void take_over(const struct fitter *t, uint32_t row, uint32_t column)
 {
 	features *f = t->f;
-	size_t i = (size_t)row * t->of->grid->columns + column, k;
-	bool is_line;
-	if (!find_chosen(t, ridges, row, column, &k, &is_line)) {
-		if (ridges_has(ridges, row, column))
+	const size_t i = (size_t)row * t->of->grid->columns + column;
+	const struct chosen from = find_chosen(t, row, column);
+	if (!from.found) {
+		if (ridges_has(t->own, row, column))
 			fit_cell(t, i);
 		return;
 	}
-	f->kind[i] = is_line ? f->kind[k] : FEATURE_UNDIRECTED;
-	memcpy(f->direction[i], f->direction[k], sizeof f->direction[i]);
-	f->line_error[i] = f->line_error[k];
+	f->kind[i] = from.passes ? f->kind[from.cell] : FEATURE_UNDIRECTED;
+	memcpy(f->direction[i], f->direction[from.cell], sizeof f->direction[i]);
+	f->line_error[i] = f->line_error[from.cell];
 }
 
 void features_fit_lines(features *f, const struct features_input *of,
@@ -242,6 +250,6 @@ void features_fit_lines(features *f, const struct features_input *of,
 			size_t i = (size_t)row * g->columns + column;
 			if (f->degree[i] > t.least && g->range_m[i] > 0 &&
 				!is_chosen(own, row, column))
-				take_over(&t, own, row, column);
+				take_over(&t, row, column);
 		}
 }
