@@ -41,7 +41,7 @@ struct surroundings {
 	const range_grid *grid;
 	size_t cell;
 	float noise_m, explained_m, radius_m, spacing_m;
-	bool is_cut_only;
+	bool is_cut_only; /* nothing but faces that cut each other is asked for */
 	float at[3], along[3];
 	float aside[3]; /* across the plane that the line is seen in */
 };

@@ -131,7 +131,7 @@ static bool is_chosen(const features_ridges *ridges, uint32_t row, uint32_t colu
 	return (row + CHOSEN_STEP * column) % CHOSEN_OF == 0 && ridges_has(ridges, row, column);
 }
 
-/* How far behind a cell, in its row, the next column is that may be chosen: 0..CHOSEN_OF-1. */
+/* How many columns further on the next cell of the row is that may be chosen: 0..CHOSEN_OF-1. */
 static int32_t columns_to_chosen(uint32_t row, uint32_t column)
 {
 	return (int32_t)((CHOSEN_OF - CHOSEN_BACK) * (row + CHOSEN_STEP * column) % CHOSEN_OF);
@@ -196,11 +196,11 @@ static struct chosen find_chosen(const struct fitter *t, uint32_t row, uint32_t 
 {
 	struct chosen ret = { 0 };
 	for (int32_t down = -CHOSEN_AWAY; down <= CHOSEN_AWAY; down++) {
-		const int32_t behind = columns_to_chosen((uint32_t)((int32_t)row + down), column);
-		if (behind <= CHOSEN_AWAY)
-			try_chosen(t, row, column, down, behind, &ret);
-		if (CHOSEN_OF - behind <= CHOSEN_AWAY)
-			try_chosen(t, row, column, down, behind - CHOSEN_OF, &ret);
+		const int32_t ahead = columns_to_chosen((uint32_t)((int32_t)row + down), column);
+		if (ahead <= CHOSEN_AWAY)
+			try_chosen(t, row, column, down, ahead, &ret);
+		if (CHOSEN_OF - ahead <= CHOSEN_AWAY)
+			try_chosen(t, row, column, down, ahead - CHOSEN_OF, &ret);
 	}
 	return ret;
 }

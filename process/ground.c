@@ -26,10 +26,10 @@ struct layer {
 };
 
 struct ground {
-	voxels *surfels; /* of points that face up */
-	voxel_columns *plan;
-	voxels *rest;   /* of the others, on the same lattice: leaves face anywhere */
-	uint8_t *state; /* enum surfel_state */
+	voxels *surfels;     /* of points that face up */
+	voxel_columns *plan; /* of the surfels */
+	voxels *rest;        /* of the others, on the same lattice: leaves face anywhere */
+	uint8_t *state;      /* enum surfel_state */
 	/* columns */
 	int32_t low[2];
 	uint32_t columns, rows;
