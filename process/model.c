@@ -1,6 +1,7 @@
 #include "process/model.h"
 #include "firmware-io/crc32c.h"
 #include <math.h>
+#include <string.h>
 
 struct model {
 	product *file;
@@ -152,4 +153,37 @@ void model_unpack_normal(const int16_t packed[2], float ret[3])
 	ret[0] = x / length;
 	ret[1] = y / length;
 	ret[2] = z / length;
+}
+
+/* ---- half floats: sign, 5 bits of the exponent + 15, 10 of the mantissa; floats have 8, + 127, and 23 ---- */
+
+#define HALF_MAX        65504.0f
+#define HALF_NORMAL_MIN 0x1p-14f
+#define EXPONENTS_APART (127 - 15)
+#define MANTISSAS_APART (23 - 10)
+
+uint16_t model_pack_half(float value)
+{
+	uint16_t sign = signbit(value) ? 0x8000 : 0;
+	float size = fminf(fabsf(value), HALF_MAX);
+	uint32_t bits;
+	if (isnan(value))
+		return MODEL_HALF_NONE;
+	if (size < HALF_NORMAL_MIN)
+		return sign | (uint16_t)lrintf(size * 0x1p24f);
+	memcpy(&bits, &size, sizeof bits);
+	/* Just under a half, and what makes of a half up from an odd one; a carry goes into the exponent, as it should. */
+	bits += (1u << (MANTISSAS_APART - 1)) - 1 + (bits >> MANTISSAS_APART & 1);
+	return sign | (uint16_t)((bits >> MANTISSAS_APART) - (EXPONENTS_APART << 10));
+}
+
+float model_unpack_half(uint16_t half)
+{
+	int exponent = half >> 10 & 31, mantissa = half & 1023;
+	if (exponent == 31 && mantissa)
+		return NAN;
+	float size = exponent == 31 ? INFINITY
+		     : exponent     ? ldexpf((float)(1024 + mantissa), exponent - 25)
+				    : ldexpf((float)mantissa, -24);
+	return half & 0x8000 ? -size : size;
 }

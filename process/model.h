@@ -66,4 +66,10 @@ bool model_verify(const model *m, GError **error); /* all checksums, chunk by ch
 void model_pack_normal(const float normal[3], int16_t ret[2]);
 void model_unpack_normal(const int16_t packed[2], float ret[3]);
 
+#define MODEL_HALF_NONE 0x7E00u /* not a number */
+/* Half precision (IEEE 754 binary16), to the nearest, of two to the even one: 11 bits, and steps of 6e-8 below 6.1e-5. What is
+ * beyond its range, infinity too, becomes 65504; what is not a number MODEL_HALF_NONE, which unpacks to NAN. */
+uint16_t model_pack_half(float value);
+float model_unpack_half(uint16_t half);
+
 #endif

@@ -66,6 +66,43 @@ static void test_no_normal(void)
 	}
 }
 
+/* Each of them there and back. */
+static void test_halves(void)
+{
+	float last = -1;
+	for (uint32_t h = 0; h < 0x7C00; h++) {
+		float value = model_unpack_half((uint16_t)h);
+		g_assert_cmpfloat(value, >, last);
+		last = value;
+		g_assert_cmpuint(model_pack_half(value), ==, h);
+		g_assert_cmpuint(model_pack_half(-value), ==, h | 0x8000);
+		g_assert_true(model_unpack_half((uint16_t)(h | 0x8000)) == -value);
+		if (h + 1 == 0x7C00)
+			break;
+		/* Just beside the middle of two, and the middle, which goes to the even one. */
+		float next = model_unpack_half((uint16_t)(h + 1)), middle = 0.5f * (value + next);
+		g_assert_cmpuint(model_pack_half(nextafterf(middle, 0)), ==, h);
+		g_assert_cmpuint(model_pack_half(nextafterf(middle, INFINITY)), ==, h + 1);
+		g_assert_cmpuint(model_pack_half(middle), ==, h + h % 2);
+	}
+	g_assert_true(last == 65504);
+}
+
+static void test_halves_known(void)
+{
+	static const struct {
+		float value;
+		uint16_t half;
+	} known[] = { { 0, 0 }, { 1, 0x3C00 }, { -2, 0xC000 }, { 0.333251953125f, 0x3555 },
+		{ 0x1p-14f, 0x0400 }, { 0x1p-24f, 1 }, { 0x1p-26f, 0 }, { 65519, 0x7BFF },
+		{ 1e9f, 0x7BFF }, { INFINITY, 0x7BFF }, { -INFINITY, 0xFBFF },
+		{ NAN, MODEL_HALF_NONE } };
+	for (size_t i = 0; i < G_N_ELEMENTS(known); i++)
+		g_assert_cmphex(model_pack_half(known[i].value), ==, known[i].half);
+	g_assert_true(isnan(model_unpack_half(MODEL_HALF_NONE)));
+	g_assert_true(isinf(model_unpack_half(0x7C00)) && model_unpack_half(0xFC00) < 0);
+}
+
 /* ---- order ---- */
 
 static void test_order_is_a_permutation(void)
@@ -295,6 +332,8 @@ int main(int argc, char **argv)
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/model/normals", test_normals);
 	g_test_add_func("/model/no-normal", test_no_normal);
+	g_test_add_func("/model/halves", test_halves);
+	g_test_add_func("/model/halves/known", test_halves_known);
 	g_test_add_func("/model/order/permutation", test_order_is_a_permutation);
 	g_test_add_func("/model/order/stratified", test_order_is_stratified);
 	g_test_add_func("/model/order/uniform", test_order_is_uniform);
