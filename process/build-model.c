@@ -193,6 +193,8 @@ bool build_model_is_due(
 			json_object_get_member(product_manifest(model_file(m)), "made_from"));
 	else if (g_error_matches(damage, G_IO_ERROR, G_IO_ERROR_NOT_FOUND))
 		why = inputs->scans->len ? g_strdup("there is no model yet") : NULL;
+	else if (g_error_matches(damage, PRODUCT_ERROR, PRODUCT_ERROR_VERSION))
+		why = g_strdup("the model was written by another version of this program");
 	else
 		why = g_strdup("the model cannot be read");
 	*ret_due = why;

@@ -5,8 +5,9 @@
 #include "process/scan-points.h"
 #include <string.h>
 
-#define RUN_MIN       65536u
-#define BYTES_A_POINT (2 * sizeof(struct part_point)) /* sorting takes as much again */
+#define RUN_MIN 65536u
+#define BYTES_A_POINT                                                                              \
+	(sizeof(struct part_point) + sizeof(uint32_t) + PART_SORT_BYTES) /* with its cell */
 
 void model_part_free(model_part *p)
 {
@@ -56,6 +57,34 @@ static void take_look(const struct scan_points *s, uint64_t i, struct part_point
 	p->rgba[3] = 255;
 }
 
+static void turn(const struct pose *p, const int16_t packed[2], int16_t ret[2])
+{
+	float along[3];
+	double turned[3];
+	ret[0] = ret[1] = MODEL_NORMAL_NONE;
+	if (packed[0] == MODEL_NORMAL_NONE && packed[1] == MODEL_NORMAL_NONE)
+		return;
+	model_unpack_normal(packed, along);
+	pose_rotate(p, (double[3]){ along[0], along[1], along[2] }, turned);
+	model_pack_normal((float[3]){ (float)turned[0], (float)turned[1], (float)turned[2] }, ret);
+}
+
+static void take_features(const struct source *s, uint64_t i, struct part_point *p)
+{
+	const scan_features *f = s->features;
+	p->direction[0] = p->direction[1] = p->principal[0] = p->principal[1] = MODEL_NORMAL_NONE;
+	p->k1 = p->k2 = MODEL_HALF_NONE;
+	if (!f)
+		return;
+	p->feature = f->degree[i];
+	p->kind = f->kind[i];
+	p->flags = f->flags[i];
+	turn(&s->points.pose, f->direction[i], p->direction);
+	turn(&s->points.pose, f->principal[i], p->principal);
+	p->k1 = model_pack_half(f->k1[i]);
+	p->k2 = model_pack_half(f->k2[i]);
+}
+
 /* false: outside the lattice. */
 static bool take_point(
 	const struct source *s, uint64_t i, double cell_m, struct part_point *ret, double *reach_m)
@@ -72,7 +101,7 @@ static bool take_point(
 	memcpy(ret->within, place.within, sizeof ret->within);
 	take_geometry(&s->points, i, ret);
 	take_look(&s->points, i, ret);
-	ret->feature = s->features ? s->features->degree[i] : 0;
+	take_features(s, i, ret);
 	return true;
 }
 

@@ -8,8 +8,9 @@
 #include "process/morton.h"
 
 #define MODEL_PART_KIND       "model-part"
-#define MODEL_PART_VERSION    2
+#define MODEL_PART_VERSION    3
 #define MODEL_PART_SUM_POINTS 1024u
+#define PART_SORT_BYTES       32u /* for each point, while they are sorted */
 
 struct part_point {
 	uint64_t code; /* morton.h */
@@ -20,8 +21,12 @@ struct part_point {
 	uint8_t rgba[4];
 	uint16_t intensity, size, plane_error;
 	uint8_t classification, feature;
+	int16_t direction[2], principal[2];
+	uint16_t k1, k2;
+	uint8_t kind, flags;
+	uint16_t reserved; /* 0 */
 };
-_Static_assert(sizeof(struct part_point) == 32, "the file's own layout");
+_Static_assert(sizeof(struct part_point) == 48, "the file's own layout");
 
 /* CRC-32C of MODEL_PART_SUM_POINTS points and of their cells: who reads a few can check a few. */
 struct part_sum {
@@ -74,8 +79,8 @@ void model_part_forget(const model_part *p, const struct part_point *from, size_
 bool model_part_update(const site *s, const struct model_input *input, unsigned level,
 	bool is_doubtful, uint64_t memory_bytes, bool *ret_made, GError **error);
 
-/* Sorts by part_point_compare, equal ones as they stood, and the cells with them (NULL: none). Uses 32 bytes a point beside
- * them. */
+/* Sorts by part_point_compare, equal ones as they stood, and the cells with them (NULL: none). Uses PART_SORT_BYTES a
+ * point beside them. */
 void part_points_sort(struct part_point *point, uint32_t *cell, size_t count);
 
 #endif

@@ -93,11 +93,17 @@ static struct model_point point_of(
 		.classification = p->classification,
 		.feature = p->feature,
 		.plane_error = p->plane_error,
-		.leaf = p->leaf };
+		.leaf = p->leaf,
+		.k1 = p->k1,
+		.k2 = p->k2,
+		.kind = p->kind,
+		.flags = p->flags };
 	for (int k = 0; k < 3; k++)
 		q.position_m[k] = (float)(at_m[k] - centre_m[k]);
 	memcpy(q.normal, p->normal, sizeof q.normal);
 	memcpy(q.rgba, p->rgba, sizeof q.rgba);
+	memcpy(q.direction, p->direction, sizeof q.direction);
+	memcpy(q.principal, p->principal, sizeof q.principal);
 	return q;
 }
 

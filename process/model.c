@@ -43,6 +43,18 @@ static bool check_chunks(const model *m, GError **error)
 	return damaged(m, m->chunk_count, "points are left over after the last chunk", error);
 }
 
+static bool check_version(const model *m, GError **error)
+{
+	gint64 version = json_object_get_int_member(product_manifest(m->file), "version");
+	if (version == MODEL_VERSION)
+		return true;
+	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_VERSION,
+		"%s: was written by an earlier version of this program (%s %" G_GINT64_FORMAT
+		"); 'pleinair process' makes it anew",
+		product_path(m->file), MODEL_KIND, version);
+	return false;
+}
+
 char *model_path(const char *site_path)
 {
 	return g_build_filename(site_path, "model", "points.model", NULL);
@@ -52,7 +64,7 @@ model *model_open_file(const char *path, GError **error)
 {
 	g_autoptr(model) m = g_new0(model, 1);
 	m->file = product_open(path, MODEL_KIND, MODEL_VERSION, error);
-	if (!m->file ||
+	if (!m->file || !check_version(m, error) ||
 		!(m->chunks = product_section(
 			  m->file, "chunks", sizeof *m->chunks, &m->chunk_count, error)) ||
 		!(m->points = product_section(

@@ -15,12 +15,14 @@
 #include "process/product.h"
 
 #define MODEL_KIND         "model"
-#define MODEL_VERSION      2
+#define MODEL_VERSION      3
 #define MODEL_CHUNK_POINTS 4096u
 #define MODEL_NORMAL_NONE  INT16_MIN
 #define MODEL_ERROR_NONE   UINT16_MAX /* of the plane error */
+#define MODEL_HALF_NONE    0x7E00u    /* not a number */
 
-/* One point, as the GPU takes it: 32 bytes, each attribute aligned to 4 or beside its pair. */
+/* One point, as the GPU takes it: 48 bytes, each attribute aligned to 4 or beside its pair. What comes after leaf is of the features
+ * of its scan (scan-features.h, features.h): all zero or none without them. The sign of both directions is free. */
 struct model_point {
 	float position_m[3]; /* from the chunk's centre */
 	int16_t normal[2];   /* in the site's frame: octahedral, snorm; -32768 in both: none */
@@ -32,8 +34,14 @@ struct model_point {
 	uint8_t feature;        /* feature degree * 255; 0 until features are computed */
 	uint16_t plane_error;   /* of the plane fit, 0.1 mm; saturates at 65534; 65535: none */
 	uint16_t leaf;          /* of the segment tree; 0 until there is one */
+	int16_t direction[2];   /* of the line through a directional point; as normal */
+	int16_t principal[2];   /* of the curvature k1; as normal */
+	uint16_t k1, k2;        /* principal curvatures, 1/m, half floats; MODEL_HALF_NONE: none */
+	uint8_t kind;           /* enum feature_kind */
+	uint8_t flags;          /* enum feature_flag */
+	uint16_t reserved;      /* 0 */
 };
-_Static_assert(sizeof(struct model_point) == 32, "the file's own layout");
+_Static_assert(sizeof(struct model_point) == 48, "the file's own layout");
 
 struct model_chunk {
 	double centre_m[3];
@@ -49,7 +57,8 @@ _Static_assert(sizeof(struct model_chunk) == 64, "the file's own layout");
 /* Const after it was opened; any number of threads may read. */
 typedef struct model model;
 char *model_path(const char *site_path); /* SITE/model/points.model; caller frees */
-/* Checks that the chunks and points belong together, not their checksums. */
+/* Checks that the chunks and points belong together, not their checksums. A model of another version is refused, an earlier one
+ * too, with PRODUCT_ERROR_VERSION: it is made anew. */
 model *model_open(const char *site_path, GError **error);
 model *model_open_file(const char *path, GError **error);
 void model_free(model *m); /* NULL is fine */
@@ -66,7 +75,6 @@ bool model_verify(const model *m, GError **error); /* all checksums, chunk by ch
 void model_pack_normal(const float normal[3], int16_t ret[2]);
 void model_unpack_normal(const int16_t packed[2], float ret[3]);
 
-#define MODEL_HALF_NONE 0x7E00u /* not a number */
 /* Half precision (IEEE 754 binary16), to the nearest, of two to the even one: 11 bits, and steps of 6e-8 below 6.1e-5. What is
  * beyond its range, infinity too, becomes 65504; what is not a number MODEL_HALF_NONE, which unpacks to NAN. */
 uint16_t model_pack_half(float value);

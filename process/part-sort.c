@@ -8,6 +8,7 @@ struct sort_key {
 	uint32_t index;
 	uint16_t leaf;
 };
+_Static_assert(2 * sizeof(struct sort_key) == PART_SORT_BYTES, "there and back");
 
 static uint32_t digit_of(const struct sort_key *k, unsigned pass)
 {

@@ -275,7 +275,7 @@ static void test_damage(void)
 	g_autofree char *path = write_model();
 	g_autoptr(GError) error = NULL;
 	FILE *f = fopen(path, "r+b");
-	fseek(f, 64 + 5000 * 32 + 3, SEEK_SET);
+	fseek(f, (long)(64 + 5000 * sizeof(struct model_point) + 3), SEEK_SET);
 	int byte = fgetc(f);
 	fseek(f, -1, SEEK_CUR);
 	fputc(byte ^ 4, f);
