@@ -132,6 +132,8 @@ static bool merge_parts(const site *s, const model_inputs *inputs, const GPtrArr
 	JsonObject *made = json_object_new();
 	json_object_set_int_member(made, "method", MODEL_METHOD);
 	json_object_set_double_member(made, "lattice_m", morton_cell_m(level));
+	json_object_set_double_member(made, "dither_per_m2", inputs->dither_per_m2);
+	json_object_set_double_member(made, "tone_exponent", inputs->tone_exponent);
 	json_object_set_member(made, "made_from", model_inputs_to_json(inputs));
 	return model_merge(path, part, parts->len, level, stale, made, progress, result, error);
 }

@@ -98,6 +98,37 @@ static bool read_input(const site *s, const struct placed_scan *placed, struct m
 	return true;
 }
 
+/* false: these features do not say. */
+static bool read_tone(model_inputs *m, const scan_features *f)
+{
+	JsonObject *made = product_manifest(f->file);
+	double density = json_object_get_double_member_with_default(made, "dither_per_m2", 0);
+	double exponent = json_object_get_double_member_with_default(made, "tone_exponent", 0);
+	if (!(density > 0) || !(exponent > 0))
+		return false;
+	m->dither_per_m2 = density;
+	m->tone_exponent = exponent;
+	return true;
+}
+
+static bool find_tone(const site *s, model_inputs *m, GError **error)
+{
+	const struct features_options defaults = features_defaults(NULL);
+	bool is_found = false;
+	m->dither_per_m2 = defaults.dither_per_m2;
+	m->tone_exponent = defaults.tone_exponent;
+	for (guint i = 0; i < m->scans->len && !is_found; i++) {
+		const struct model_input *input = model_inputs_at(m, i);
+		if (!input->features[0])
+			continue;
+		g_autoptr(scan_features) f = scan_features_open(s, input->number, error);
+		if (!f)
+			return false;
+		is_found = read_tone(m, f);
+	}
+	return true;
+}
+
 struct group {
 	uint32_t scans;
 	bool is_given; /* one of its scans came with its pose */
@@ -152,7 +183,7 @@ model_inputs *model_inputs_new(const site *s, const scan_graph *graph, GError **
 	}
 	if (m->scans->len)
 		keep_one_frame(m, groups, group_of);
-	return g_steal_pointer(&m);
+	return find_tone(s, m, error) ? g_steal_pointer(&m) : NULL;
 }
 
 static bool check_count(const product *file, uint64_t has, const scan_data *data, GError **error)

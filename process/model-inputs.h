@@ -24,6 +24,9 @@ typedef struct model_inputs model_inputs;
 struct model_inputs {
 	GArray *scans;     /* of struct model_input, sorted by number */
 	uint32_t left_out; /* placed scans in groups that nothing ties to these */
+	/* That the dithering points were chosen with (features_options): as the features of the first scan say that do; else the
+	 * defaults. */
+	double dither_per_m2, tone_exponent;
 };
 /* The scans of the largest group; of equal ones, of the first. Another group is in the same frame, and goes with it, when both
  * have a scan that came with its pose. */

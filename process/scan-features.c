@@ -177,6 +177,9 @@ static bool write_file(
 	json_object_set_int_member(made_from, "scan", s->number);
 	json_object_set_array_member(made_from, "with", with);
 	json_object_set_string_member(made_from, "key", s->key);
+	struct features_options o = features_defaults(options_of(m));
+	json_object_set_double_member(made_from, "dither_per_m2", o.dither_per_m2);
+	json_object_set_double_member(made_from, "tone_exponent", o.tone_exponent);
 	return product_writer_finish(
 		w, SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION, made_from, error);
 }

@@ -11,7 +11,8 @@
  * Grids by features.h, with the lines through the feature points of the scans of their group that stand near; scans that are not
  * placed alone; clouds by features-cloud.h, from their geometry, which must be there. The manifest's "key" is a hash of all that
  * went in: fingerprints of the scans, the geometry's checksum, relative poses (to half a millimetre and 2e-5), parameters, versions.
- * Segments are not among it, so that what people change there makes nothing anew: edges are found from the points alone. */
+ * "dither_per_m2" and "tone_exponent" (features_options) are there to read, for who draws the dithering points.
+ * Segments are not among the key, so that what people change there makes nothing anew: edges are found from the points alone. */
 #include "process/features.h"
 #include "process/product.h"
 #include "process/scan-graph.h"

@@ -374,8 +374,19 @@ static void write_features(const char *path, uint32_t number, uint64_t count)
 	write_section(w, "k1", 4, k1, count);
 	write_section(w, "k2", 4, k2, count);
 	write_section(w, "principal", 4, principal, count);
-	g_assert_true(product_writer_finish(
-		w, SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION, json_object_new(), NULL));
+	JsonObject *made = json_object_new();
+	json_object_set_double_member(made, "dither_per_m2", 90);
+	json_object_set_double_member(made, "tone_exponent", 1.5);
+	g_assert_true(
+		product_writer_finish(w, SCAN_FEATURES_KIND, SCAN_FEATURES_VERSION, made, NULL));
+}
+
+static void expect_tone(const char *path, double dither_per_m2, double tone_exponent)
+{
+	g_autoptr(model) m = model_open(path, NULL);
+	JsonObject *made = product_manifest(model_file(m));
+	g_assert_cmpfloat(json_object_get_double_member(made, "dither_per_m2"), ==, dither_per_m2);
+	g_assert_cmpfloat(json_object_get_double_member(made, "tone_exponent"), ==, tone_exponent);
 }
 
 /* Scan 2 tilted and turned, so that its frame is not the site's in any axis. */
@@ -479,10 +490,13 @@ static void test_features(void)
 	g_autofree char *path = fresh_site(), *other = fresh_site();
 	scan_graph *g = tilted_graph();
 	build(path, g, NULL);
+	const struct features_options defaults = features_defaults(NULL);
+	expect_tone(path, defaults.dither_per_m2, defaults.tone_exponent);
 	add_features(path);
 	expect_why(path, g, "scan 2 has new features");
 	g_assert_cmpuint(build(path, g, NULL).scans_rebuilt, ==, 1);
 	expect_why(path, g, NULL);
+	expect_tone(path, 90, 1.5);
 	uint64_t told = check_features(path, &placed(g, 1)->pose);
 	g_test_message("%" G_GUINT64_FORMAT " points of scan 2", told);
 	g_assert_cmpuint(told, >, 10000);

@@ -128,6 +128,32 @@ static void test_stop(struct fixture *f, gconstpointer data)
 	assert_due(f, NULL);
 }
 
+static void expect_tone(struct fixture *f, double dither_per_m2, double tone_exponent)
+{
+	g_autoptr(scan_features) file = scan_features_open(f->site, 1, NULL);
+	JsonObject *made = product_manifest(file->file);
+	g_assert_cmpfloat(json_object_get_double_member(made, "dither_per_m2"), ==, dither_per_m2);
+	g_assert_cmpfloat(json_object_get_double_member(made, "tone_exponent"), ==, tone_exponent);
+}
+
+/* Each file says what its dithering points were chosen with, and is made anew for others. */
+static void test_tone(struct fixture *f, gconstpointer data)
+{
+	const struct features_options defaults = features_defaults(NULL);
+	struct features_site_options options = { .features = { .dither_per_m2 = 30,
+							 .tone_exponent = 2 } };
+	g_autoptr(GError) error = NULL;
+	uint32_t made;
+	(void)data;
+	make_geometry(f);
+	make(f);
+	expect_tone(f, defaults.dither_per_m2, defaults.tone_exponent);
+	features_site(f->site, &f->graph, &options, &made, &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(made, ==, 2);
+	expect_tone(f, 30, 2);
+}
+
 static void test_cloud(struct fixture *f, gconstpointer data)
 {
 	g_autoptr(GError) error = NULL;
@@ -154,6 +180,7 @@ int main(int argc, char **argv)
 	ADD("due", test_due);
 	ADD("damage", test_damage);
 	ADD("stop", test_stop);
+	ADD("tone", test_tone);
 	ADD("cloud", test_cloud);
 	return g_test_run();
 }
