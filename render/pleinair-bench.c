@@ -46,7 +46,7 @@ static const GOptionEntry entries[] = {
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
 		"model: what building may keep in memory (default 1024)", "MIB" },
 	{ "folder", 0, 0, G_OPTION_ARG_FILENAME, &folder,
-		"model: where the site is made, 40 bytes a point (default: of temporary files)",
+		"model: where the site is made, 150 bytes a point (default: of temporary files)",
 		"FOLDER" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
