@@ -34,12 +34,13 @@ struct model_point {
 	uint8_t feature;        /* feature degree * 255; 0 until features are computed */
 	uint16_t plane_error;   /* of the plane fit, 0.1 mm; saturates at 65534; 65535: none */
 	uint16_t leaf;          /* of the segment tree; 0 until there is one */
-	int16_t direction[2];   /* of the line through a directional point; as normal */
-	int16_t principal[2];   /* of the curvature k1; as normal */
-	uint16_t k1, k2;        /* principal curvatures, 1/m, half floats; MODEL_HALF_NONE: none */
-	uint8_t kind;           /* enum feature_kind */
-	uint8_t flags;          /* enum feature_flag */
-	uint16_t reserved;      /* 0 */
+	int16_t direction
+		[2]; /* of the line that a feature point is on, directed or not; as normal */
+	int16_t principal[2]; /* of the curvature k1; as normal */
+	uint16_t k1, k2;      /* principal curvatures, 1/m, half floats; MODEL_HALF_NONE: none */
+	uint8_t kind;         /* enum feature_kind */
+	uint8_t flags;        /* enum feature_flag */
+	uint16_t reserved;    /* 0 */
 };
 _Static_assert(sizeof(struct model_point) == 48, "the file's own layout");
 
