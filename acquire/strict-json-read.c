@@ -8,6 +8,9 @@ struct parser {
 	const char *text, *at, *end;
 	int depth;
 	GError **error;
+	GHashTable *lines; /* NULL: nobody asks */
+	const char *counted;
+	unsigned line; /* of counted */
 };
 
 static JsonNode *read_value(struct parser *p);
@@ -25,6 +28,13 @@ static void *fail(struct parser *p, const char *where, const char *what)
 	g_set_error(p->error, JSON_PARSER_ERROR, JSON_PARSER_ERROR_PARSE, "line %u, column %ld: %s",
 		line, g_utf8_strlen(line_start, where - line_start) + 1, what);
 	return NULL;
+}
+
+/* What people try who come from other languages, where something else is wanted. */
+static const char *unless_comment(const struct parser *p, const char *what)
+{
+	bool is_comment = p->end - p->at >= 2 && *p->at == '/' && strchr("/*", p->at[1]);
+	return is_comment ? "there are no comments in JSON" : what;
 }
 
 static void skip_space(struct parser *p)
@@ -74,7 +84,7 @@ static JsonNode *read_number(struct parser *p)
 	bool whole = true;
 	take(p, '-');
 	if (!take(p, '0') && !take_digits(p))
-		return fail(p, start, "a value is expected here");
+		return fail(p, start, unless_comment(p, "a value is expected here"));
 	if (p->at < p->end && g_ascii_isdigit(*p->at))
 		return fail(p, start, "a number must not begin with a zero");
 	if (take(p, '.')) {
@@ -147,7 +157,8 @@ static char *read_string(struct parser *p)
 {
 	const char *start = p->at;
 	if (!take(p, '"'))
-		return fail(p, p->at, "a text in quotation marks is expected here");
+		return fail(
+			p, p->at, unless_comment(p, "a text in quotation marks is expected here"));
 	g_autoptr(GString) into = g_string_new(NULL);
 	while (!take(p, '"')) {
 		const char *here = p->at;
@@ -174,7 +185,7 @@ static bool read_member(struct parser *p, JsonObject *into)
 		return fail(p, start, "this key is there twice");
 	skip_space(p);
 	if (!take(p, ':'))
-		return fail(p, p->at, "a colon is expected here");
+		return fail(p, p->at, unless_comment(p, "a colon is expected here"));
 	JsonNode *value = read_value(p);
 	if (value)
 		json_object_set_member(into, key, value);
@@ -192,7 +203,7 @@ static JsonNode *read_object(struct parser *p)
 			skip_space(p);
 		} while (take(p, ','));
 		if (!take(p, '}'))
-			return fail(p, p->at, "a comma or '}' is expected here");
+			return fail(p, p->at, unless_comment(p, "a comma or '}' is expected here"));
 	}
 	return json_node_init_object(json_node_alloc(), object);
 }
@@ -210,7 +221,7 @@ static JsonNode *read_array(struct parser *p)
 			skip_space(p);
 		} while (take(p, ','));
 		if (!take(p, ']'))
-			return fail(p, p->at, "a comma or ']' is expected here");
+			return fail(p, p->at, unless_comment(p, "a comma or ']' is expected here"));
 	}
 	return json_node_init_array(json_node_alloc(), array);
 }
@@ -225,9 +236,8 @@ static JsonNode *read_nested(struct parser *p, JsonNode *(*read)(struct parser *
 	return node;
 }
 
-static JsonNode *read_value(struct parser *p)
+static JsonNode *read_any(struct parser *p)
 {
-	skip_space(p);
 	if (take(p, '{'))
 		return read_nested(p, read_object);
 	if (take(p, '['))
@@ -244,10 +254,34 @@ static JsonNode *read_value(struct parser *p)
 	return string ? json_node_init_string(json_node_alloc(), string) : NULL;
 }
 
-JsonNode *strict_json_read(const char *text, size_t length, GError **error)
+/* Of p->at, which only moves on. */
+static unsigned line_here(struct parser *p)
+{
+	for (; p->counted < p->at; p->counted++)
+		p->line += *p->counted == '\n';
+	return p->line;
+}
+
+static JsonNode *read_value(struct parser *p)
+{
+	skip_space(p);
+	unsigned line = p->lines ? line_here(p) : 0;
+	JsonNode *node = read_any(p);
+	if (node && p->lines)
+		g_hash_table_insert(p->lines, node, GUINT_TO_POINTER(line));
+	return node;
+}
+
+static JsonNode *read_text(const char *text, size_t length, GHashTable *lines, GError **error)
 {
 	g_autofree char *copy = g_strndup(text, length);
-	struct parser p = { .text = copy, .at = copy, .end = copy + length, .error = error };
+	struct parser p = { .text = copy,
+		.at = copy,
+		.end = copy + length,
+		.error = error,
+		.lines = lines,
+		.counted = copy,
+		.line = 1 };
 	const char *odd;
 	if (!g_utf8_validate_len(copy, length, &odd))
 		return fail(&p, odd, "this is not UTF-8 text");
@@ -258,6 +292,21 @@ JsonNode *strict_json_read(const char *text, size_t length, GError **error)
 		return NULL;
 	skip_space(&p);
 	if (p.at < p.end)
-		return fail(&p, p.at, "nothing more is expected here");
+		return fail(&p, p.at, unless_comment(&p, "nothing more is expected here"));
 	return g_steal_pointer(&root);
+}
+
+JsonNode *strict_json_read(const char *text, size_t length, GError **error)
+{
+	return read_text(text, length, NULL, error);
+}
+
+JsonNode *strict_json_read_lines(
+	const char *text, size_t length, GHashTable **ret_lines, GError **error)
+{
+	g_autoptr(GHashTable) lines = g_hash_table_new(NULL, NULL);
+	JsonNode *root = read_text(text, length, lines, error);
+	if (root)
+		*ret_lines = g_steal_pointer(&lines);
+	return root;
 }

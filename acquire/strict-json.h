@@ -16,6 +16,10 @@
  * halves of surrogate pairs. A leading byte order mark is passed over. Integers and other numbers
  * stay distinct, keys keep their order. */
 JsonNode *strict_json_read(const char *text, size_t length, GError **error);
+/* The same, and the line that each value of the tree begins on, from 1, so that what is wrong with it can be told later: from
+ * JsonNode * to GUINT_TO_POINTER(line); caller unrefs. A node that is changed or copied has none. */
+JsonNode *strict_json_read_lines(
+	const char *text, size_t length, GHashTable **ret_lines, GError **error);
 
 /* Indented, with a newline at the end; caller frees. Numbers are the shortest that read back the
  * same; what is not finite is written as null, since JSON has no word for it. */

@@ -93,7 +93,9 @@ static const struct {
 	{ "{\"a\":[1}", "line 1, column 8: a comma or ']' is expected here" },
 	{ "{\"a\":1} x", "line 1, column 9: nothing more is expected here" },
 	{ "{\"a\":1}{}", "line 1, column 8: nothing more is expected here" },
-	{ "/**/{}", "line 1, column 1: a value is expected here" },
+	{ "/**/{}", "line 1, column 1: there are no comments in JSON" },
+	{ "{\n// x\n}", "line 2, column 1: there are no comments in JSON" },
+	{ "{\"a\":1 /* x */}", "line 1, column 8: there are no comments in JSON" },
 	{ "{\"a\":1,\n \"a\":2}", "line 2, column 2: this key is there twice" },
 	{ "{\"a\":1,\"\\u0061\":2}", "line 1, column 8: this key is there twice" },
 	{ "{\"a\":NaN}", "line 1, column 6: a value is expected here" },
@@ -118,6 +120,28 @@ static const struct {
 	{ "{\"a\":\"\xff\"}", "line 1, column 7: this is not UTF-8 text" },
 	{ "{\"a\":\"\xed\xa0\x80\"}", "line 1, column 7: this is not UTF-8 text" },
 };
+
+/* Lines are those of values, whatever stands between them and their keys. */
+static void test_lines(void)
+{
+	static const char text[] = "\xef\xbb\xbf\n{\"a\":\n 1, \"b\": [\n\n 2,\n{\"c\":null}]}";
+	g_autoptr(GHashTable) lines = NULL;
+	g_autoptr(JsonNode) root = strict_json_read_lines(text, sizeof text - 1, &lines, NULL);
+	g_assert_nonnull(root);
+	JsonObject *o = json_node_get_object(root);
+	JsonNode *a = json_object_get_member(o, "a"), *b = json_object_get_member(o, "b");
+	JsonNode *two = json_array_get_element(json_node_get_array(b), 0),
+		 *c = json_array_get_element(json_node_get_array(b), 1);
+	JsonNode *nodes[] = { root, a, b, two, c,
+		json_object_get_member(json_node_get_object(c), "c") };
+	static const guint wanted[] = { 2, 3, 3, 5, 6, 6 };
+	for (size_t i = 0; i < G_N_ELEMENTS(nodes); i++)
+		g_assert_cmpuint(
+			GPOINTER_TO_UINT(g_hash_table_lookup(lines, nodes[i])), ==, wanted[i]);
+	GHashTable *none = NULL;
+	g_assert_null(strict_json_read_lines("{", 1, &none, NULL));
+	g_assert_null(none);
+}
 
 static void test_bad_texts(void)
 {
@@ -351,6 +375,7 @@ static void test_kills(struct folder *f, gconstpointer data)
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/manifest/lines", test_lines);
 	g_test_add_func("/manifest/values", test_values);
 	g_test_add_func("/manifest/getters-refuse", test_getters_refuse);
 	g_test_add_func("/manifest/bad-texts", test_bad_texts);
