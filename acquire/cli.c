@@ -59,13 +59,25 @@ bool cli_parse(const char *command, const char *parameters, const char *summary,
 	return false;
 }
 
+static void print_document(JsonNode *root)
+{
+	g_autofree char *text = json_to_string(root, TRUE);
+	printf("%s\n", text);
+	json_node_unref(root);
+}
+
 void cli_print_json(JsonObject *object)
 {
-	g_autoptr(JsonNode) node = json_node_alloc();
-	json_node_init_object(node, object);
-	json_object_unref(object);
-	g_autofree char *text = json_to_string(node, TRUE);
-	printf("%s\n", text);
+	JsonNode *root = json_node_new(JSON_NODE_OBJECT);
+	json_node_take_object(root, object);
+	print_document(root);
+}
+
+void cli_print_json_array(JsonArray *array)
+{
+	JsonNode *root = json_node_new(JSON_NODE_ARRAY);
+	json_node_take_array(root, array);
+	print_document(root);
 }
 
 char *cli_duration(double seconds)

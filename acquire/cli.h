@@ -24,8 +24,9 @@ bool cli_parse(const char *command, const char *parameters, const char *summary,
 	const char *description, const GOptionEntry *entries, int *argc, char ***argv,
 	int *ret_status);
 
-/* Prints one JSON document; takes the object. */
+/* Print one JSON document; they take the object, or the array. */
 void cli_print_json(JsonObject *object);
+void cli_print_json_array(JsonArray *array);
 
 /* A bar on the terminal, from the second second on; silent where stderr is none. ETA by the pace so
  * far. */
