@@ -1,0 +1,280 @@
+#include "render/step.h"
+#include <math.h>
+#include <string.h>
+
+/* A row is one macro, so that what kinds share has one spelling, one range and one help. */
+#define RANGE(a, b, c, d) .least = (a), .most = (b), .slider_least = (c), .slider_most = (d)
+#define NUMBER(kind, field, range, start, in, text)                                                \
+	{                                                                                          \
+		.name = #field, .type = PARAMETER_NUMBER, .offset = offsetof(struct kind, field),  \
+		range, .fallback = (start), .unit = (in), .help = (text)                           \
+	}
+#define INK_CHOICE(field, names, start, text)                                                      \
+	{                                                                                          \
+		.name = #field, .type = PARAMETER_CHOICE,                                          \
+		.offset = offsetof(struct ink_step, field), .fallback = (start),                   \
+		.choices = (names), .unit = "", .help = (text)                                     \
+	}
+#define PART RANGE(0, 1, 0, 1)
+
+static const char *const point_names[] = { [INK_ALL] = "all",
+	[INK_SURFACE] = "surface",
+	[INK_FEATURES] = "features",
+	[INK_DIRECTIONAL] = "directional",
+	[INK_NON_DIRECTIONAL] = "non-directional",
+	[INK_DITHERING] = "dithering",
+	NULL };
+static const char *const tone_names[] = { [TONE_EVEN] = "even", [TONE_COLOUR] = "colour", NULL };
+static const char *const direction_names[] = {
+	[DIRECTION_EDGE] = "edge", [DIRECTION_SCREEN] = "screen", NULL
+};
+static const char *const colour_names[] = { [COLOUR_INK] = "ink", [COLOUR_POINT] = "point", NULL };
+static const char *const blend_names[] = {
+	[BLEND_MULTIPLY] = "multiply", [BLEND_PAINT] = "paint", NULL
+};
+
+/* ---- ink ---- */
+
+#define WHICH(start)                                                                               \
+	INK_CHOICE(points, point_names, start,                                                     \
+		"which points: surface is all but features, features are directional or not, "     \
+		"dithering are those that show tones")
+#define TONE(start)                                                                                \
+	INK_CHOICE(tone, tone_names, start, "as dense everywhere, or as dense as points are dark")
+#define SPACING(start)                                                                             \
+	NUMBER(ink_step, spacing_px, RANGE(0.5, 200, 2, 40), start, "px",                          \
+		"mean distance of neighbours; with the tone of the colour, the least there is")
+#define DIAMETER(start)                                                                            \
+	NUMBER(ink_step, length_px, RANGE(0.5, 100, 1, 12), start, "px", "diameter of a dot")
+#define LENGTH(start)                                                                              \
+	NUMBER(ink_step, length_px, RANGE(1, 400, 4, 80), start, "px", "along the stroke")
+#define WIDTH(start, high)                                                                         \
+	NUMBER(ink_step, width_px, RANGE(0.2, 100, 0.5, high), start, "px", "across the stroke")
+#define LENGTH_VARIATION(start)                                                                    \
+	NUMBER(ink_step, length_variation, PART, start, "",                                        \
+		"how much lengths differ from each other")
+#define OPACITY_VARIATION(start)                                                                   \
+	NUMBER(ink_step, opacity_variation, PART, start, "",                                       \
+		"how much opacities differ from each other")
+#define DIRECTION(start)                                                                           \
+	INK_CHOICE(direction, direction_names, start,                                              \
+		"along the edge that a point is of, or as angle_deg tells")
+#define ANGLE(start)                                                                               \
+	NUMBER(ink_step, angle_deg, RANGE(-360, 360, -90, 90), start, "degrees",                   \
+		"on the screen, counterclockwise from the right")
+#define ANGLE_VARIATION(start)                                                                     \
+	NUMBER(ink_step, angle_variation_deg, RANGE(0, 180, 0, 45), start, "degrees",              \
+		"how much directions differ from each other")
+#define TEXTURE(start)                                                                             \
+	{                                                                                          \
+		.name = "texture", .type = PARAMETER_TEXTURE,                                      \
+		.offset = offsetof(struct ink_step, texture), .fallback_name = (start),            \
+		.unit = "", .help = "of the stroke: a name, or the path of a PNG"                  \
+	}
+#define INK(start)                                                                                 \
+	INK_CHOICE(colour, colour_names, COLOUR_INK, "that of ink, or each point's own"),          \
+		{ .name = "ink",                                                                   \
+			.type = PARAMETER_COLOUR,                                                  \
+			.offset = offsetof(struct ink_step, ink),                                  \
+			.fallback = (start),                                                       \
+			.unit = "",                                                                \
+			.help = "the colour of the ink" },                                         \
+		INK_CHOICE(blend, blend_names, BLEND_MULTIPLY,                                     \
+			"ink darkens what is below, paint covers it"),                             \
+		NUMBER(ink_step, saturation, RANGE(0, 4, 0, 2), 1, "",                             \
+			"of points' own colours: 0 is grey, 1 as they are")
+#define OPACITY(start) NUMBER(ink_step, opacity, PART, start, "", "of the ink")
+#define DEGREE(start)                                                                              \
+	NUMBER(ink_step, degree, PART, start, "",                                                  \
+		"how much fainter weak features are than strong ones")
+#define TONE_CURVE                                                                                 \
+	NUMBER(ink_step, tone_strength, PART, 0.8, "",                                             \
+		"with the tone of the colour: how much of the paper's lightness black takes"),     \
+		NUMBER(ink_step, tone_white, RANGE(0, 1, 0.5, 1), 0.95, "",                        \
+			"with the tone of the colour: nothing is drawn from this lightness on"),   \
+		NUMBER(ink_step, tone_gamma, RANGE(0.1, 10, 0.4, 3), 1, "",                        \
+			"with the tone of the colour: above 1 middle tones stay lighter")
+#define SURROUNDINGS(grain)                                                                        \
+	NUMBER(ink_step, fade_m, RANGE(0, 100000, 0, 200), 0, "m",                                 \
+		"distance in which ink fades to half; 0: it does not"),                            \
+		NUMBER(ink_step, tooth, PART, grain, "", "how much the paper's grain shows in it")
+
+static const struct step_parameter sprite_parameters[] = {
+	WHICH(INK_FEATURES),
+	TONE(TONE_EVEN),
+	SPACING(4),
+	DIAMETER(2.5),
+	LENGTH_VARIATION(0.2),
+	INK(0x2b2b2b),
+	OPACITY(0.8),
+	OPACITY_VARIATION(0.2),
+	DEGREE(0.5),
+	TONE_CURVE,
+	SURROUNDINGS(0.2),
+	{ NULL },
+};
+
+static const struct step_parameter line_parameters[] = {
+	WHICH(INK_NON_DIRECTIONAL),
+	TONE(TONE_EVEN),
+	DIRECTION(DIRECTION_SCREEN),
+	ANGLE(45),
+	ANGLE_VARIATION(4),
+	SPACING(6),
+	LENGTH(12),
+	WIDTH(1.2, 6),
+	LENGTH_VARIATION(0.2),
+	INK(0x2b2b2b),
+	OPACITY(0.7),
+	OPACITY_VARIATION(0.2),
+	DEGREE(0.5),
+	TONE_CURVE,
+	SURROUNDINGS(0.2),
+	{ NULL },
+};
+
+static const struct step_parameter stroke_parameters[] = {
+	WHICH(INK_DIRECTIONAL),
+	TONE(TONE_EVEN),
+	DIRECTION(DIRECTION_EDGE),
+	ANGLE(45),
+	ANGLE_VARIATION(3),
+	SPACING(9),
+	LENGTH(30),
+	WIDTH(4.5, 20),
+	LENGTH_VARIATION(0.2),
+	TEXTURE("pencil"),
+	INK(0x2b2b2b),
+	OPACITY(0.8),
+	OPACITY_VARIATION(0.2),
+	DEGREE(0.5),
+	TONE_CURVE,
+	SURROUNDINGS(0.3),
+	{ NULL },
+};
+
+/* A dot is as wide as it is long. */
+static float ink_radius_px(const void *step)
+{
+	const struct ink_step *s = step;
+	float length_px = s->length_px * (1 + s->length_variation);
+	return s->width_px > 0 ? 0.5f * hypotf(length_px, s->width_px) : 0.5f * length_px;
+}
+
+/* ---- the others ---- */
+
+static const struct step_parameter mask_parameters[] = {
+	NUMBER(mask_step, disc, RANGE(0, 8, 0.5, 3), 1.5, "",
+		"how large points are when they hide others; 1: as they were measured"),
+	NUMBER(mask_step, offset_m, RANGE(0, 10, 0, 0.5), 0.05, "m",
+		"what lies no farther behind is not hidden"),
+	NUMBER(mask_step, offset_relative, RANGE(0, 0.5, 0, 0.05), 0.004, "",
+		"the same as a part of the distance; the larger one counts"),
+	{ NULL },
+};
+
+static const struct step_parameter point_parameters[] = {
+	NUMBER(points_step, size, RANGE(0.1, 20, 0.5, 4), 1.6, "",
+		"how large points are; 1: as they were measured"),
+	NUMBER(points_step, least_px, RANGE(0, 64, 0.5, 8), 1.6, "px",
+		"diameter that no point is smaller than"),
+	NUMBER(points_step, brightness, RANGE(0, 4, 0.5, 2), 1, "", "factor on lightness"),
+	NUMBER(points_step, contrast, RANGE(0, 4, 0.5, 2), 1, "",
+		"factor on what differs from grey"),
+	NUMBER(points_step, saturation, RANGE(0, 4, 0, 2), 1, "", "0 is grey, 1 as they are"),
+	{ NULL },
+};
+
+static const struct step_parameter edl_parameters[] = {
+	NUMBER(edl_step, strength, RANGE(0, 10, 0, 4), 1, "", "how dark what lies deeper becomes"),
+	NUMBER(edl_step, radius_px, RANGE(0.5, 32, 1, 6), 1.5, "px", "how far away neighbours are"),
+	{ NULL },
+};
+
+static float point_radius_px(const void *step)
+{
+	const struct points_step *s = step;
+	return 0.5f * s->least_px;
+}
+
+static float edl_radius_px(const void *step)
+{
+	const struct edl_step *s = step;
+	return s->radius_px;
+}
+
+static float no_radius_px(const void *step)
+{
+	(void)step;
+	return 0;
+}
+
+const struct step_kind step_kinds[] = {
+	{ "mask", "Visibility mask", "what is hidden by what; there is one in every pipeline",
+		STEP_MASK, sizeof(struct mask_step), mask_parameters, no_radius_px },
+	{ "points", "Points", "all points in their colours", STEP_LAYER, sizeof(struct points_step),
+		point_parameters, point_radius_px },
+	{ "sprites", "Dots", "round dots of one size on the screen", STEP_LAYER,
+		sizeof(struct ink_step), sprite_parameters, ink_radius_px },
+	{ "lines", "Lines", "thin straight lines", STEP_LAYER, sizeof(struct ink_step),
+		line_parameters, ink_radius_px },
+	{ "strokes", "Strokes", "strokes with a texture", STEP_LAYER, sizeof(struct ink_step),
+		stroke_parameters, ink_radius_px },
+	{ "edl", "Eye-dome lighting", "darkens what lies deeper than what is beside it",
+		STEP_FILTER, sizeof(struct edl_step), edl_parameters, edl_radius_px },
+	{ NULL },
+};
+
+/* ---- rows ---- */
+
+const struct step_kind *step_kind_find(const char *name)
+{
+	for (const struct step_kind *k = step_kinds; k->name; k++)
+		if (strcmp(k->name, name) == 0)
+			return k;
+	return NULL;
+}
+
+const struct step_parameter *step_parameter_find(
+	const struct step_parameter *parameters, const char *name)
+{
+	for (const struct step_parameter *p = parameters; p->name; p++)
+		if (strcmp(p->name, name) == 0)
+			return p;
+	return NULL;
+}
+
+static void fill(const struct step_parameter *p, void *at)
+{
+	uint32_t rgb = (uint32_t)p->fallback;
+	switch (p->type) {
+	case PARAMETER_NUMBER: *(float *)at = (float)p->fallback; break;
+	case PARAMETER_CHOICE:
+	case PARAMETER_BOOLEAN: *(int32_t *)at = (int32_t)p->fallback; break;
+	case PARAMETER_COLOUR:
+		memcpy(at,
+			(uint8_t[4]){
+				(uint8_t)(rgb >> 16), (uint8_t)(rgb >> 8), (uint8_t)rgb, 255 },
+			4);
+		break;
+	case PARAMETER_TEXTURE:
+		*(const char **)at = g_intern_static_string(p->fallback_name);
+		break;
+	}
+}
+
+void step_parameters_fill(const struct step_parameter *parameters, void *into)
+{
+	for (const struct step_parameter *p = parameters; p->name; p++)
+		fill(p, (char *)into + p->offset);
+}
+
+struct step step_defaults(const struct step_kind *kind)
+{
+	struct step s;
+	memset(&s, 0, sizeof s); /* padding too, for steps are compared */
+	s.kind = kind;
+	s.id = g_intern_static_string(kind->name);
+	step_parameters_fill(kind->parameters, s.bytes);
+	return s;
+}

@@ -1,0 +1,139 @@
+#ifndef RENDER_STEP_H
+#define RENDER_STEP_H
+/* The steps that drawings are made of. A pipeline is a list of them, run by stages:
+ *
+ *     mask -> layers (which points x which primitive x tone x direction) -> filters
+ *
+ * A kind of step is one row of the table step_kinds: its name, its parameters with their ranges and units, how far around a pixel
+ * it looks, and what runs it on each backend. To add an effect is to add a row. Parameters are read (style.h) into a plain
+ * struct of the kind, below; zero is no default: step_defaults fills in the table's.
+ *
+ * Lengths in px are of a picture 1200 px high and scale with the picture's height, so that a drawing looks the same at any size.
+ * Angles on the screen: degrees, counterclockwise from the right. */
+#include <glib.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum step_stage { STEP_MASK, STEP_LAYER, STEP_FILTER };
+
+enum parameter_type {
+	PARAMETER_NUMBER,  /* float */
+	PARAMETER_CHOICE,  /* int32_t: which of choices */
+	PARAMETER_BOOLEAN, /* int32_t: 0 or 1 */
+	PARAMETER_COLOUR,  /* uint8_t[4], sRGB, the last 255; in files "#rrggbb" */
+	PARAMETER_TEXTURE, /* const char *, interned: a name of stroke-texture.h, or the path of a PNG */
+};
+
+struct step_parameter {
+	const char *name;
+	enum parameter_type type;
+	size_t offset;      /* in the kind's struct */
+	double least, most; /* legal */
+	double slider_least,
+		slider_most;        /* what is offered to people first, within the legal ones */
+	double fallback;            /* a number, a choice, 0xrrggbb */
+	const char *fallback_name;  /* of a texture */
+	const char *const *choices; /* NULL-terminated */
+	const char *unit, *help;    /* unit "" for none */
+};
+
+/* The visibility mask (Xu & Chen 2004, section 6.1): every point a disc of its own projected size, pushed back along the ray, so
+ * that what lies on a surface is not hidden by it. */
+struct mask_step {
+	float disc;            /* factor on the diameter of a point's patch */
+	float offset_m;        /* at least this far back */
+	float offset_relative; /* and this part of the distance */
+};
+
+/* Which points a layer draws (section 5, figure 2). */
+enum ink_points {
+	INK_ALL,
+	INK_SURFACE, /* all but feature points */
+	INK_FEATURES,
+	INK_DIRECTIONAL,
+	INK_NON_DIRECTIONAL,
+	INK_DITHERING, /* where these are too few for the tone, other surface points help */
+};
+enum ink_tone {
+	TONE_EVEN,   /* as dense everywhere */
+	TONE_COLOUR, /* as dense as the points are dark */
+};
+enum ink_direction {
+	DIRECTION_EDGE,   /* along the point's line; points without one as DIRECTION_SCREEN */
+	DIRECTION_SCREEN, /* angle_deg on the screen */
+};
+enum ink_colour { COLOUR_INK, COLOUR_POINT };
+enum ink_blend {
+	BLEND_MULTIPLY, /* ink darkens what is below */
+	BLEND_PAINT,    /* paint covers it; strokes that overlap mix */
+};
+
+/* Layers of sprites, lines and strokes (section 6.2). All primitives have constant size on the screen. */
+struct ink_step {
+	int32_t points, tone, direction, colour, blend;
+	/* Mean distance of neighbours: one stroke in the square of it, or, of directional points, one to each such length of an edge. Of
+	 * TONE_COLOUR it is the closest that strokes ever stand. */
+	float spacing_px;
+	float length_px, width_px; /* sprites: length is the diameter */
+	float length_variation, angle_variation_deg,
+		opacity_variation; /* 0..1, degrees, 0..1; by point */
+	float angle_deg;
+	const char *texture; /* strokes */
+	uint8_t ink[4];
+	float opacity;
+	float saturation;    /* of COLOUR_POINT: 0 grey, 1 as it is */
+	float degree;        /* 0..1: how much fainter points of a low feature degree are */
+	float tone_strength; /* TONE_COLOUR: how much of the paper's lightness black takes away */
+	float tone_white;    /* lightness from which on nothing is drawn */
+	float tone_gamma;    /* above 1: middle tones stay lighter */
+	float fade_m;        /* distance in which ink fades to half; 0: does not */
+	float tooth;         /* 0..1: how much the paper's grain shows in it */
+};
+
+/* Points as they are: the colours of all points, blended where surfaces are the same. */
+struct points_step {
+	float size;                             /* factor on the diameter of a point's patch */
+	float least_px;                         /* diameter on the screen */
+	float brightness, contrast, saturation; /* factors: 1 is as it is */
+};
+
+/* Eye-dome lighting (Boucheny 2009): darkens what lies deeper than its neighbours on the screen. */
+struct edl_step {
+	float strength, radius_px;
+};
+
+struct step_kind {
+	const char *name, *title, *help;
+	enum step_stage stage;
+	size_t size;                             /* of its struct */
+	const struct step_parameter *parameters; /* ends with a row without a name */
+	/* How far around a pixel it looks or draws; points as large as they come by distance are not counted. */
+	float (*radius_px)(const void *step);
+};
+extern const struct step_kind step_kinds
+	[]; /* "mask", "points", "sprites", "lines", "strokes", "edl"; ends with a row without a name */
+const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
+/* In a table of parameters: that of a kind, or paper_parameters (style.h). NULL: there is none. */
+const struct step_parameter *step_parameter_find(
+	const struct step_parameter *parameters, const char *name);
+/* Sets the fallback of every parameter of the table; what else is in the struct stays. */
+void step_parameters_fill(const struct step_parameter *parameters, void *into);
+
+#define STEP_SIZE_MAX 128
+struct step {
+	const struct step_kind *kind;
+	const char *id; /* interned; what overrides name it by */
+	union {
+		struct mask_step mask;
+		struct ink_step ink;
+		struct points_step points;
+		struct edl_step edl;
+		uint8_t bytes[STEP_SIZE_MAX]; /* unused ones are 0, so steps can be compared */
+	};
+};
+_Static_assert(sizeof(struct ink_step) <= STEP_SIZE_MAX, "the union's size");
+/* With the kind's name as id; parameters that the kind does not have, and padding, are 0. */
+struct step step_defaults(const struct step_kind *kind);
+
+#endif
