@@ -1,0 +1,132 @@
+/* Values of parameters. */
+#include "render/nearest-name.h"
+#include "render/style-reader.h"
+#include <math.h>
+#include <string.h>
+
+/* As JSON has it, whatever the language. */
+static char *number_text(double value)
+{
+	char text[G_ASCII_DTOSTR_BUF_SIZE];
+	return g_strdup(g_ascii_formatd(text, sizeof text, "%g", value));
+}
+
+/* "1 to 400 px". */
+static char *range_text(const struct step_parameter *p)
+{
+	g_autofree char *least = number_text(p->least), *most = number_text(p->most);
+	return g_strdup_printf("%s to %s%s%s", least, most, *p->unit ? " " : "", p->unit);
+}
+
+static bool is_number(JsonNode *node)
+{
+	return JSON_NODE_HOLDS_VALUE(node) &&
+	       (json_node_get_value_type(node) == G_TYPE_INT64 ||
+		       json_node_get_value_type(node) == G_TYPE_DOUBLE);
+}
+
+static bool refuse_number(
+	style_reader *r, const struct step_parameter *p, JsonNode *node, double value)
+{
+	g_autofree char *range = range_text(p), *written = number_text(value);
+	return style_reader_refuse(r, node, "%s is too %s; it goes from %s", written,
+		value > p->most ? "much" : "little", range);
+}
+
+static bool read_number(style_reader *r, const struct step_parameter *p, JsonNode *node, float *ret)
+{
+	if (!is_number(node)) {
+		g_autofree char *range = range_text(p);
+		g_autofree char *wanted = g_strdup_printf("a number from %s", range);
+		return style_reader_wrong(r, node, wanted);
+	}
+	double value = json_node_get_double(node);
+	if (!(value >= p->least && value <= p->most))
+		return refuse_number(r, p, node, value);
+	*ret = (float)value + 0.0f; /* -0 is 0: steps are compared by their bytes */
+	return true;
+}
+
+static bool read_choice(
+	style_reader *r, const struct step_parameter *p, JsonNode *node, int32_t *ret)
+{
+	g_autofree char *all = g_strjoinv(", ", (char **)p->choices);
+	g_autofree char *wanted = g_strconcat("one of ", all, NULL);
+	const char *text = style_reader_text(r, node, wanted);
+	if (!text)
+		return false;
+	for (int32_t i = 0; p->choices[i]; i++)
+		if (strcmp(p->choices[i], text) == 0)
+			return *ret = i, true;
+	const char *nearest = nearest_name(text, p->choices);
+	g_autofree char *quoted = style_reader_quote(text);
+	return style_reader_refuse(r, node, "there is no '%s'; it is %s%s%s%s", quoted, wanted,
+		nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+}
+
+static bool read_boolean(style_reader *r, JsonNode *node, int32_t *ret)
+{
+	if (!JSON_NODE_HOLDS_VALUE(node) || json_node_get_value_type(node) != G_TYPE_BOOLEAN)
+		return style_reader_wrong(r, node, "true or false");
+	*ret = json_node_get_boolean(node);
+	return true;
+}
+
+static bool read_colour(style_reader *r, JsonNode *node, uint8_t ret[4])
+{
+	const char *text = style_reader_text(r, node, "a colour \"#rrggbb\"");
+	if (!text)
+		return false;
+	bool good = text[0] == '#' && strlen(text) == 7;
+	for (int i = 1; good && i < 7; i++)
+		good = g_ascii_isxdigit(text[i]);
+	if (!good) {
+		g_autofree char *quoted = style_reader_quote(text);
+		return style_reader_refuse(
+			r, node, "'%s' is no colour; colours are \"#rrggbb\"", quoted);
+	}
+	for (int i = 0; i < 3; i++)
+		ret[i] = (uint8_t)(g_ascii_xdigit_value(text[1 + 2 * i]) << 4 |
+				   g_ascii_xdigit_value(text[2 + 2 * i]));
+	ret[3] = 255;
+	return true;
+}
+
+static bool is_path(const char *text)
+{
+	return strchr(text, '/') || g_str_has_suffix(text, ".png");
+}
+
+/* Whether there is such a texture is asked when it is drawn with. */
+static bool read_texture(style_reader *r, JsonNode *node, const char **ret)
+{
+	const char *text = style_reader_words(r, node);
+	if (!text)
+		return false;
+	if (!is_path(text)) {
+		text = style_reader_name(r, node, "the name of a texture, or the path of a PNG");
+		*ret = text ? g_intern_string(text) : *ret;
+		return text;
+	}
+	if (!g_str_has_suffix(text, ".png"))
+		return style_reader_refuse(r, node, "a texture is the path of a .png");
+	const char *folder = r->document->folder;
+	g_autofree char *path = folder && !g_path_is_absolute(text)
+					? g_build_filename(folder, text, NULL)
+					: g_strdup(text);
+	*ret = g_intern_string(path);
+	return true;
+}
+
+bool style_reader_parameter(
+	style_reader *r, const struct step_parameter *p, JsonNode *value, void *into)
+{
+	void *at = (char *)into + p->offset;
+	switch (p->type) {
+	case PARAMETER_NUMBER: return read_number(r, p, value, at);
+	case PARAMETER_CHOICE: return read_choice(r, p, value, at);
+	case PARAMETER_BOOLEAN: return read_boolean(r, value, at);
+	case PARAMETER_COLOUR: return read_colour(r, value, at);
+	default: return read_texture(r, value, at);
+	}
+}

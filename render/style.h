@@ -1,0 +1,97 @@
+#ifndef RENDER_STYLE_H
+#define RENDER_STYLE_H
+/* A style: how a site is drawn, as data (pleinair-style(5)). For nodes of the segment tree (process/segments.h) it has a pipeline
+ * of steps (step.h), which is inherited and overridden downwards (Wegen et al. 2024, section 4.2):
+ *
+ *     { "schema": 1, "title": "Pencil", "source": "pleinair", "description": "...", "base": "other-style",
+ *       "paper": { "texture": "cartridge", "colour": "#f7f3e8", "grain": 0.3 },
+ *       "segments": {
+ *           "site": { "steps": [ { "step": "strokes", "id": "edges", "points": "directional", "length_px": 30 }, ... ] },
+ *           "vegetation": { "remove": [ "tone" ], "change": { "edges": { "opacity": 0.5 } }, "add": [ { "step": "sprites", ... } ] },
+ *           "Tree 4": { "steps": [ ... ] },
+ *           "#19": { ... } } }
+ *
+ * A node is named as the site ("site"), a class ("building", ...), a segment's name, or "#" and its number; both of these may be
+ * said of one segment, the number is applied last. "steps" replaces what is inherited, and stands alone; "remove", "change" and
+ * "add" (at the end) alter it, in this order. Steps without "id" have the name of their kind. A mask is always there, with the id
+ * "mask": change it, or list one of one's own.
+ *
+ * "base" takes over another style: its paper and source where nothing else is said, and its nodes. A node that has "steps" here
+ * replaces that of the base; one that alters is applied after that of the base. A base is looked for beside the file first.
+ *
+ * A style has the name of its file. "name" is for text from memory; in a file it may be left out, and must be the same.
+ *
+ * Const after it was made; any number of threads may read. */
+#include "process/segments.h"
+#include "render/step.h"
+
+#define STYLE_ERROR (style_error_quark())
+GQuark style_error_quark(void);
+enum style_error {
+	STYLE_ERROR_UNKNOWN, /* there is no style of this name */
+	STYLE_ERROR_JSON,    /* the text is no JSON (acquire/strict-json.h) */
+	STYLE_ERROR_FIELD, /* a field is unknown, missing or cannot be, or something is wrong with the base */
+	STYLE_ERROR_MANY, /* too many pipelines */
+};
+
+#define STYLE_SCHEMA    1
+#define STYLE_BYTES_MAX (1 << 20)
+
+struct style_paper {
+	const char *texture; /* of paper-texture.h, or the path of a PNG; interned */
+	uint8_t colour[4];   /* sRGB */
+	float grain;         /* 0..1: how much its relief shades it */
+	float scale;         /* of the texture, 1: as it is, at 1200 px of height */
+};
+extern const struct step_parameter
+	paper_parameters[]; /* of struct style_paper; ends with a row without a name */
+
+typedef struct style style;
+struct style {
+	char *name, *title, *source,
+		*description; /* none is NULL; source: a paper, "pleinair" or "user" */
+	char *path;           /* of its file; NULL for one from memory */
+	struct style_paper paper;
+	GPtrArray *nodes; /* style-private.h */
+};
+/* Errors: one sentence, "pencil.json line 12: segments.site.steps[0].length_px: 900 is too much; it goes from 1 to 400 px"; those of
+ * the file itself are of G_IO_ERROR. A relative path of a texture or a base is from the folder of the file. Whether textures are there
+ * is not asked here. */
+style *style_load(const char *path, GError **error);
+/* length -1: up to a zero byte. */
+style *style_parse(const char *text, gssize length, const char *name_for_errors, GError **error);
+void style_free(style *s); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(style, style_free)
+
+/* By name: in SITE/styles/ (site_path may be NULL), in the folders of PLEINAIR_STYLES, in ~/.local/share/pleinair/styles, and where the
+ * shipped ones are, ../share/pleinair/styles from the program. A name with a slash or ".json" at its end is a path. */
+style *style_find(const char *name, const char *site_path, GError **error);
+/* Names of all, sorted, each once; also of those that cannot be read. Free with g_strfreev. */
+char **style_names(const char *site_path);
+/* The JSON Schema (draft 2020-12) of style files, made from step_kinds, indented; caller frees. */
+char *style_schema(void);
+
+#define PIPELINE_STEPS_MAX 16
+/* What is drawn of some leaves: the steps in the order of stages, and inside a stage as the style lists them. */
+struct pipeline {
+	struct mask_step mask;
+	struct step steps[PIPELINE_STEPS_MAX]; /* layers, then filters */
+	uint32_t layers, filters;              /* no layer: nothing is drawn of these leaves */
+};
+#define PIPELINES_MAX 255
+/* A style for the leaves of a site. Equal pipelines are one; ids do not count in that. */
+typedef struct drawing drawing;
+struct drawing {
+	struct style_paper paper;
+	GArray *pipelines; /* of struct pipeline; at least one */
+	uint8_t *
+		pipeline_of; /* [SEGMENTS_MAX + 1]: of each leaf; of what is no leaf as of the site */
+};
+/* tree NULL: no segments, all is drawn as the site. Names in the style that the tree does not have are no error, for a style is for
+ * many sites; ret_unused (may be NULL) lists them, in the style's order, free with g_strfreev. Refused are more than PIPELINES_MAX
+ * pipelines, and a change of a step that is not inherited where a thing stands in this tree. Needs neither afterwards. */
+drawing *drawing_new(const style *s, const segments *tree, char ***ret_unused, GError **error);
+void drawing_free(drawing *d); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(drawing, drawing_free)
+
+#endif
