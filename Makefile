@@ -21,6 +21,7 @@ cxx_libs :=
 cxx_flags :=
 programs :=
 pages :=
+shared :=
 include $(addsuffix /module.mk,$(modules)) tests/module.mk
 PKG_CFLAGS := $(shell pkg-config --cflags $(pkgs) 2>/dev/null)
 PKG_LIBS := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
@@ -50,8 +51,14 @@ libs := $(libs_of_render) $(libs_of_sim)
 bins := $(foreach p,$(programs),$(BUILD)/bin/$(notdir $(p)))
 tests := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/test-*.c)))
 fuzzers := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/fuzz-*.c)))
+# Files that programs read: beside the programs here as where they are installed.
+shared_files := $(patsubst render/%,$(BUILD)/share/pleinair/%,$(shared))
 
-all: $(bins)
+all: $(bins) $(shared_files)
+
+$(BUILD)/share/pleinair/%: render/%
+	$(call say,COPY)
+	$(q)install -D -m 644 $< $@
 
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
@@ -77,7 +84,7 @@ $(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs_of_$(firstword $(subst /, ,$
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
 
-$(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs)
+$(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs) | $(shared_files)
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 # A fuzz target is plain C with LLVMFuzzerTestOneInput; here it is linked to a driver that replays its corpus.

@@ -91,6 +91,7 @@ install: all
 	install $(bins) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(wildcard */*.1) $(DESTDIR)$(PREFIX)/share/man/man1
 	install -m 644 $(wildcard */*.5) $(DESTDIR)$(PREFIX)/share/man/man5
+	@for f in $(patsubst render/%,%,$(shared)); do install -D -m 644 render/$$f $(DESTDIR)$(PREFIX)/share/pleinair/$$f || exit 1; done
 
 #: make clean           remove what was built
 clean:
