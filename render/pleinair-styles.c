@@ -1,0 +1,172 @@
+/* pleinair styles [SITE]: which styles there are, what they are made of, and whether files are good ones. */
+#include "acquire/cli.h"
+#include "acquire/site.h"
+#include "render/style.h"
+#include <stdio.h>
+#include <string.h>
+
+#define COMMAND "styles"
+
+static gboolean json, schema, steps, check;
+
+static const GOptionEntry entries[] = {
+	{ "check", 'c', 0, G_OPTION_ARG_NONE, &check,
+		"Say what is wrong with these files (instead of SITE)", NULL },
+	{ "steps", 's', 0, G_OPTION_ARG_NONE, &steps,
+		"List the steps that styles are made of, and their parameters", NULL },
+	{ "schema", 0, 0, G_OPTION_ARG_NONE, &schema,
+		"Print the JSON Schema of styles, for editors", NULL },
+	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the list as JSON", NULL },
+	{ NULL },
+};
+
+/* ---- the list ---- */
+
+static JsonObject *style_json(const style *s)
+{
+	JsonObject *o = json_object_new();
+	json_object_set_string_member(o, "name", s->name);
+	json_object_set_string_member(o, "title", s->title);
+	json_object_set_string_member(o, "source", s->source);
+	json_object_set_string_member(o, "description", s->description);
+	json_object_set_string_member(o, "path", s->path);
+	return o;
+}
+
+/* Filled up to columns of a terminal, not to bytes. */
+static void print_cell(const char *text, glong columns)
+{
+	printf("%s%*s", text, (int)MAX(columns - g_utf8_strlen(text, -1), 0) + 2, "");
+}
+
+static void print_style(const style *s, const glong widths[2])
+{
+	print_cell(s->name, widths[0]);
+	print_cell(s->title, widths[1]);
+	printf("%s\n", s->source);
+	if (*s->description)
+		printf("    %s\n", s->description);
+}
+
+static void print_list(const GPtrArray *list)
+{
+	glong widths[2] = { 0 };
+	JsonArray *array = json ? json_array_new() : NULL;
+	for (guint i = 0; i < list->len; i++) {
+		const style *s = list->pdata[i];
+		widths[0] = MAX(widths[0], g_utf8_strlen(s->name, -1));
+		widths[1] = MAX(widths[1], g_utf8_strlen(s->title, -1));
+		if (array)
+			json_array_add_object_element(array, style_json(s));
+	}
+	if (array)
+		cli_print_json_array(array);
+	for (guint i = 0; !json && i < list->len; i++)
+		print_style(list->pdata[i], widths);
+}
+
+/* A style that cannot be read does not hide the others. */
+static int list_styles(const char *site_path)
+{
+	g_auto(GStrv) names = style_names(site_path);
+	g_autoptr(GPtrArray) list = g_ptr_array_new_with_free_func((GDestroyNotify)style_free);
+	int status = CLI_DONE;
+	for (char **name = names; *name; name++) {
+		g_autoptr(GError) error = NULL;
+		style *s = style_find(*name, site_path, &error);
+		if (s)
+			g_ptr_array_add(list, s);
+		else
+			status = cli_fail(COMMAND, error);
+	}
+	print_list(list);
+	return status ? status : cli_done(COMMAND);
+}
+
+/* ---- the steps ---- */
+
+static void print_parameter(const struct step_parameter *p)
+{
+	g_autofree char *choices = p->choices ? g_strjoinv(", ", (char **)p->choices) : NULL;
+	printf("    %-20s ", p->name);
+	switch (p->type) {
+	case PARAMETER_NUMBER:
+		printf("%g to %g%s%s, else %g", p->least, p->most, *p->unit ? " " : "", p->unit,
+			p->fallback);
+		break;
+	case PARAMETER_CHOICE:
+		printf("%s, else %s", choices, p->choices[(size_t)p->fallback]);
+		break;
+	case PARAMETER_BOOLEAN:
+		printf("true or false, else %s", p->fallback != 0 ? "true" : "false");
+		break;
+	case PARAMETER_COLOUR: printf("\"#rrggbb\", else #%06x", (unsigned)p->fallback); break;
+	case PARAMETER_TEXTURE: printf("name or PNG, else %s", p->fallback_name); break;
+	}
+	printf("\n    %-20s   %s\n", "", p->help);
+}
+
+static int list_steps(void)
+{
+	static const char *const stages[] = {
+		[STEP_MASK] = "mask", [STEP_LAYER] = "layer", [STEP_FILTER] = "filter"
+	};
+	for (const struct step_kind *k = step_kinds; k->name; k++) {
+		printf("%s%s (%s): %s\n", k == step_kinds ? "" : "\n", k->name, stages[k->stage],
+			k->help);
+		for (const struct step_parameter *p = k->parameters; p->name; p++)
+			print_parameter(p);
+	}
+	printf("\npaper: what is drawn on\n");
+	for (const struct step_parameter *p = paper_parameters; p->name; p++)
+		print_parameter(p);
+	return cli_done(COMMAND);
+}
+
+static int print_schema(void)
+{
+	g_autofree char *text = style_schema();
+	fputs(text, stdout);
+	return cli_done(COMMAND);
+}
+
+/* ---- files ---- */
+
+static int check_files(char **paths)
+{
+	int status = CLI_DONE;
+	for (char **path = paths; *path; path++) {
+		g_autoptr(GError) error = NULL;
+		g_autoptr(style) s = style_load(*path, &error);
+		if (!s)
+			status = cli_fail(COMMAND, error);
+	}
+	return status;
+}
+
+int main(int argc, char **argv)
+{
+	int status;
+	g_autoptr(GError) error = NULL;
+	if (!cli_parse(COMMAND, "[SITE | FILE...]", "Lists the styles that a site can be drawn in.",
+		    "With a SITE, its own styles too. How a style is written: pleinair-style(5).\n",
+		    entries, &argc, &argv, &status))
+		return status;
+	if (check + steps + schema + json > 1)
+		return cli_misuse(
+			COMMAND, "--check, --steps, --schema and --json are one at a time");
+	if (check && argc < 2)
+		return cli_misuse(COMMAND, "which files?");
+	if (check)
+		return check_files(argv + 1);
+	if (argc > 2 || (argc == 2 && (steps || schema)))
+		return cli_misuse(COMMAND, "'%s' is too much here", argv[argc - 1]);
+	if (steps)
+		return list_steps();
+	if (schema)
+		return print_schema();
+	if (argc < 2)
+		return list_styles(NULL);
+	g_autoptr(site) s = site_open(argv[1], &error);
+	return s ? list_styles(argv[1]) : cli_fail(COMMAND, error);
+}
