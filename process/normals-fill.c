@@ -1,4 +1,4 @@
-#include "process/normals-lanes.h"
+#include "process/lanes.h"
 #include "process/normals-tile.h"
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #define PROCESS_NORMALS_FRAME_H
 /* A tile's cells in its own frame, and which of them are linked. Internal to normals-tile.c; all is inlined, so that it takes on
  * the caller's target. */
-#include "process/normals-lanes.h"
+#include "process/lanes.h"
 #include "process/normals-tile.h"
 
 #define GROUP                                                                                      \

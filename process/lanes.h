@@ -1,7 +1,7 @@
-#ifndef PROCESS_NORMALS_LANES_H
-#define PROCESS_NORMALS_LANES_H
+#ifndef PROCESS_LANES_H
+#define PROCESS_LANES_H
 /* Eight cells side by side, in GCC's and clang's vectors: AVX2 in functions that are built for it, whatever the processor has
- * elsewhere. Internal to normals*.c. All is inlined, so that it takes on the caller's target. */
+ * elsewhere. All is inlined, so that it takes on the caller's target. */
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
