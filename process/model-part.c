@@ -32,15 +32,37 @@ static uint16_t tenth_mm(float length_m, uint16_t max)
 	return length_m > 0 ? (uint16_t)fminf(roundf(length_m * 1e4f), max) : 0;
 }
 
+/* Surface met at a lower cosine counts as met at this one. */
+#define COSINE_LEAST 0.05f
+
+/* Of the surface that the cell's beam stands for, slanted as it is; of a cloud's points their patch. */
+static float spacing_m(const struct scan_points *s, uint64_t i, const double normal[3])
+{
+	const range_grid *g = s->data->grid;
+	double at[3], ray[3], cosine = 1;
+	if (!g)
+		return scan_points_size_m(s, i);
+	scan_points_position(s, i, at);
+	for (int k = 0; k < 3; k++)
+		ray[k] = at[k] - s->pose.translation_m[k];
+	if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0)
+		cosine = fabs(normal[0] * ray[0] + normal[1] * ray[1] + normal[2] * ray[2]) /
+			 g->range_m[i];
+	return g->range_m[i] *
+	       sqrtf(scan_points_solid_angle_sr(s, i) / fmaxf((float)cosine, COSINE_LEAST));
+}
+
 static void take_geometry(const struct scan_points *s, uint64_t i, struct part_point *p)
 {
-	double n[3];
+	double n[3] = { 0 };
 	p->normal[0] = p->normal[1] = MODEL_NORMAL_NONE;
 	p->plane_error = MODEL_ERROR_NONE;
 	p->size = tenth_mm(scan_points_size_m(s, i), UINT16_MAX);
+	if (s->geometry)
+		scan_points_normal(s, i, n);
+	p->spacing = tenth_mm(spacing_m(s, i, n), UINT16_MAX);
 	if (!s->geometry)
 		return;
-	scan_points_normal(s, i, n);
 	model_pack_normal((float[3]){ (float)n[0], (float)n[1], (float)n[2] }, p->normal);
 	if (isfinite(s->geometry->plane_error_m[i]))
 		p->plane_error = tenth_mm(s->geometry->plane_error_m[i], MODEL_ERROR_NONE - 1);

@@ -24,7 +24,7 @@ struct part_point {
 	int16_t direction[2], principal[2];
 	uint16_t k1, k2;
 	uint8_t kind, flags;
-	uint16_t reserved; /* 0 */
+	uint16_t spacing;
 };
 _Static_assert(sizeof(struct part_point) == 48, "the file's own layout");
 

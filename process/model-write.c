@@ -97,7 +97,8 @@ static struct model_point point_of(
 		.k1 = p->k1,
 		.k2 = p->k2,
 		.kind = p->kind,
-		.flags = p->flags };
+		.flags = p->flags,
+		.spacing = p->spacing };
 	for (int k = 0; k < 3; k++)
 		q.position_m[k] = (float)(at_m[k] - centre_m[k]);
 	memcpy(q.normal, p->normal, sizeof q.normal);

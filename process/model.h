@@ -40,7 +40,7 @@ struct model_point {
 	uint16_t k1, k2;      /* principal curvatures, 1/m, half floats; MODEL_HALF_NONE: none */
 	uint8_t kind;         /* enum feature_kind */
 	uint8_t flags;        /* enum feature_flag */
-	uint16_t reserved;    /* 0 */
+	uint16_t spacing;     /* edge of the surface that it stands for, 0.1 mm; saturates */
 };
 _Static_assert(sizeof(struct model_point) == 48, "the file's own layout");
 

@@ -457,7 +457,7 @@ static uint64_t check_features(const char *path, const struct pose *pose)
 	for (uint64_t i = 0; i < chunks; i++)
 		for (uint32_t n = 0; n < c[i].points; n++) {
 			const struct model_point *p = &model_points(m)[c[i].first + n];
-			g_assert_cmpuint(p->reserved, ==, 0);
+			g_assert_cmpuint(p->spacing, >=, p->size / 2);
 			if (p->scan != 2) {
 				expect_no_features(p);
 				continue;
