@@ -1,6 +1,9 @@
-/* Stroke textures: what each medium is held to, and what becomes of pictures of others. */
+/* Stroke and paper textures: what each medium is held to, and what becomes of pictures of others.
+ */
+#include "render/paper-texture.h"
 #include "render/stroke-texture.h"
 #include <glib/gstdio.h>
+#include <math.h>
 #include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -376,12 +379,140 @@ static void test_broken_picture(struct files *f, gconstpointer data)
 	g_assert_cmpint(refused, >, (int)size);
 }
 
+/* ---- papers ---- */
+
+enum { SIDE = PAPER_TEXTURE_SIDE, PAPER = SIDE * SIDE };
+
+static double deviation_of(const paper_texture *p)
+{
+	double sum = 0;
+	for (int i = 0; i < PAPER; i++)
+		sum += (p->height[i] - 128.0) * (p->height[i] - 128.0);
+	return sqrt(sum / PAPER);
+}
+
+/* How rough it is from one line of texels to the next, which of the last is the first; down: rows.
+ */
+static double step_after(const paper_texture *p, int line, bool down)
+{
+	double sum = 0;
+	int next = (line + 1) % SIDE;
+	for (int i = 0; i < SIDE; i++) {
+		int d = down ? p->height[line * SIDE + i] - p->height[next * SIDE + i]
+			     : p->height[i * SIDE + line] - p->height[i * SIDE + next];
+		sum += d * d;
+	}
+	return sqrt(sum / SIDE);
+}
+
+static void no_seam(const paper_texture *p, bool down)
+{
+	double least = HUGE_VAL, most = 0, seam = step_after(p, SIDE - 1, down);
+	for (int line = 0; line < SIDE - 1; line++) {
+		double step = step_after(p, line, down);
+		least = MIN(least, step);
+		most = MAX(most, step);
+	}
+	g_test_message("%s: %.2f over the seam, %.2f to %.2f inside", down ? "rows" : "columns",
+		seam, least, most);
+	g_assert_cmpfloat(seam, >=, 0.95 * least);
+	g_assert_cmpfloat(seam, <=, 1.05 * most);
+}
+
+/* What is made beyond the edge is what is made at the other one. */
+static void repeats(const struct paper_texture_kind *kind, float over_x, float over_y)
+{
+	enum { STRIP = 6 };
+	double sum = 0;
+	for (int i = 0; i < STRIP * SIDE; i++) {
+		float near = (float)(i % STRIP) + 0.5f, far = (float)(i / STRIP) + 0.5f;
+		float x = over_x > 0 ? near : far, y = over_x > 0 ? far : near;
+		float d = kind->make(x + over_x, y + over_y) - kind->make(x, y);
+		sum += d * d;
+	}
+	g_assert_cmpfloat(sqrt(sum / (STRIP * SIDE)), <, 0.02);
+}
+
+static void test_paper(gconstpointer data)
+{
+	const struct paper_texture_kind *kind = &paper_texture_kinds[GPOINTER_TO_INT(data)];
+	g_autoptr(GError) error = NULL;
+	g_autoptr(paper_texture) p = paper_texture_new(kind->name, &error);
+	g_assert_no_error(error);
+	g_assert_cmpstr(p->name, ==, kind->name);
+	g_assert_cmpuint(p->side, ==, SIDE);
+	double deviation = deviation_of(p);
+	g_test_message("deviation %.1f", deviation);
+	g_assert_cmpfloat_with_epsilon(texels_mean(p->height, PAPER), PAPER_TEXTURE_MEAN, 0.05);
+	g_assert_cmpfloat_with_epsilon(deviation, kind->deviation, 0.1 * kind->deviation);
+	no_seam(p, false);
+	no_seam(p, true);
+	repeats(kind, SIDE, 0);
+	repeats(kind, 0, SIDE);
+	g_autoptr(paper_texture) again = paper_texture_new(kind->name, NULL);
+	g_autofree char *first = sum_of(p->height, PAPER), *second = sum_of(again->height, PAPER);
+	g_assert_cmpstr(first, ==, second);
+}
+
+static void test_unknown_paper(void)
+{
+	g_autoptr(GError) error = NULL;
+	g_assert_null(paper_texture_new("papyrus", &error));
+	refuses(error, "'papyrus'", "smooth, cartridge, rough, laid, canvas, or");
+}
+
+/* Light is high, and the mean becomes that of a plane. */
+static void test_picture_of_paper(struct files *f, gconstpointer data)
+{
+	(void)data;
+	g_autoptr(GError) error = NULL;
+	g_assert_null(paper_texture_new(f->path, &error));
+	refuses(error, f->path, "there is no such file");
+	uint8_t pixel[2][4] = { { 200, 240, 240, 240 }, { 200, 240, 240, 240 } };
+	write_png(f->path, pixel, 4, 2, PNG_FORMAT_GRAY);
+	g_autoptr(GError) unreadable = NULL;
+	g_autoptr(paper_texture) p = paper_texture_new(f->path, &unreadable);
+	g_assert_no_error(unreadable);
+	g_assert_cmpfloat_with_epsilon(texels_mean(p->height, PAPER), PAPER_TEXTURE_MEAN, 0.5);
+	g_assert_cmpint(p->height[300], ==, p->height[0] + 40);
+}
+
+/* A picture of two extremes cannot be shifted to the mean; it is brought as near as it goes. */
+static void test_extreme_paper(struct files *f, gconstpointer data)
+{
+	(void)data;
+	uint8_t pixel[8] = { 255, 0, 0, 0, 0, 0, 0, 0 };
+	write_png(f->path, pixel, 8, 1, PNG_FORMAT_GRAY);
+	g_autoptr(paper_texture) p = paper_texture_new(f->path, NULL);
+	g_assert_cmpfloat_with_epsilon(texels_mean(p->height, PAPER), PAPER_TEXTURE_MEAN, 1);
+	g_assert_cmpuint(p->height[0], ==, 255);
+}
+
+/* A user waits for them when a program starts. */
+static void test_time(void)
+{
+	gint64 from = g_get_monotonic_time();
+	for (int k = 0; k < STROKE_KINDS; k++)
+		stroke_texture_free(stroke_texture_new(stroke_texture_kinds[k].name, NULL));
+	for (int k = 0; k < PAPER_KINDS; k++)
+		paper_texture_free(paper_texture_new(paper_texture_kinds[k].name, NULL));
+	double seconds = (double)(g_get_monotonic_time() - from) / 1e6;
+	g_test_message("all of them take %.3f s", seconds);
+	/* Ten times what it takes, for sanitizers and busy processors. */
+	g_assert_cmpfloat(seconds, <, 3);
+}
+
 static void add_kinds(void)
 {
 	for (int k = 0; k < STROKE_KINDS; k++) {
 		g_autofree char *path =
 			g_strdup_printf("/textures/stroke/%s", stroke_texture_kinds[k].name);
 		g_test_add_data_func(path, GINT_TO_POINTER(k), test_stroke);
+	}
+	for (int k = 0; k < PAPER_KINDS; k++) {
+		g_autofree char *path =
+			g_strdup_printf("/textures/paper/%s", paper_texture_kinds[k].name);
+		g_test_add_data_func(path, GINT_TO_POINTER(k), test_paper);
 	}
 }
 
@@ -400,5 +531,9 @@ int main(int argc, char **argv)
 	ADD_FILE("none", test_no_picture);
 	ADD_FILE("absurd", test_absurd_picture);
 	ADD_FILE("broken", test_broken_picture);
+	ADD_FILE("paper", test_picture_of_paper);
+	ADD_FILE("extreme-paper", test_extreme_paper);
+	g_test_add_func("/textures/unknown-paper", test_unknown_paper);
+	g_test_add_func("/textures/time", test_time);
 	return g_test_run();
 }
