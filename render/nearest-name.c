@@ -28,11 +28,21 @@ static guint distance(const char *a, const char *b)
 	return row[columns];
 }
 
+/* "angle" of "angle_deg". */
+static const char *begun_name(const char *name, const char *const *names)
+{
+	size_t length = strlen(name);
+	for (; length && *names; names++)
+		if (g_ascii_strncasecmp(*names, name, length) == 0 && (*names)[length] == '_')
+			return *names;
+	return NULL;
+}
+
 const char *nearest_name(const char *name, const char *const *names)
 {
-	const char *nearest = NULL;
+	const char *nearest = begun_name(name, names);
 	size_t length = strlen(name);
-	guint least = G_MAXUINT;
+	guint least = nearest ? 0 : G_MAXUINT;
 	for (; length <= LETTERS_MAX && *names; names++) {
 		size_t longer = MAX(length, strlen(*names));
 		guint d = longer <= LETTERS_MAX ? distance(name, *names) : G_MAXUINT;

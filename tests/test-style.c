@@ -128,6 +128,8 @@ static const struct wrong {
 		AT_STEP ".length_px: this is a text; it must be a number from 1 to 400 px" },
 	{ STEPS("{\"step\":\"strokes\",\"lenght_px\":9}"),
 		AT_STEP ".lenght_px: 'strokes' has no such field; did you mean 'length_px'?" },
+	{ STEPS("{\"step\":\"lines\",\"angle\":9}"),
+		AT_STEP ".angle: 'lines' has no such field; did you mean 'angle_deg'?" },
 	{ STEPS("{\"step\":\"lines\",\"texture\":\"pencil\"}"),
 		AT_STEP ".texture: 'lines' has no such parameter; 'strokes' has" },
 	{ STEPS("{\"step\":\"edl\",\"x\":1}"),
