@@ -8,7 +8,7 @@ mkdir -p build-fuzz/objects
 common="-I. -D_GNU_SOURCE -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -Wno-unknown-pragmas -Wno-psabi"
 # PCL itself is as Debian built it; its bridges are instrumented like all else. One object each, in a library: a target takes what it needs. File names differ by their folders.
 jobs=$(nproc)
-for source in $(ls firmware-io/*.c acquire/*.c process/*.c process/*.cpp 2>/dev/null | grep -v '/pleinair'); do
+for source in $(ls firmware-io/*.c acquire/*.c process/*.c process/*.cpp render/*.c render/*.cpp 2>/dev/null | grep -v '/pleinair'); do
 	echo "$source"
 done | xargs -P "$jobs" -I{} sh -c '
 	source=$1 object=build-fuzz/objects/$(echo "$1" | tr / _).o
