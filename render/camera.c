@@ -1,0 +1,234 @@
+#include "render/camera.h"
+#include <gio/gio.h>
+#include <math.h>
+#include <string.h>
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void normalise(double v[3])
+{
+	double length = sqrt(dot(v, v));
+	for (int k = 0; k < 3; k++)
+		v[k] /= length;
+}
+
+static void cross(const double a[3], const double b[3], double ret[3])
+{
+	for (int k = 0; k < 3; k++)
+		ret[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* ---- making ---- */
+
+/* Forward is given; east and north are those of its heading. */
+static struct camera make(const double eye_m[3], const double forward[3], double east, double north,
+	double fov_deg, uint32_t width, uint32_t height)
+{
+	struct camera c = { .right = { north, -east, 0 },
+		.focal_px = height / 2.0 / tan(fov_deg * G_PI / 360),
+		.width = width,
+		.height = height,
+		.near_m = CAMERA_NEAR_M,
+		.far_m = CAMERA_FAR_M };
+	memcpy(c.eye_m, eye_m, sizeof c.eye_m);
+	memcpy(c.forward, forward, sizeof c.forward);
+	cross(c.forward, c.right, c.down);
+	return c;
+}
+
+struct camera camera_towards(const double eye_m[3], double heading_rad, double elevation_rad,
+	double fov_deg, uint32_t width, uint32_t height)
+{
+	double east = sin(heading_rad), north = cos(heading_rad), level = cos(elevation_rad);
+	double forward[3] = { level * east, level * north, sin(elevation_rad) };
+	return make(eye_m, forward, east, north, fov_deg, width, height);
+}
+
+static struct camera look_along(const double eye_m[3], const double direction[3], double fov_deg,
+	uint32_t width, uint32_t height)
+{
+	double forward[3] = { direction[0], direction[1], direction[2] };
+	normalise(forward);
+	double level = hypot(forward[0], forward[1]);
+	if (level < 1e-9) /* what is left is rounding, and no heading */
+		return make(eye_m, forward, 0, 1, fov_deg, width, height);
+	return make(eye_m, forward, forward[0] / level, forward[1] / level, fov_deg, width, height);
+}
+
+struct camera camera_look_at(const double eye_m[3], const double target_m[3], double fov_deg,
+	uint32_t width, uint32_t height)
+{
+	double direction[3];
+	for (int k = 0; k < 3; k++)
+		direction[k] = target_m[k] - eye_m[k];
+	return look_along(eye_m, direction, fov_deg, width, height);
+}
+
+struct camera camera_at_station(const struct pose *scan_to_site, double azimuth_rad,
+	double elevation_rad, double fov_deg, uint32_t width, uint32_t height)
+{
+	double level = cos(elevation_rad);
+	double direction[3] = { level * sin(azimuth_rad), level * cos(azimuth_rad),
+		sin(elevation_rad) };
+	pose_rotate(scan_to_site, direction, direction);
+	return look_along(scan_to_site->translation_m, direction, fov_deg, width, height);
+}
+
+static void turn(double v[3], double sine, double cosine)
+{
+	double x = v[0], y = v[1];
+	v[0] = cosine * x + sine * y;
+	v[1] = cosine * y - sine * x;
+}
+
+struct camera camera_turned(const struct camera *c, double angle_rad)
+{
+	struct camera t = *c;
+	double sine = sin(angle_rad), cosine = cos(angle_rad);
+	turn(t.right, sine, cosine);
+	turn(t.down, sine, cosine);
+	turn(t.forward, sine, cosine);
+	return t;
+}
+
+static uint32_t scaled_side(uint32_t side, double factor)
+{
+	return (uint32_t)CLAMP(round(side * factor), 1, (double)UINT32_MAX);
+}
+
+struct camera camera_scaled(const struct camera *c, double factor)
+{
+	struct camera s = *c;
+	s.width = scaled_side(c->width, factor);
+	s.height = scaled_side(c->height, factor);
+	s.focal_px *= factor;
+	return s;
+}
+
+/* ---- asking ---- */
+
+double camera_fov_deg(const struct camera *c)
+{
+	return 360 / G_PI * atan2(c->height / 2.0, c->focal_px);
+}
+
+double camera_heading_rad(const struct camera *c)
+{
+	return atan2(-c->right[1], c->right[0]);
+}
+
+double camera_elevation_rad(const struct camera *c)
+{
+	return atan2(c->forward[2], hypot(c->forward[0], c->forward[1]));
+}
+
+void camera_ray(const struct camera *c, const double px[2], double ret[3])
+{
+	double x = px[0] - c->width / 2.0, y = px[1] - c->height / 2.0;
+	for (int k = 0; k < 3; k++)
+		ret[k] = c->forward[k] * c->focal_px + c->right[k] * x + c->down[k] * y;
+	normalise(ret);
+}
+
+static struct camera_plane plane_through(const double inward[3], const double point_m[3])
+{
+	struct camera_plane p;
+	memcpy(p.inward, inward, sizeof p.inward);
+	normalise(p.inward);
+	p.offset_m = -dot(p.inward, point_m);
+	return p;
+}
+
+/* Through the eye and an edge of the picture; along: from that edge towards the middle. */
+static struct camera_plane side_plane(
+	const struct camera *c, const double along[3], double sign, uint32_t side)
+{
+	double inward[3];
+	for (int k = 0; k < 3; k++)
+		inward[k] = sign * c->focal_px * along[k] + side / 2.0 * c->forward[k];
+	return plane_through(inward, c->eye_m);
+}
+
+static struct camera_plane depth_plane(const struct camera *c, double depth_m, double sign)
+{
+	double inward[3], point[3];
+	for (int k = 0; k < 3; k++) {
+		inward[k] = sign * c->forward[k];
+		point[k] = c->eye_m[k] + depth_m * c->forward[k];
+	}
+	return plane_through(inward, point);
+}
+
+void camera_frustum_planes(const struct camera *c, struct camera_plane ret[SIDES])
+{
+	ret[SIDE_NEAR] = depth_plane(c, c->near_m, 1);
+	ret[SIDE_LEFT] = side_plane(c, c->right, 1, c->width);
+	ret[SIDE_RIGHT] = side_plane(c, c->right, -1, c->width);
+	ret[SIDE_TOP] = side_plane(c, c->down, 1, c->height);
+	ret[SIDE_BOTTOM] = side_plane(c, c->down, -1, c->height);
+	ret[SIDE_FAR] = depth_plane(c, c->far_m, -1);
+}
+
+/* ---- checking ---- */
+
+static bool refuse(GError **error, const char *format, ...) G_GNUC_PRINTF(2, 3);
+
+static bool refuse(GError **error, const char *format, ...)
+{
+	va_list args;
+	va_start(args, format);
+	g_autofree char *what = g_strdup_vprintf(format, args);
+	va_end(args);
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT, "camera: %s", what);
+	return false;
+}
+
+static bool are_axes(const struct camera *c)
+{
+	struct pose axes = POSE_IDENTITY;
+	for (int k = 0; k < 3; k++) {
+		axes.rotation[k][0] = c->right[k];
+		axes.rotation[k][1] = c->down[k];
+		axes.rotation[k][2] = c->forward[k];
+	}
+	return pose_is_rigid(&axes, 1e-9);
+}
+
+static bool check_size(const struct camera *c, GError **error)
+{
+	if (c->width >= 1 && c->width <= CAMERA_SIDE_MAX && c->height >= 1 &&
+		c->height <= CAMERA_SIDE_MAX)
+		return true;
+	return refuse(error, "a picture of %u x %u pixels; each side must be 1 to %u", c->width,
+		c->height, CAMERA_SIDE_MAX);
+}
+
+static bool check_fov(const struct camera *c, GError **error)
+{
+	double fov_deg = camera_fov_deg(c);
+	if (isfinite(c->focal_px) && fov_deg > CAMERA_FOV_MIN_DEG - 1e-9 &&
+		fov_deg < CAMERA_FOV_MAX_DEG + 1e-9)
+		return true;
+	return refuse(error, "a vertical field of view of %g degrees; it must be %g to %g", fov_deg,
+		CAMERA_FOV_MIN_DEG, CAMERA_FOV_MAX_DEG);
+}
+
+bool camera_validate(const struct camera *c, GError **error)
+{
+	if (!check_size(c, error))
+		return false;
+	for (int k = 0; k < 3; k++)
+		if (!isfinite(c->eye_m[k]))
+			return refuse(error, "its place is no number");
+	if (!are_axes(c))
+		return refuse(error, "it looks in no direction; is its target where it stands?");
+	if (!check_fov(c, error))
+		return false;
+	if (c->near_m > 0 && c->far_m > c->near_m && isfinite(c->far_m))
+		return true;
+	return refuse(error, "it draws from %g to %g m; that must rise from above 0", c->near_m,
+		c->far_m);
+}

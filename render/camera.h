@@ -1,0 +1,91 @@
+#ifndef RENDER_CAMERA_H
+#define RENDER_CAMERA_H
+/* A pinhole camera in the frame of a site: where it stands, how it is turned, and how large its
+ * picture is. Without distortion; its axis meets the picture in the middle.
+ *
+ *         forward (z, ahead)        The picture's left upper corner is (0, 0); the middle of pixel
+ *        /                          (i, j) is (i + 0.5, j + 0.5); the axis is at (width / 2,
+ *       +---- right (x)             height / 2). Depth is along forward, not along the ray.
+ *       |
+ *       down (y)
+ *
+ * Directions are told as those of a map: heading clockwise from the site's y axis seen from above,
+ * elevation upwards from the horizon. Cameras made here have no roll: right is level. One that
+ * looks straight up or down has its heading left to say what is up in the picture.
+ *
+ * Plain values; all functions are pure. */
+#include "process/pose.h"
+#include <glib.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#define CAMERA_SIDE_MAX    32768u
+#define CAMERA_FOV_MIN_DEG 1.0 /* vertical */
+#define CAMERA_FOV_MAX_DEG 170.0
+#define CAMERA_NEAR_M      0.1
+#define CAMERA_FAR_M       1e4
+
+struct camera {
+	double eye_m[3];
+	double right[3], down[3], forward[3]; /* unit, right-handed, in the site's frame */
+	double focal_px;
+	uint32_t width, height;
+	double near_m, far_m; /* depths that are drawn */
+};
+
+/* fov_deg is from the upper to the lower edge. near_m and far_m are CAMERA_NEAR_M and CAMERA_FAR_M.
+ * What makes no camera (sizes of 0, a fov of 180 degrees) is for camera_validate to find. */
+struct camera camera_towards(const double eye_m[3], double heading_rad, double elevation_rad,
+	double fov_deg, uint32_t width, uint32_t height);
+/* The target is in the middle of the picture. One straight above or below is seen with a heading of
+ * 0, so the site's y axis is up in a plan. With the target at the eye the axes are no numbers. */
+struct camera camera_look_at(const double eye_m[3], const double target_m[3], double fov_deg,
+	uint32_t width, uint32_t height);
+/* What a scanner saw from where it stood; azimuth and elevation are those of its own panorama. */
+struct camera camera_at_station(const struct pose *scan_to_site, double azimuth_rad,
+	double elevation_rad, double fov_deg, uint32_t width, uint32_t height);
+/* Turned about the vertical through the eye, clockwise seen from above. */
+struct camera camera_turned(const struct camera *c, double angle_rad);
+/* The same view in a picture of other size: sides are rounded (at least 1), the focal length is
+ * not, so that a pixel is 1/factor of one of before everywhere. */
+struct camera camera_scaled(const struct camera *c, double factor);
+
+/* One sentence (G_IO_ERROR_INVALID_ARGUMENT) when something is not finite, the axes are none, a side
+ * is not 1..CAMERA_SIDE_MAX, the fov is out of its range, or near and far are not 0 < near < far. */
+bool camera_validate(const struct camera *c, GError **error);
+double camera_fov_deg(const struct camera *c);
+double camera_heading_rad(const struct camera *c); /* -pi..pi */
+double camera_elevation_rad(const struct camera *c);
+
+/* false: nearer than near_m, or behind the eye; *ret_px is untouched then. Places outside the
+ * picture are told as others, and those beyond far_m too. */
+static inline bool camera_project(
+	const struct camera *c, const double point_m[3], double ret_px[2], double *ret_depth_m)
+{
+	double v[3] = { point_m[0] - c->eye_m[0], point_m[1] - c->eye_m[1],
+		point_m[2] - c->eye_m[2] };
+	double z = v[0] * c->forward[0] + v[1] * c->forward[1] + v[2] * c->forward[2];
+	if (!(z >= c->near_m))
+		return false;
+	double x = v[0] * c->right[0] + v[1] * c->right[1] + v[2] * c->right[2];
+	double y = v[0] * c->down[0] + v[1] * c->down[1] + v[2] * c->down[2];
+	ret_px[0] = c->width / 2.0 + c->focal_px * x / z;
+	ret_px[1] = c->height / 2.0 + c->focal_px * y / z;
+	*ret_depth_m = z;
+	return true;
+}
+
+/* The unit direction from the eye through a place of the picture. */
+void camera_ray(const struct camera *c, const double px[2], double ret[3]);
+
+/* A point is on the inner side when the dot product of inward with it, plus offset_m, is not
+ * negative; that is its distance from the plane. */
+struct camera_plane {
+	double inward[3]; /* unit, in the site's frame */
+	double offset_m;
+};
+enum camera_side { SIDE_NEAR, SIDE_LEFT, SIDE_RIGHT, SIDE_TOP, SIDE_BOTTOM, SIDE_FAR, SIDES };
+/* All that the picture shows is inside of all of them. */
+void camera_frustum_planes(const struct camera *c, struct camera_plane ret[SIDES]);
+
+#endif
