@@ -1,0 +1,56 @@
+#ifndef RENDER_SCENE_H
+#define RENDER_SCENE_H
+/* The points of a site in the form that both backends draw them from: the model's chunks (process/model.h) in their order, attributes
+ * apart, positions in 16 bits of each chunk's box; 30 bytes a point. Inside a chunk the points of each kind are listed in the
+ * order of their ranks, so that any first part of a list is a uniform subset: the continuous resolution queue (Xu & Chen 2004,
+ * sections 6.3 and 7.4), for the mask and for each layer alike.
+ *
+ * Const after it was made: any number of threads may read. */
+#include "process/features.h"
+#include "process/model.h"
+
+struct scene_chunk {
+	float centre_m[3]; /* from the scene's origin */
+	float half_m[3];   /* of its box */
+	float step_m[3];   /* position = centre - half + step * q */
+	float spacing_least_m, spacing_most_m, disc_most_m;
+	uint32_t first, count;
+	uint32_t leaf;
+	float list_spacing_most_m[FEATURE_KINDS];
+	uint32_t kind_end
+		[FEATURE_KINDS]; /* of its part of list: where the points of each kind end, counted from first */
+};
+
+typedef struct scene scene;
+struct scene {
+	double origin_m[3];
+	uint32_t count, chunks;
+	struct scene_chunk *chunk;
+	/* Of each point. */
+	uint16_t *q[3];
+	uint16_t *spacing; /* edge of the square of surface that it stands for, 0.1 mm */
+	uint16_t *
+		disc; /* diameter that covers its patch, the long way where it is slanted, 0.1 mm */
+	int16_t (*normal)[2];    /* packed (model.h) */
+	int16_t (*direction)[2]; /* of its line; none: MODEL_NORMAL_NONE */
+	uint8_t (*rgba)[4];      /* sRGB; a 0: has no colour */
+	uint8_t *kind, *degree;
+	/* Indices in the chunk, kind by kind, each in the order of ranks; and as many spacings among points of the same kind. */
+	uint16_t *list, *list_spacing;
+	float dither_per_m2, tone_exponent; /* that the dithering points were chosen with */
+};
+/* Reads all of the model once, and gives its memory back behind itself. G_IO_ERROR_NO_SPACE when it is too large: 2^32 points. */
+scene *scene_new(const model *m, GError **error);
+void scene_free(scene *s); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(scene, scene_free)
+size_t scene_bytes(const scene *s); /* of memory */
+
+static inline void scene_position(
+	const scene *s, const struct scene_chunk *c, uint32_t i, double ret_m[3])
+{
+	for (int k = 0; k < 3; k++)
+		ret_m[k] = s->origin_m[k] + c->centre_m[k] - c->half_m[k] +
+			   c->step_m[k] * s->q[k][c->first + i];
+}
+
+#endif
