@@ -1,0 +1,111 @@
+#include "render/chunk-view.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void turn(const struct camera *c, const double v[3], double ret[3])
+{
+	const double *row[3] = { c->right, c->down, c->forward };
+	for (int k = 0; k < 3; k++)
+		ret[k] = row[k][0] * v[0] + row[k][1] * v[1] + row[k][2] * v[2];
+}
+
+/* What the box covers on the screen, from its corners in front of the camera. */
+static void bound(const frame *f, const double at[3], double half[3][3], struct chunk_view *v)
+{
+	const struct camera *c = &f->camera;
+	double reach = fabs(half[0][2]) + fabs(half[1][2]) + fabs(half[2][2]);
+	v->near_m = (float)fmax(at[2] - reach, c->near_m);
+	v->far_m = (float)(at[2] + reach);
+	v->low_px[0] = v->low_px[1] = 0;
+	v->high_px[0] = (float)c->width;
+	v->high_px[1] = (float)c->height;
+	if (at[2] - reach < c->near_m)
+		return;
+	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+	for (int corner = 0; corner < 8; corner++) {
+		double p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = at[k] + (corner & 1 ? 1 : -1) * half[0][k] +
+			       (corner & 2 ? 1 : -1) * half[1][k] +
+			       (corner & 4 ? 1 : -1) * half[2][k];
+		for (int k = 0; k < 2; k++) {
+			double px = c->focal_px * p[k] / p[2] + (k ? c->height : c->width) / 2.0;
+			low[k] = fmin(low[k], px);
+			high[k] = fmax(high[k], px);
+		}
+	}
+	for (int k = 0; k < 2; k++) {
+		v->low_px[k] = (float)low[k];
+		v->high_px[k] = (float)high[k];
+	}
+}
+
+/* Points at its edges are drawn larger than they are. */
+static float margin_px(const frame *f, const struct scene_chunk *c, float near_m)
+{
+	return 4 + c->disc_most_m * (float)f->camera.focal_px / near_m + 64 * f->px;
+}
+
+bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_view *ret)
+{
+	double from_eye[3], at[3], half[3][3];
+	for (int k = 0; k < 3; k++)
+		from_eye[k] = c->centre_m[k] - f->eye_m[k];
+	turn(&f->camera, from_eye, at);
+	for (int k = 0; k < 3; k++) {
+		double edge[3] = { 0 };
+		edge[k] = c->half_m[k];
+		turn(&f->camera, edge, half[k]);
+	}
+	double reach = fabs(half[0][2]) + fabs(half[1][2]) + fabs(half[2][2]);
+	if (at[2] + reach < f->camera.near_m || at[2] - reach > f->camera.far_m)
+		return false;
+	*ret = (struct chunk_view){ .chunk = c, .pipeline = f->drawing->pipeline_of[c->leaf] };
+	bound(f, at, half, ret);
+	float margin = margin_px(f, c, ret->near_m);
+	if (ret->high_px[0] < -margin || ret->high_px[1] < -margin ||
+		ret->low_px[0] > (float)f->camera.width + margin ||
+		ret->low_px[1] > (float)f->camera.height + margin)
+		return false;
+	for (int k = 0; k < 3; k++) {
+		ret->base[k] = (float)(at[k] - half[0][k] - half[1][k] - half[2][k]);
+		for (int q = 0; q < 3; q++)
+			ret->axis[q][k] = (float)(half[q][k] * 2 / 65535);
+	}
+	return true;
+}
+
+static int nearer(const void *a, const void *b)
+{
+	const struct chunk_view *x = a, *y = b;
+	if (x->near_m != y->near_m)
+		return x->near_m < y->near_m ? -1 : 1;
+	return (x->chunk > y->chunk) - (x->chunk < y->chunk);
+}
+
+struct chunk_view *chunk_views_new(const frame *f, uint32_t *ret_count)
+{
+	const scene *s = f->scene;
+	struct chunk_view *v = g_new(struct chunk_view, s->chunks + 1);
+	g_autofree bool *seen = g_new(bool, s->chunks + 1);
+#pragma omp parallel for schedule(static) if (!f->single_thread)
+	for (uint32_t n = 0; n < s->chunks; n++)
+		seen[n] = chunk_view_find(f, &s->chunk[n], &v[n]);
+	uint32_t count = 0;
+	for (uint32_t n = 0; n < s->chunks; n++)
+		if (seen[n])
+			v[count++] = v[n];
+	qsort(v, count, sizeof *v, nearer);
+	*ret_count = count;
+	return v;
+}
+
+bool vectors_have_avx2(void)
+{
+#if defined __x86_64__
+	return __builtin_cpu_supports("avx2");
+#else
+	return false;
+#endif
+}

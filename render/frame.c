@@ -1,0 +1,185 @@
+#include "render/frame.h"
+#include "render/light.h"
+#include "render/stroke.h"
+#include <math.h>
+#include <string.h>
+
+#define DENSEST_PER_PX 4.f
+
+static uint32_t kinds_of(const struct ink_step *ink)
+{
+	static const uint32_t none = 1 << FEATURE_NONE, dither = 1 << FEATURE_DITHER,
+			      undirected = 1 << FEATURE_UNDIRECTED,
+			      directed = 1 << FEATURE_DIRECTED;
+	switch (ink->points) {
+	case INK_SURFACE: return none | dither;
+	case INK_FEATURES: return undirected | directed;
+	case INK_DIRECTIONAL: return directed;
+	case INK_NON_DIRECTIONAL: return undirected;
+	case INK_DITHERING: return ink->tone == TONE_COLOUR ? dither | none : dither;
+	default: return none | dither | undirected | directed;
+	}
+}
+
+/* ---- tone ---- */
+
+/* What a square of paper should let through where points have this lightness (0..1). */
+static float wanted_light(const struct ink_step *ink, float lightness)
+{
+	float dark = fmaxf(ink->tone_white - lightness, 0) / fmaxf(ink->tone_white, 1e-3f);
+	return light_of_srgb(1 - ink->tone_strength * powf(dark, ink->tone_gamma));
+}
+
+/* Strokes that fall anywhere leave exp(-number * area) of the paper bare. */
+static float per_px(const struct frame_layer *l, float light)
+{
+	float ink = light_luminance(l->ink_linear);
+	float bare = (light - ink) / fmaxf(1 - ink, 1e-3f);
+	float number = -logf(CLAMP(bare, 1e-4f, 1)) / fmaxf(l->stroke_area_px, 1e-3f);
+	return fminf(number, 1 / (l->ink.spacing_px * l->ink.spacing_px));
+}
+
+static void want(struct frame_layer *l, const scene *s)
+{
+	float even = 1 / (l->ink.spacing_px * l->ink.spacing_px);
+	for (int n = 0; n < 256; n++) {
+		float number = l->ink.tone == TONE_COLOUR
+				       ? per_px(l, wanted_light(&l->ink, (float)n / 255))
+				       : even;
+		l->dithering_per_m2[n] =
+			fmaxf(s->dither_per_m2 * powf(1 - (float)n / 255, s->tone_exponent), 1e-3f);
+		l->wanted_per_px[n] = fminf(number, DENSEST_PER_PX) / STROKE_FADE_MEAN;
+	}
+}
+
+/* ---- layers ---- */
+
+static float area_of(const struct frame_layer *l)
+{
+	const struct ink_step *ink = &l->ink;
+	float opacity = ink->opacity * (1 - ink->opacity_variation / 2), mean = 0;
+	if (l->step->kind ==
+		step_kind_find("sprites")) /* 2 pi sigma^2, the diameter being 5 sigma */
+		return opacity * (float)(2 * G_PI) * ink->length_px * ink->length_px / 25;
+	if (!l->texture)
+		return opacity * ink->length_px * ink->width_px;
+	for (uint32_t v = 0; v < l->texture->variants; v++)
+		mean += (float)l->texture->mean_alpha[v] / (float)l->texture->variants;
+	return opacity * ink->length_px * ink->width_px * mean;
+}
+
+/* 0 outside. */
+static uint32_t texel_at(const stroke_texture *t, uint32_t variant, int x, int y)
+{
+	if (x < 0 || y < 0 || x >= (int)t->length || y >= (int)t->width)
+		return 0;
+	return stroke_texture_variant(t, variant)[(uint32_t)y * t->length + (uint32_t)x];
+}
+
+static uint32_t *pack_texels(const stroke_texture *t)
+{
+	uint32_t *texels = g_new(uint32_t, (t->length + 1) * (t->width + 1) * t->variants),
+		 *at = texels;
+	for (uint32_t v = 0; v < t->variants; v++)
+		for (int y = 0; y <= (int)t->width; y++)
+			for (int x = 0; x <= (int)t->length; x++)
+				*at++ = texel_at(t, v, x - 1, y - 1) |
+					texel_at(t, v, x, y - 1) << 8 |
+					texel_at(t, v, x - 1, y) << 16 | texel_at(t, v, x, y) << 24;
+	return texels;
+}
+
+static bool load_texture(struct frame_layer *l, GError **error)
+{
+	if (!l->ink.texture || l->step->kind != step_kind_find("strokes"))
+		return true;
+	g_autoptr(stroke_texture) whole = stroke_texture_new(l->ink.texture, error);
+	if (whole)
+		l->texture =
+			stroke_texture_scaled(whole, (uint32_t)fmaxf(l->ink.length_px + 0.5f, 4),
+				(uint32_t)fmaxf(l->ink.width_px + 0.5f, 2));
+	if (l->texture)
+		l->texels = pack_texels(l->texture);
+	return whole;
+}
+
+static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GError **error)
+{
+	struct frame_layer *l = &f->layer[f->layers];
+	if (f->layers == FRAME_LAYERS_MAX) {
+		g_set_error(error, STYLE_ERROR, STYLE_ERROR_FIELD,
+			"the style has more than %d layers for the segments of this site",
+			FRAME_LAYERS_MAX);
+		return false;
+	}
+	*l = (struct frame_layer){ step, pipeline, kinds_of(&step->ink), step->ink };
+	l->ink.spacing_px *= f->px;
+	l->ink.length_px *= f->px;
+	l->ink.width_px *= f->px;
+	if (step->kind == step_kind_find("sprites"))
+		l->ink.width_px = l->ink.length_px;
+	for (int k = 0; k < 3; k++)
+		l->ink_linear[k] = light_of_srgb((float)l->ink.ink[k] / 255);
+	f->layers++; /* with what is freed later */
+	if (!load_texture(l, error))
+		return false;
+	l->stroke_area_px = area_of(l);
+	want(l, f->scene);
+	return true;
+}
+
+static bool is_ink(const struct step *s)
+{
+	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
+	       s->kind == step_kind_find("strokes");
+}
+
+/* The first layers of all pipelines, then the second ones. */
+static bool add_layers(frame *f, GError **error)
+{
+	for (uint32_t n = 0; n < PIPELINE_STEPS_MAX; n++)
+		for (guint p = 0; p < f->drawing->pipelines->len; p++) {
+			const struct pipeline *line =
+				&g_array_index(f->drawing->pipelines, struct pipeline, p);
+			if (n < line->layers && is_ink(&line->steps[n]) &&
+				!add_layer(f, (uint8_t)p, &line->steps[n], error))
+				return false;
+		}
+	return true;
+}
+
+bool frame_move(frame *f, const struct camera *c, GError **error)
+{
+	if (!camera_validate(c, error))
+		return false;
+	f->camera = *c;
+	for (int k = 0; k < 3; k++)
+		f->eye_m[k] = c->eye_m[k] - f->scene->origin_m[k];
+	return true;
+}
+
+frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error)
+{
+	g_autoptr(frame) f = g_new0(frame, 1);
+	f->scene = s;
+	f->drawing = d;
+	f->px = (float)(c->height / FRAME_STYLE_HEIGHT);
+	f->layer = g_new0(struct frame_layer, FRAME_LAYERS_MAX + 1);
+	f->paper = paper_texture_new(d->paper.texture, error);
+	if (!f->paper || !frame_move(f, c, error) || !add_layers(f, error))
+		return NULL;
+	return g_steal_pointer(&f);
+}
+
+void frame_free(frame *f)
+{
+	if (!f)
+		return;
+	for (uint32_t l = 0; l < f->layers; l++)
+		stroke_texture_free(f->layer[l].texture);
+	for (uint32_t l = 0; l < f->layers; l++)
+		g_free(f->layer[l].texels);
+	paper_texture_free(f->paper);
+	g_free(f->layer);
+	g_free(f);
+}

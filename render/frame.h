@@ -1,0 +1,56 @@
+#ifndef RENDER_FRAME_H
+#define RENDER_FRAME_H
+/* One frame to draw: a scene, a style for its leaves, one camera, and what is derived of them once. All segments of a frame are drawn
+ * from the same snapshot, on either backend. */
+#include "process/segments.h"
+#include "render/camera.h"
+#include "render/paper-texture.h"
+#include "render/scene.h"
+#include "render/stroke-texture.h"
+#include "render/style.h"
+
+#define FRAME_LAYERS_MAX 64
+/* Height of the pictures that lengths in styles are for. */
+#define FRAME_STYLE_HEIGHT 1200.0
+
+/* A layer of one pipeline, with lengths in the picture's pixels. */
+struct frame_layer {
+	const struct step *step;
+	uint8_t pipeline;
+	uint32_t kinds; /* a bit for each enum feature_kind that it draws */
+	struct ink_step ink;
+	stroke_texture *texture; /* NULL: none; of about the size on the screen */
+	/* The texture, four texels that are mixed in one: length + 1 across, width + 1 down, variants below each other. */
+	uint32_t *texels;
+	float stroke_area_px;        /* integral of a mean stroke's alpha */
+	float wanted_per_px[256];    /* strokes to a square pixel, by lightness of the points */
+	float dithering_per_m2[256]; /* points that there are, by their lightness; more than 0 */
+	float ink_linear[3];
+};
+
+typedef struct frame frame;
+struct frame {
+	const scene *scene;
+	const drawing *drawing;
+	struct camera camera;
+	float px;                  /* pixels of the picture to one of the style's */
+	double eye_m[3];           /* from the scene's origin */
+	struct frame_layer *layer; /* inks, in the order in which they are drawn */
+	uint32_t layers;
+	paper_texture *paper;
+	bool portable, single_thread; /* for tests: without this processor's vectors */
+};
+/* Scene and drawing must live longer. Errors of camera_validate, missing textures, more layers than FRAME_LAYERS_MAX. */
+frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error);
+void frame_free(frame *f); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
+/* Another camera with a picture of the same height; the layers stay. */
+bool frame_move(frame *f, const struct camera *c, GError **error);
+
+/* A drawn picture: sRGB, 4 bytes a pixel, row by row, the last 255. */
+struct picture_buffer {
+	uint32_t width, height;
+	uint8_t (*rgba)[4];
+};
+
+#endif

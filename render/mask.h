@@ -1,0 +1,41 @@
+#ifndef RENDER_MASK_H
+#define RENDER_MASK_H
+/* The visibility mask (Xu & Chen 2004, sections 6.1 and 7.1): how deep each pixel is covered, by all points as discs of their own
+ * projected size, pushed back along the ray a little. Where points are denser than pixels, a part of each chunk's points stands for
+ * all, by the same rank test as strokes have (7.4), as larger discs.
+ *
+ * A pixel's key has the bits of its depth, a float of metres along the optical axis, but for the last MASK_PIPELINE_BITS, which
+ * say the pipeline of the point. So the least key is the nearest point, and the same one in whatever order they come. */
+#include "render/chunk-view.h"
+
+#define MASK_PIPELINE_BITS 8
+#define MASK_EMPTY         0x7f7fff00 /* nothing there */
+#define MASK_MARGIN        16         /* pixels around, so that vectors may reach over the edge */
+
+typedef struct visibility_mask visibility_mask;
+struct visibility_mask {
+	uint32_t width, height, pitch;
+	int32_t *key; /* of pixel 0 0 */
+	int32_t *memory;
+};
+/* Draws it. Uses a picture of keys for each thread. */
+visibility_mask *visibility_mask_new(
+	const frame *f, const struct chunk_view *views, uint32_t count);
+void visibility_mask_free(visibility_mask *m); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(visibility_mask, visibility_mask_free)
+
+static inline int32_t mask_key(const visibility_mask *m, int32_t x, int32_t y)
+{
+	return m->key[(ptrdiff_t)y * m->pitch + x];
+}
+
+static inline float mask_depth(int32_t key)
+{
+	union {
+		int32_t bits;
+		float depth_m;
+	} u = { key & ~((1 << MASK_PIPELINE_BITS) - 1) };
+	return u.depth_m;
+}
+
+#endif

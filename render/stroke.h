@@ -1,0 +1,56 @@
+#ifndef RENDER_STROKE_H
+#define RENDER_STROKE_H
+/* The strokes of a frame, as they are drawn: the points of each layer that are dense enough on the screen for it (Xu & Chen 2004,
+ * sections 6.2 to 7.4) and not hidden by the mask. Sprites and line segments are strokes too.
+ *
+ * A point is drawn when its rank among its kind in its chunk is below what the density at its very place asks for, and fades in over
+ * the last half of its rank. So density is even, and whatever is drawn in one frame is drawn in the next. */
+#include "render/mask.h"
+
+struct stroke {
+	float x_px, y_px;
+	float along_px[2]; /* half of it: from its middle to its end */
+	float half_width_px;
+	float alpha;
+	/* 1/depth at a pixel is q + (x - x_px) slope[0] + (y - y_px) slope[1]. */
+	float q, slope[2];
+	uint8_t rgba[4];
+	uint32_t point; /* of the scene */
+};
+
+/* Strokes of one layer, in the order of chunk_views and ranks. */
+typedef struct stroke_list stroke_list;
+struct stroke_list {
+	struct stroke *stroke;
+	uint32_t count;
+};
+
+/* Of all layers of the frame: an array of f->layers lists. m may be NULL: nothing is hidden. Free with stroke_lists_free. */
+stroke_list *stroke_lists_new(
+	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count);
+void stroke_lists_free(stroke_list *lists, uint32_t layers); /* NULL is fine */
+
+/* 0 <= r < 1, of a point; another one for each salt. */
+static inline float stroke_chance(uint32_t point, uint32_t salt)
+{
+	uint32_t x = point * 0x9E3779B9u ^ salt * 0x85EBCA6Bu;
+	x ^= x >> 16;
+	x *= 0x7feb352du;
+	x ^= x >> 15;
+	x *= 0x846ca68bu;
+	x ^= x >> 16;
+	return (float)(x >> 8) * (1.f / (1 << 24));
+}
+
+/* What a layer's strokes at full need weigh less for fading in: the mean of stroke_fade over ranks. */
+#define STROKE_FADE_MEAN 0.7213f
+/* Of a point with this rank where need is wanted: 1 below half of it, 0 at it. Even steps when the scale grows evenly. */
+static inline float stroke_fade(float rank, float need)
+{
+	if (rank >= need)
+		return 0;
+	float fade = __builtin_log2f(need / rank);
+	return fade < 1 ? fade : 1;
+}
+
+#endif
