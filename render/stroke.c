@@ -1,0 +1,425 @@
+#include "render/stroke.h"
+#include "process/vector3.h"
+#include "render/project-lanes.h"
+#include <math.h>
+#include <string.h>
+
+/* Chunks to a task, so that the order of strokes does not depend on threads. */
+#define TASK_CHUNKS 16
+/* A surface seen at a lower cosine counts as seen at this one. */
+#define COSINE_LEAST 0.05f
+/* Of points without a normal. */
+#define COSINE_UNKNOWN 0.5f
+/* Strokes along an edge that comes towards the camera are shorter, down to this part. */
+#define FORESHORTENED 0.25f
+#define ALPHA_LEAST   (1 / 255.f)
+#define UNIT_M        1e-4f
+
+/* A layer as one chunk draws it. */
+struct brush {
+	const frame *f;
+	const struct frame_layer *layer;
+	const struct chunk_view *view;
+	const visibility_mask *mask;
+	float focal_px, middle_x, middle_y, near_m;
+	float turn[3][3]; /* site to camera: rows right, down, forward */
+	int kind;
+	float wanted_most;
+	uint32_t list_from, list_count; /* of the kind in the chunk */
+};
+
+/* A point that may become a stroke. */
+struct candidate {
+	uint32_t point;
+	float rank, spacing_m;
+	float x_px, y_px, depth_m;
+};
+
+/* ---- what its surface looks like from here ---- */
+
+static void to_camera(const struct brush *b, const int16_t packed[2], float ret[3])
+{
+	float v[3];
+	model_unpack_normal(packed, v);
+	for (int k = 0; k < 3; k++)
+		ret[k] = vector3_dot(b->turn[k], v);
+}
+
+/* The ray through a place on the screen, of depth 1. */
+static void ray_of(const struct brush *b, const struct candidate *c, float ret[3])
+{
+	ret[0] = (c->x_px - b->middle_x) / b->focal_px;
+	ret[1] = (c->y_px - b->middle_y) / b->focal_px;
+	ret[2] = 1;
+}
+
+static float cosine_of(const struct brush *b, const struct candidate *c, const float normal[3])
+{
+	float ray[3];
+	if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
+		return COSINE_UNKNOWN;
+	ray_of(b, c, ray);
+	return MAX(fabsf(vector3_dot(normal, ray)) / vector3_length(ray), COSINE_LEAST);
+}
+
+/* 1/depth over the screen, of the plane through the point. */
+static void plane_slope(const struct brush *b, const struct candidate *c, const float normal[3],
+	float reach_px, float ret[2])
+{
+	float ray[3], steepest = 0.5f / (c->depth_m * MAX(reach_px, 1));
+	ray_of(b, c, ray);
+	float away = vector3_dot(normal, ray) * c->depth_m * b->focal_px;
+	for (int k = 0; k < 2; k++) {
+		ret[k] = fabsf(away) > 1e-6f ? normal[k] / away : 0;
+		ret[k] = CLAMP(ret[k], -steepest, steepest);
+	}
+}
+
+/* The line through the point on the screen: unit, and pixels to a metre of it; 1/depth along it. */
+struct line {
+	float along[2], px_per_m, slope;
+};
+
+static bool line_of(const struct brush *b, const struct candidate *c, struct line *ret)
+{
+	float d[3], ray[3];
+	const int16_t *packed = b->f->scene->direction[c->point];
+	if (packed[0] == MODEL_NORMAL_NONE)
+		return false;
+	to_camera(b, packed, d);
+	ray_of(b, c, ray);
+	float scale = b->focal_px / c->depth_m;
+	float x = (d[0] - ray[0] * d[2]) * scale, y = (d[1] - ray[1] * d[2]) * scale;
+	float length = hypotf(x, y);
+	if (!(length > 1e-3f * scale))
+		return false;
+	ret->along[0] = x / length;
+	ret->along[1] = y / length;
+	ret->px_per_m = length;
+	ret->slope = -d[2] / (c->depth_m * c->depth_m * length);
+	return true;
+}
+
+/* ---- how many of them are drawn ---- */
+
+static uint8_t lightness_of(const uint8_t rgba[4])
+{
+	return rgba[3] ? (uint8_t)((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8) : 128;
+}
+
+static bool is_toned_dithering(const struct frame_layer *l)
+{
+	return l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
+}
+
+/* Strokes wanted over points that there are. */
+static float need_on_surface(const struct brush *b, const struct candidate *c, float cosine)
+{
+	const struct frame_layer *l = b->layer;
+	uint8_t lightness = lightness_of(b->f->scene->rgba[c->point]);
+	float px_per_m = b->focal_px / c->depth_m;
+	float wanted_per_m2 = l->wanted_per_px[lightness] * px_per_m * px_per_m * cosine;
+	if (is_toned_dithering(l)) {
+		float there = l->dithering_per_m2[lightness];
+		if (b->kind == FEATURE_DITHER)
+			return wanted_per_m2 / there;
+		return MAX(wanted_per_m2 - there, 0) * c->spacing_m * c->spacing_m;
+	}
+	return wanted_per_m2 * c->spacing_m * c->spacing_m;
+}
+
+static float need_along(const struct brush *b, const struct candidate *c, const struct line *l)
+{
+	return l->px_per_m * c->spacing_m / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
+}
+
+/* ---- hidden or not ---- */
+
+static float shows(const struct brush *b, int x, int y, float depth_m)
+{
+	const visibility_mask *m = b->mask;
+	x = CLAMP(x, 0, (int)m->width - 1);
+	y = CLAMP(y, 0, (int)m->height - 1);
+	return depth_m <= mask_depth(mask_key(m, x, y)) ? 1.f : 0.f;
+}
+
+/* Part of the four pixels around that it is not hidden in. */
+static float visibility(const struct brush *b, const struct candidate *c)
+{
+	if (!b->mask)
+		return 1;
+	float x = c->x_px - 0.5f, y = c->y_px - 0.5f;
+	int x0 = (int)floorf(x), y0 = (int)floorf(y);
+	float u = x - (float)x0, v = y - (float)y0;
+	return (1 - v) * ((1 - u) * shows(b, x0, y0, c->depth_m) +
+				 u * shows(b, x0 + 1, y0, c->depth_m)) +
+	       v * ((1 - u) * shows(b, x0, y0 + 1, c->depth_m) +
+			   u * shows(b, x0 + 1, y0 + 1, c->depth_m));
+}
+
+/* ---- the stroke ---- */
+
+static void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[4])
+{
+	const struct ink_step *ink = &b->layer->ink;
+	const uint8_t *rgba = b->f->scene->rgba[c->point];
+	memcpy(ret, ink->ink, 4);
+	if (ink->colour != COLOUR_POINT || !rgba[3])
+		return;
+	float grey = lightness_of(rgba);
+	for (int k = 0; k < 3; k++)
+		ret[k] = (uint8_t)CLAMP(grey + ink->saturation * (rgba[k] - grey) + 0.5f, 0, 255);
+}
+
+static void turn_along(struct stroke *s, const float along[2], float half_px, float angle_deg)
+{
+	float a = angle_deg * (float)(G_PI / 180), cosine = cosf(a), sine = sinf(a);
+	/* y is down, angles are counterclockwise */
+	s->along_px[0] = half_px * (along[0] * cosine + along[1] * sine);
+	s->along_px[1] = half_px * (along[1] * cosine - along[0] * sine);
+}
+
+static float opacity_of(const struct brush *b, const struct candidate *c)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	float degree = b->f->scene->degree[c->point] / 255.f;
+	float alpha = ink->opacity * (1 - ink->opacity_variation * stroke_chance(c->point, 3));
+	alpha *= 1 - ink->degree * (1 - degree);
+	return ink->fade_m > 0 ? alpha * exp2f(-c->depth_m / ink->fade_m) : alpha;
+}
+
+static float around_zero(uint32_t point, uint32_t salt)
+{
+	return 2 * stroke_chance(point, salt) - 1;
+}
+
+/* line NULL: at the layer's own angle; normal NULL: of one depth. */
+static struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
+	const struct line *line, const float *normal)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	static const float right[2] = { 1, 0 };
+	struct stroke s = { .x_px = c->x_px, .y_px = c->y_px, .alpha = alpha, .point = c->point };
+	float half_px = ink->length_px / 2 * (1 + ink->length_variation * around_zero(c->point, 1));
+	float angle = ink->angle_variation_deg * around_zero(c->point, 2);
+	s.half_width_px = ink->width_px / 2;
+	s.q = 1 / c->depth_m;
+	if (line) {
+		float whole = b->focal_px / c->depth_m;
+		half_px *= CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
+		turn_along(&s, line->along, half_px, angle);
+		for (int k = 0; k < 2; k++)
+			s.slope[k] = line->slope * line->along[k];
+	} else {
+		turn_along(&s, right, half_px, ink->angle_deg + angle);
+		if (normal)
+			plane_slope(b, c, normal, half_px, s.slope);
+	}
+	colour_of(b, c, s.rgba);
+	return s;
+}
+
+static void try_candidate(const struct brush *b, const struct candidate *c, GArray *to)
+{
+	struct line line;
+	float normal[3], need;
+	const struct ink_step *ink = &b->layer->ink;
+	if (b->kind != FEATURE_DIRECTED && c->rank >= need_on_surface(b, c, 1))
+		return;
+	float shown = visibility(b, c);
+	if (shown <= 0)
+		return;
+	bool on_edge = b->kind == FEATURE_DIRECTED && line_of(b, c, &line);
+	to_camera(b, b->f->scene->normal[c->point], normal);
+	if (on_edge)
+		need = need_along(b, c, &line);
+	else
+		need = need_on_surface(b, c, cosine_of(b, c, normal));
+	float fade = stroke_fade(c->rank, need);
+	if (fade <= 0)
+		return;
+	float alpha = opacity_of(b, c) * fade * shown;
+	if (alpha < ALPHA_LEAST)
+		return;
+	bool is_flat = b->kind != FEATURE_UNDIRECTED &&
+		       (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
+	struct stroke s =
+		stroke_of(b, c, alpha, on_edge && ink->direction == DIRECTION_EDGE ? &line : NULL,
+			is_flat ? normal : NULL);
+	g_array_append_val(to, s);
+}
+
+/* ---- a chunk's points ---- */
+
+/* need = this * (px_per_m * spacing)^2 at most, of points on surface. */
+static float wanted_most(const struct brush *b)
+{
+	const struct frame_layer *l = b->layer;
+	float most = 0;
+	for (int n = 0; n < 256; n++) {
+		float here = l->wanted_per_px[n];
+		if (is_toned_dithering(l) && b->kind == FEATURE_DITHER)
+			here *= b->f->scene->dither_per_m2 / l->dithering_per_m2[n];
+		most = MAX(most, here);
+	}
+	return most;
+}
+
+/* No rank above it is drawn. */
+static float need_most(const struct brush *b)
+{
+	float scale = b->focal_px / b->view->near_m * b->view->chunk->list_spacing_most_m[b->kind];
+	if (b->kind == FEATURE_DIRECTED)
+		return scale / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
+	return b->wanted_most * scale * scale;
+}
+
+INLINE vf gather_u16(const uint16_t *from, const uint16_t *list)
+{
+	int32_t x[LANES];
+	for (int k = 0; k < LANES; k++)
+		x[k] = from[list[k]];
+	return __builtin_convertvector(*(const vi_loose *)x, vf);
+}
+
+/* Those of eight that may be drawn, by what is quickly told. */
+INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf rank, vf spacing_m)
+{
+	float reach = b->layer->ink.length_px / 2;
+	vf scale = spacing_m * (b->focal_px / l->depth_m);
+	vf need = b->kind == FEATURE_DIRECTED
+			  ? scale * (1 / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
+			  : scale * scale * b->wanted_most;
+	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
+		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
+		    (rank < need));
+}
+
+INLINE void choose_points(const struct brush *b, GArray *to)
+{
+	const scene *s = b->f->scene;
+	const struct scene_chunk *c = b->view->chunk;
+	float ranks = 1.f / (float)b->list_count;
+	uint32_t end = (uint32_t)MIN(need_most(b) * (float)b->list_count + 1, (float)b->list_count);
+	for (uint32_t i = 0; i < end; i += LANES) {
+		uint32_t at = c->first + b->list_from + i;
+		const uint16_t *list = s->list + at;
+		vf q[3];
+		for (int axis = 0; axis < 3; axis++)
+			q[axis] = gather_u16(s->q[axis] + c->first, list);
+		struct lane_points l =
+			project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
+		vf rank = ((float)i + 0.5f + lane_number) * ranks;
+		vf spacing_m = load_u16(s->list_spacing + at) * UNIT_M;
+		unsigned left = promising(b, &l, rank, spacing_m);
+		if (end - i < LANES)
+			left &= (1u << (end - i)) - 1;
+		for (; left; left &= left - 1) {
+			int k = __builtin_ctz(left);
+			struct candidate one = { c->first + list[k], rank[k], spacing_m[k],
+				l.x_px[k], l.y_px[k], l.depth_m[k] };
+			try_candidate(b, &one, to);
+		}
+	}
+}
+
+static void choose_portable(const struct brush *b, GArray *to)
+{
+	choose_points(b, to);
+}
+
+#if defined __x86_64__
+__attribute__((target("avx2"))) static void choose_avx2(const struct brush *b, GArray *to)
+{
+	choose_points(b, to);
+}
+#else
+#define choose_avx2 choose_portable
+#endif
+
+static struct brush brush_of(const frame *f, const visibility_mask *m, const struct chunk_view *v,
+	const struct frame_layer *l)
+{
+	const struct camera *c = &f->camera;
+	struct brush b = { f, l, v, m, (float)c->focal_px, (float)c->width / 2,
+		(float)c->height / 2, (float)c->near_m };
+	const double *row[3] = { c->right, c->down, c->forward };
+	for (int k = 0; k < 3; k++)
+		for (int n = 0; n < 3; n++)
+			b.turn[k][n] = (float)row[k][n];
+	return b;
+}
+
+static void choose_kinds(struct brush *b, GArray *to)
+{
+	bool wide = !b->f->portable && vectors_have_avx2();
+	for (b->kind = 0; b->kind < FEATURE_KINDS; b->kind++) {
+		b->list_from = b->kind ? b->view->chunk->kind_end[b->kind - 1] : 0;
+		b->list_count = b->view->chunk->kind_end[b->kind] - b->list_from;
+		if (!(b->layer->kinds >> b->kind & 1) || !b->list_count)
+			continue;
+		b->wanted_most = wanted_most(b);
+		(wide ? choose_avx2 : choose_portable)(b, to);
+	}
+}
+
+/* ---- all ---- */
+
+struct task {
+	GArray *of_layer[FRAME_LAYERS_MAX];
+};
+
+static void run_task(const frame *f, const visibility_mask *m, const struct chunk_view *views,
+	uint32_t count, struct task *t)
+{
+	for (uint32_t n = 0; n < count; n++)
+		for (uint32_t l = 0; l < f->layers; l++) {
+			if (f->layer[l].pipeline != views[n].pipeline)
+				continue;
+			struct brush b = brush_of(f, m, &views[n], &f->layer[l]);
+			if (!t->of_layer[l])
+				t->of_layer[l] = g_array_new(FALSE, FALSE, sizeof(struct stroke));
+			choose_kinds(&b, t->of_layer[l]);
+		}
+}
+
+static void join(const struct task *task, uint32_t tasks, uint32_t layer, stroke_list *ret)
+{
+	size_t count = 0, at = 0;
+	for (uint32_t n = 0; n < tasks; n++)
+		count += task[n].of_layer[layer] ? task[n].of_layer[layer]->len : 0;
+	ret->stroke = g_new(struct stroke, count + 1);
+	ret->count = (uint32_t)count;
+	for (uint32_t n = 0; n < tasks; n++) {
+		GArray *a = task[n].of_layer[layer];
+		if (!a)
+			continue;
+		if (a->len)
+			memcpy(ret->stroke + at, a->data, a->len * sizeof(struct stroke));
+		at += a->len;
+		g_array_unref(a);
+	}
+}
+
+stroke_list *stroke_lists_new(
+	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count)
+{
+	uint32_t tasks = (count + TASK_CHUNKS - 1) / TASK_CHUNKS;
+	g_autofree struct task *task = g_new0(struct task, tasks + 1);
+	stroke_list *lists = g_new0(stroke_list, f->layers + 1);
+#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
+	for (uint32_t n = 0; n < tasks; n++)
+		run_task(f, m, views + n * TASK_CHUNKS, MIN(TASK_CHUNKS, count - n * TASK_CHUNKS),
+			&task[n]);
+#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
+	for (uint32_t l = 0; l < f->layers; l++)
+		join(task, tasks, l, &lists[l]);
+	return lists;
+}
+
+void stroke_lists_free(stroke_list *lists, uint32_t layers)
+{
+	for (uint32_t l = 0; lists && l < layers; l++)
+		g_free(lists[l].stroke);
+	g_free(lists);
+}
