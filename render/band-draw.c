@@ -1,0 +1,244 @@
+#include "render/bands.h"
+#include "render/light.h"
+#include "render/project-lanes.h"
+#include <math.h>
+
+/* Of a sprite's Gaussian kernel: its diameter is so many sigmas. */
+#define SIGMAS 5.f
+
+enum kernel { KERNEL_SPRITE, KERNEL_LINE, KERNEL_TEXTURE };
+
+/* A stroke with what its rows share. */
+struct pen {
+	const struct stroke *s;
+	float cosine, sine, half_length, half_width;
+	float reach_along, reach_across;
+	float falloff;          /* of a sprite */
+	const uint32_t *texels; /* of the variant */
+	uint32_t texel_pitch;
+	float texels_along, texels_across; /* to a pixel */
+	float texel_ends[2];
+	float colour[3];
+};
+
+INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
+{
+	struct pen p = { .s = s, .half_width = s->half_width_px };
+	p.half_length = hypotf(s->along_px[0], s->along_px[1]);
+	p.cosine = p.half_length > 0 ? s->along_px[0] / p.half_length : 1;
+	p.sine = p.half_length > 0 ? s->along_px[1] / p.half_length : 0;
+	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
+	p.reach_along = p.half_length + soft;
+	p.reach_across = p.half_width + soft;
+	if (kernel == KERNEL_SPRITE) {
+		float sigma = 2 * p.half_length / SIGMAS;
+		p.falloff = 1 / (2 * sigma * sigma);
+	}
+	if (kernel == KERNEL_TEXTURE) {
+		const stroke_texture *t = l->texture;
+		uint32_t variant = (uint32_t)(stroke_chance(s->point, 4) * (float)t->variants);
+		p.texel_pitch = t->length + 1;
+		p.texels = l->texels + (size_t)variant * p.texel_pitch * (t->width + 1);
+		p.texels_along = (float)t->length / (2 * p.half_length);
+		p.texels_across = (float)t->width / (2 * p.half_width);
+		p.texel_ends[0] = (float)t->length;
+		p.texel_ends[1] = (float)t->width;
+	}
+	return p;
+}
+
+/* ---- alpha of eight pixels in a row ---- */
+
+INLINE vf clamp01(vf x)
+{
+	return least(most(x, all(0)), all(1));
+}
+
+INLINE vf sprite_alpha(const struct pen *p, vf dx, float dy)
+{
+	vf away = dx * dx + dy * dy;
+	vf e = 1 - away * (p->falloff / 256);
+	for (int n = 0; n < 8; n++) /* (1 - x/256)^256 */
+		e *= e;
+	return where(away <= p->half_length * p->half_length, e);
+}
+
+INLINE vf line_alpha(const struct pen *p, vf along, vf across)
+{
+	return clamp01(p->reach_along - magnitude(along)) *
+	       clamp01(p->reach_across - magnitude(across));
+}
+
+INLINE vf texture_alpha(const struct pen *p, vf along, vf across)
+{
+	vf s = (along + p->half_length) * p->texels_along + 0.5f,
+	   t = (across + p->half_width) * p->texels_across + 0.5f;
+	vi in = (s >= 0) & (s < p->texel_ends[0] + 1) & (t >= 0) & (t < p->texel_ends[1] + 1);
+	s = where(in, s);
+	t = where(in, t);
+	vi column = __builtin_convertvector(s, vi), row = __builtin_convertvector(t, vi);
+	vf u = s - __builtin_convertvector(column, vf), v = t - __builtin_convertvector(row, vf);
+	vi at = row * (int32_t)p->texel_pitch + column, four = { 0 };
+	for (int k = 0; k < LANES; k++)
+		four[k] = (int32_t)p->texels[at[k]];
+	vf a = __builtin_convertvector(four & 255, vf),
+	   b = __builtin_convertvector(four >> 8 & 255, vf),
+	   c = __builtin_convertvector(four >> 16 & 255, vf),
+	   d = __builtin_convertvector(four >> 24 & 255, vf);
+	vf upper = a + u * (b - a), lower = c + u * (d - c);
+	return where(in, upper + v * (lower - upper)) * (1.f / 255);
+}
+
+INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
+{
+	if (kernel == KERNEL_SPRITE)
+		return sprite_alpha(p, dx, dy);
+	vf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
+	return kernel == KERNEL_LINE ? line_alpha(p, along, across)
+				     : texture_alpha(p, along, across);
+}
+
+/* ---- rows ---- */
+
+/* Columns, from the stroke's middle, where its row can have any ink. */
+INLINE bool span(const struct pen *p, float dy, float *ret_from, float *ret_to)
+{
+	float from = -INFINITY, to = INFINITY, c = p->cosine, s = p->sine;
+	if (fabsf(s) > 1e-4f) { /* |dy c - dx s| <= reach_across */
+		float middle = dy * c / s, half = p->reach_across / fabsf(s);
+		from = fmaxf(from, middle - half);
+		to = fminf(to, middle + half);
+	} else if (fabsf(dy * c) > p->reach_across + 1e-3f * p->half_length)
+		return false;
+	if (fabsf(c) > 1e-4f) { /* |dx c + dy s| <= reach_along */
+		float middle = -dy * s / c, half = p->reach_along / fabsf(c);
+		from = fmaxf(from, middle - half);
+		to = fminf(to, middle + half);
+	} else if (fabsf(dy * s) > p->reach_along + 1e-3f * p->half_length)
+		return false;
+	*ret_from = from;
+	*ret_to = to;
+	return from <= to;
+}
+
+INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
+{
+	vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+	return q * (vf) * (const vi_loose *)keys >= 1;
+}
+
+INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
+	const struct band_ink *ink, ptrdiff_t at)
+{
+	if (blend != BAND_COLOURED)
+		store(ink->bare + at, load(ink->bare + at) * (1 - alpha));
+	if (blend == BAND_COLOURED)
+		for (int k = 0; k < 3; k++)
+			store(ink->channel[k] + at,
+				load(ink->channel[k] + at) * (1 - alpha * (1 - p->colour[k])));
+	if (blend == BAND_PAINTED) {
+		for (int k = 0; k < 3; k++)
+			store(ink->channel[k] + at,
+				load(ink->channel[k] + at) + alpha * p->colour[k]);
+		store(ink->weight + at, load(ink->weight + at) + alpha);
+	}
+}
+
+INLINE void draw_row(const struct pen *p, const struct band *b, uint32_t y,
+	const visibility_mask *m, const struct band_ink *ink, enum kernel kernel,
+	enum band_blend blend)
+{
+	float dy = (float)y + 0.5f - p->s->y_px, from, to;
+	if (!span(p, dy, &from, &to))
+		return;
+	int x = (int)fmaxf(floorf(p->s->x_px + from - 0.5f), 0),
+	    end = (int)fminf(ceilf(p->s->x_px + to + 0.5f), (float)b->width);
+	ptrdiff_t row = (ptrdiff_t)(y - b->from) * b->pitch + BAND_MARGIN;
+	for (; x < end; x += LANES) {
+		vf dx = (float)x + 0.5f - p->s->x_px + lane_number;
+		vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
+		if (m)
+			alpha = where(
+				shows(p, m->key + (ptrdiff_t)y * m->pitch + x, dx, dy), alpha);
+		blend_at(p, blend, alpha, ink, row + x);
+	}
+}
+
+INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
+{
+	float reach = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
+	int from = MAX((int)floorf(p->s->y_px - reach - 0.5f), (int)b->from),
+	    to = MIN((int)ceilf(p->s->y_px + reach + 0.5f), (int)(b->from + b->rows));
+	for (int y = from; y < to; y++)
+		draw_row(p, b, (uint32_t)y, m, ink, kernel, blend);
+}
+
+INLINE void draw_all(const struct band *b, const struct frame_layer *l, const stroke_list *strokes,
+	const uint32_t *which, uint32_t count, const visibility_mask *m, const struct band_ink *ink,
+	enum kernel kernel, enum band_blend blend)
+{
+	const float *light = light_of_bytes();
+	for (uint32_t n = 0; n < count; n++) {
+		struct pen p = pen_of(l, &strokes->stroke[which[n]], kernel);
+		for (int k = 0; k < 3; k++)
+			p.colour[k] = light[p.s->rgba[k]];
+		draw_stroke(&p, b, m, ink, kernel, blend);
+	}
+}
+
+/* ---- which of them ---- */
+
+#define ARGUMENTS                                                                                  \
+	const struct band *b, const struct frame_layer *l, const stroke_list *strokes,             \
+		const uint32_t *which, uint32_t count, const visibility_mask *m,                   \
+		const struct band_ink *ink
+#define PATH(name, target, kernel, blend)                                                          \
+	target static void name(ARGUMENTS)                                                         \
+	{                                                                                          \
+		draw_all(b, l, strokes, which, count, m, ink, kernel, blend);                      \
+	}
+#define PATHS(suffix, target)                                                                      \
+	PATH(sprite_inked_##suffix, target, KERNEL_SPRITE, BAND_INKED)                             \
+	PATH(sprite_coloured_##suffix, target, KERNEL_SPRITE, BAND_COLOURED)                       \
+	PATH(sprite_painted_##suffix, target, KERNEL_SPRITE, BAND_PAINTED)                         \
+	PATH(line_inked_##suffix, target, KERNEL_LINE, BAND_INKED)                                 \
+	PATH(line_coloured_##suffix, target, KERNEL_LINE, BAND_COLOURED)                           \
+	PATH(line_painted_##suffix, target, KERNEL_LINE, BAND_PAINTED)                             \
+	PATH(texture_inked_##suffix, target, KERNEL_TEXTURE, BAND_INKED)                           \
+	PATH(texture_coloured_##suffix, target, KERNEL_TEXTURE, BAND_COLOURED)                     \
+	PATH(texture_painted_##suffix, target, KERNEL_TEXTURE, BAND_PAINTED)                       \
+	static void (*const paths_##suffix[3][3])(ARGUMENTS) = {                                   \
+		{ sprite_inked_##suffix, sprite_coloured_##suffix, sprite_painted_##suffix },      \
+		{ line_inked_##suffix, line_coloured_##suffix, line_painted_##suffix },            \
+		{ texture_inked_##suffix, texture_coloured_##suffix, texture_painted_##suffix }    \
+	};
+PATHS(portable, )
+#if defined __x86_64__
+PATHS(avx2, __attribute__((target("avx2"))))
+#else
+#define paths_avx2 paths_portable
+#endif
+
+static enum kernel kernel_of(const struct frame_layer *l)
+{
+	if (l->texture)
+		return KERNEL_TEXTURE;
+	return l->step->kind == step_kind_find("sprites") ? KERNEL_SPRITE : KERNEL_LINE;
+}
+
+enum band_blend band_blend_of(const struct frame_layer *l)
+{
+	if (l->ink.blend == BLEND_PAINT)
+		return BAND_PAINTED;
+	return l->ink.colour == COLOUR_POINT ? BAND_COLOURED : BAND_INKED;
+}
+
+void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,
+	const stroke_list *strokes, const uint32_t *which, uint32_t count, const visibility_mask *m,
+	const struct band_ink *ink)
+{
+	bool wide = !f->portable && vectors_have_avx2();
+	(wide ? paths_avx2 : paths_portable)[kernel_of(l)][band_blend_of(l)](
+		b, l, strokes, which, count, m, ink);
+}

@@ -1,0 +1,46 @@
+#ifndef RENDER_BANDS_H
+#define RENDER_BANDS_H
+/* A picture is put together in bands of rows, each by one thread, with planes of floats that stay in its cache. */
+#include "render/stroke.h"
+
+#define BAND_ROWS   32
+#define BAND_MARGIN 16 /* columns on either side, that vectors may reach into */
+
+struct band {
+	uint32_t width, from, rows; /* of the picture */
+	uint32_t pitch;
+};
+static inline float *band_row(const struct band *b, float *plane, uint32_t y)
+{
+	return plane + (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
+}
+
+/* Which strokes of a list touch which band, in their order. */
+typedef struct band_lists band_lists;
+struct band_lists {
+	uint32_t bands;
+	uint32_t *end;   /* of each band's part of which */
+	uint32_t *which; /* strokes */
+};
+void band_lists_fill(band_lists *b, const stroke_list *strokes, uint32_t height);
+void band_lists_clear(band_lists *b);
+
+/* What strokes of one layer leave in a band. */
+enum band_blend {
+	BAND_INKED,    /* BLEND_MULTIPLY in one ink: bare alone */
+	BAND_COLOURED, /* BLEND_MULTIPLY in the points' colours: channel alone */
+	BAND_PAINTED   /* BLEND_PAINT: all of them */
+};
+enum band_blend band_blend_of(const struct frame_layer *l);
+
+struct band_ink {
+	float *bare;       /* product of 1 - alpha */
+	float *channel[3]; /* product of 1 - alpha (1 - colour); or sum of alpha * colour */
+	float *weight;     /* sum of alpha */
+};
+/* Draws strokes of the layer over the planes. m may be NULL. */
+void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,
+	const stroke_list *strokes, const uint32_t *which, uint32_t count, const visibility_mask *m,
+	const struct band_ink *ink);
+
+#endif

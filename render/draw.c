@@ -1,0 +1,289 @@
+#include "render/draw.h"
+#include "acquire/picture.h"
+#include "render/edl.h"
+#include "render/light.h"
+#include "render/splat.h"
+#include <math.h>
+#include <string.h>
+
+#define PLANES 8
+
+/* One thread's planes of a band. */
+struct desk {
+	float *memory, *canvas[3];
+	struct band_ink ink;
+	float *relief; /* -1 .. 1, of the paper */
+};
+
+struct job {
+	const frame *f;
+	const visibility_mask *mask;
+	const struct chunk_view *views;
+	uint32_t count;
+	const stroke_list *strokes;
+	const band_lists *lists; /* of each layer */
+	struct picture_buffer *to;
+};
+
+static void set_up(struct desk *d, const struct band *b)
+{
+	size_t plane = (size_t)b->pitch * BAND_ROWS;
+	d->memory = g_aligned_alloc(9 * plane, sizeof(float), 64);
+	float **all[] = { &d->canvas[0], &d->canvas[1], &d->canvas[2], &d->ink.bare,
+		&d->ink.channel[0], &d->ink.channel[1], &d->ink.channel[2], &d->ink.weight,
+		&d->relief };
+	for (size_t n = 0; n < G_N_ELEMENTS(all); n++)
+		*all[n] = d->memory + n * plane;
+}
+
+static void fill(const struct band *b, float *plane, float value)
+{
+	for (size_t i = 0; i < (size_t)b->pitch * b->rows; i++)
+		plane[i] = value;
+}
+
+/* ---- paper ---- */
+
+static float height_at(const paper_texture *p, float x, float y)
+{
+	float fx = floorf(x), fy = floorf(y), u = x - fx, v = y - fy;
+	uint32_t side = p->side, x0 = (uint32_t)(int32_t)fx & (side - 1),
+		 y0 = (uint32_t)(int32_t)fy & (side - 1), x1 = (x0 + 1) & (side - 1),
+		 y1 = (y0 + 1) & (side - 1);
+	float a = p->height[y0 * side + x0], c = p->height[y1 * side + x0];
+	float upper = a + u * ((float)p->height[y0 * side + x1] - a),
+	      lower = c + u * ((float)p->height[y1 * side + x1] - c);
+	return (upper + v * (lower - upper) - PAPER_TEXTURE_MEAN) / 128;
+}
+
+static void lay_paper(const struct job *j, const struct band *b, struct desk *d)
+{
+	const struct style_paper *paper = &j->f->drawing->paper;
+	float colour[3], step = 1 / (j->f->px * paper->scale);
+	for (int k = 0; k < 3; k++)
+		colour[k] = light_of_srgb((float)paper->colour[k] / 255);
+	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
+		float *relief = band_row(b, d->relief, y);
+		for (uint32_t x = 0; x < b->width; x++)
+			relief[x] = height_at(
+				j->f->paper, ((float)x + 0.5f) * step, ((float)y + 0.5f) * step);
+		for (int k = 0; k < 3; k++) {
+			float *canvas = band_row(b, d->canvas[k], y);
+			for (uint32_t x = 0; x < b->width; x++)
+				canvas[x] =
+					MIN(colour[k] * (1 + 0.5f * paper->grain * relief[x]), 1);
+		}
+	}
+}
+
+/* ---- coloured points ---- */
+
+static bool has_points(const frame *f)
+{
+	for (guint p = 0; p < f->drawing->pipelines->len; p++)
+		if (splat_step(f, (uint8_t)p))
+			return true;
+	return false;
+}
+
+static void show_pixel(const struct points_step *step, const float light[3], float ret[3])
+{
+	float s[3], grey;
+	for (int k = 0; k < 3; k++)
+		s[k] = ((light_to_srgb(light[k]) - 0.5f) * step->contrast + 0.5f) *
+		       step->brightness;
+	grey = 0.299f * s[0] + 0.587f * s[1] + 0.114f * s[2];
+	for (int k = 0; k < 3; k++)
+		ret[k] = light_of_srgb(CLAMP(grey + step->saturation * (s[k] - grey), 0, 1));
+}
+
+static bool is_plain(const struct points_step *s)
+{
+	return s->brightness == 1 && s->contrast == 1 && s->saturation == 1;
+}
+
+static void show_points(const struct job *j, const struct band *b, struct desk *d)
+{
+	const struct band_ink *i = &d->ink;
+	const struct points_step *steps[256];
+	for (guint p = 0; p < 256; p++)
+		steps[p] = p < j->f->drawing->pipelines->len ? splat_step(j->f, (uint8_t)p) : NULL;
+	for (uint32_t y = b->from; y < b->from + b->rows; y++)
+		for (uint32_t x = 0; x < b->width; x++) {
+			size_t at = (size_t)(band_row(b, i->weight, y) + x - i->weight);
+			if (!(i->weight[at] > 0))
+				continue;
+			float light[3];
+			for (int k = 0; k < 3; k++)
+				light[k] = i->channel[k][at] / i->weight[at];
+			const struct points_step *step =
+				steps[mask_key(j->mask, (int32_t)x, (int32_t)y) & 255];
+			if (step && !is_plain(step))
+				show_pixel(step, light, light);
+			for (int k = 0; k < 3; k++)
+				d->canvas[k][at] = light[k];
+		}
+}
+
+static void draw_points(const struct job *j, const struct band *b, struct desk *d)
+{
+	for (int k = 0; k < 3; k++)
+		fill(b, d->ink.channel[k], 0);
+	fill(b, d->ink.weight, 0);
+	splat_band(b, j->f, j->mask, j->views, j->count, d->ink.channel, d->ink.weight);
+	show_points(j, b, d);
+}
+
+/* ---- inks ---- */
+
+/* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
+static float on_relief(float bare, float relief, float tooth)
+{
+	float cover = 1 - bare;
+	return 1 - CLAMP(cover * (1 + 4 * tooth * relief * bare), 0, 1);
+}
+
+static void add_inked(const struct frame_layer *l, const struct band *b, struct desk *d)
+{
+	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at++) {
+		float bare = d->ink.bare[at];
+		if (l->ink.tooth > 0)
+			bare = on_relief(bare, d->relief[at], l->ink.tooth);
+		for (int k = 0; k < 3; k++)
+			d->canvas[k][at] *= l->ink_linear[k] + (1 - l->ink_linear[k]) * bare;
+	}
+}
+
+static void add_coloured(const struct frame_layer *l, const struct band *b, struct desk *d)
+{
+	for (int k = 0; k < 3; k++)
+		for (size_t at = 0; at < (size_t)b->pitch * b->rows; at++) {
+			float through = d->ink.channel[k][at];
+			d->canvas[k][at] *=
+				l->ink.tooth > 0 ? on_relief(through, d->relief[at], l->ink.tooth)
+						 : through;
+		}
+}
+
+static void add_painted(const struct frame_layer *l, const struct band *b, struct desk *d)
+{
+	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at++) {
+		if (!(d->ink.weight[at] > 0))
+			continue;
+		float bare = d->ink.bare[at];
+		if (l->ink.tooth > 0)
+			bare = on_relief(bare, d->relief[at], l->ink.tooth);
+		for (int k = 0; k < 3; k++)
+			d->canvas[k][at] = d->canvas[k][at] * bare +
+					   (1 - bare) * d->ink.channel[k][at] / d->ink.weight[at];
+	}
+}
+
+static void draw_layer(const struct job *j, const struct band *b, struct desk *d, uint32_t n)
+{
+	static void (*const add[])(const struct frame_layer *, const struct band *,
+		struct desk *) = { add_inked, add_coloured, add_painted };
+	const struct frame_layer *l = &j->f->layer[n];
+	const band_lists *lists = &j->lists[n];
+	uint32_t band = b->from / BAND_ROWS, first = band ? lists->end[band - 1] : 0;
+	enum band_blend blend = band_blend_of(l);
+	if (lists->end[band] == first)
+		return;
+	fill(b, d->ink.bare, 1);
+	for (int k = 0; k < 3; k++)
+		fill(b, d->ink.channel[k], blend == BAND_PAINTED ? 0 : 1);
+	fill(b, d->ink.weight, 0);
+	band_draw(b, j->f, l, &j->strokes[n], lists->which + first, lists->end[band] - first,
+		j->mask, &d->ink);
+	add[blend](l, b, d);
+}
+
+/* ---- a band ---- */
+
+static void put_out(const struct job *j, const struct band *b, const struct desk *d)
+{
+	const uint8_t *srgb = light_srgb_bytes();
+	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
+		uint8_t(*to)[4] = j->to->rgba + (size_t)y * b->width;
+		size_t row = (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
+		for (uint32_t x = 0; x < b->width; x++) {
+			for (int k = 0; k < 3; k++)
+				to[x][k] = srgb[(int)(CLAMP(d->canvas[k][row + x], 0, 1) *
+							      (LIGHT_STEPS - 1) +
+						      0.5f)];
+			to[x][3] = 255;
+		}
+	}
+}
+
+static void draw_band(const struct job *j, const struct band *b, struct desk *d)
+{
+	lay_paper(j, b, d);
+	if (has_points(j->f))
+		draw_points(j, b, d);
+	edl_shade(b, j->f, j->mask, d->canvas);
+	for (uint32_t n = 0; n < j->f->layers; n++)
+		draw_layer(j, b, d, n);
+	put_out(j, b, d);
+}
+
+static void draw_bands(const struct job *j)
+{
+	uint32_t width = j->to->width, height = j->to->height;
+	struct band b = { width, 0, BAND_ROWS, (width + 2 * BAND_MARGIN + 7) / 8 * 8 };
+#pragma omp parallel if (!j->f->single_thread)
+	{
+		struct desk d;
+		set_up(&d, &b);
+#pragma omp for schedule(dynamic, 1)
+		for (uint32_t from = 0; from < height; from += BAND_ROWS) {
+			struct band own = { width, from, MIN(BAND_ROWS, height - from), b.pitch };
+			draw_band(j, &own, &d);
+		}
+		g_aligned_free(d.memory);
+	}
+}
+
+/* ---- all ---- */
+
+static double lap(int64_t *since_us)
+{
+	int64_t now_us = g_get_monotonic_time();
+	double s = (double)(now_us - *since_us) * 1e-6;
+	*since_us = now_us;
+	return s;
+}
+
+void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *ret_times)
+{
+	struct draw_times t = { 0 };
+	int64_t since_us = g_get_monotonic_time(), begin_us = since_us;
+	struct job j = { .f = f, .to = to };
+	g_autofree struct chunk_view *views = chunk_views_new(f, &j.count);
+	j.views = views;
+	t.cull_s = lap(&since_us);
+	g_autoptr(visibility_mask) m = visibility_mask_new(f, j.views, j.count);
+	j.mask = m;
+	t.mask_s = lap(&since_us);
+	stroke_list *strokes = stroke_lists_new(f, m, j.views, j.count);
+	j.strokes = strokes;
+	t.choose_s = lap(&since_us);
+	g_autofree band_lists *lists = g_new0(band_lists, f->layers + 1);
+#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
+	for (uint32_t n = 0; n < f->layers; n++)
+		band_lists_fill(&lists[n], &strokes[n], to->height);
+	j.lists = lists;
+	t.bin_s = lap(&since_us);
+	draw_bands(&j);
+	t.draw_s = lap(&since_us);
+	for (uint32_t n = 0; n < j.count; n++)
+		t.points_in_view += views[n].chunk->count;
+	for (uint32_t n = 0; n < f->layers; n++) {
+		t.strokes += strokes[n].count;
+		band_lists_clear(&lists[n]);
+	}
+	stroke_lists_free(strokes, f->layers);
+	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
+	if (ret_times)
+		*ret_times = t;
+}

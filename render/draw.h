@@ -1,0 +1,20 @@
+#ifndef RENDER_DRAW_H
+#define RENDER_DRAW_H
+/* The cpu backend: draws a frame in C, on all processors. The reference that others are compared with: the same frame gives the same
+ * bytes on any number of threads. */
+#include "render/stroke.h"
+
+struct draw_times {
+	double cull_s, mask_s, choose_s, bin_s, draw_s, all_s;
+	uint32_t points_in_view, strokes; /* in chunks that are in view; drawn */
+};
+/* Into a picture of the camera's size, whose memory is the caller's. ret_times may be NULL. */
+void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *ret_times);
+
+struct picture_buffer picture_buffer_new(uint32_t width, uint32_t height);
+void picture_buffer_clear(struct picture_buffer *p);
+/* Means of factor x factor pixels, in linear light; sizes are multiples of it. */
+struct picture_buffer picture_buffer_reduced(const struct picture_buffer *p, uint32_t factor);
+bool picture_buffer_save(const struct picture_buffer *p, const char *path, GError **error);
+
+#endif

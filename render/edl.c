@@ -1,0 +1,54 @@
+#include "render/edl.h"
+#include <math.h>
+
+#define AROUND 8
+
+static const struct edl_step *step_of(const frame *f, guint pipeline)
+{
+	const struct pipeline *p = &g_array_index(f->drawing->pipelines, struct pipeline, pipeline);
+	const struct step_kind *edl = step_kind_find("edl");
+	for (uint32_t n = p->layers; n < p->layers + p->filters; n++)
+		if (p->steps[n].kind == edl)
+			return &p->steps[n].edl;
+	return NULL;
+}
+
+/* Nothing is far away, where the optical axis ends. */
+static float depth_log2(const frame *f, const visibility_mask *m, int x, int y)
+{
+	x = CLAMP(x, 0, (int)m->width - 1);
+	y = CLAMP(y, 0, (int)m->height - 1);
+	float depth_m = mask_depth(mask_key(m, x, y));
+	return log2f(fminf(depth_m, (float)f->camera.far_m));
+}
+
+static float shade(const frame *f, const visibility_mask *m, const struct edl_step *s, int x, int y)
+{
+	static const float ring[AROUND][2] = { { 1, 0 }, { 0.7071f, 0.7071f }, { 0, 1 },
+		{ -0.7071f, 0.7071f }, { -1, 0 }, { -0.7071f, -0.7071f }, { 0, -1 },
+		{ 0.7071f, -0.7071f } };
+	float radius = fmaxf(s->radius_px * f->px, 1), here = depth_log2(f, m, x, y), sum = 0;
+	for (int n = 0; n < AROUND; n++)
+		sum += fmaxf(here - depth_log2(f, m, x + (int)lrintf(radius * ring[n][0]),
+					    y + (int)lrintf(radius * ring[n][1])),
+			0);
+	return expf(-300 * 0.1f * s->strength * sum / AROUND);
+}
+
+void edl_shade(
+	const struct band *b, const frame *f, const visibility_mask *m, float *const canvas[3])
+{
+	const struct edl_step *steps[256] = { NULL };
+	bool any = false;
+	for (guint p = 0; p < f->drawing->pipelines->len; p++)
+		any |= (steps[p] = step_of(f, p)) != NULL;
+	for (uint32_t y = b->from; any && y < b->from + b->rows; y++)
+		for (uint32_t x = 0; x < b->width; x++) {
+			int32_t key = mask_key(m, (int32_t)x, (int32_t)y);
+			if (key >= MASK_EMPTY || !steps[key & 255])
+				continue;
+			float by = shade(f, m, steps[key & 255], (int)x, (int)y);
+			for (int k = 0; k < 3; k++)
+				band_row(b, canvas[k], y)[x] *= by;
+		}
+}
