@@ -21,6 +21,7 @@ static const struct {
 	{ "report", "write how well the scans of a site fit, as a page" },
 	{ "panoramas", "write a site's panoramas as pictures and a page" },
 	{ "pictures", "write what was computed of a site's scans as pictures and a page" },
+	{ "render", "draw a site in a style" },
 	{ "styles", "list the styles that a site can be drawn in" },
 	{ "bench", "measure speed and memory" },
 };

@@ -1,5 +1,5 @@
 # Styles, passes, pictures, kiosk; and the commands that need every folder.
-programs += render/pleinair-bench render/pleinair-styles
+programs += render/pleinair-bench render/pleinair-render render/pleinair-styles
 # What programs find in ../share/pleinair.
 shared += render/style.schema.json $(wildcard render/styles/*.json)
 # Headers only: libEGL, libGLESv2 and libgbm are loaded where they are, when a program runs (gles-functions.h). The rest is an
