@@ -16,13 +16,15 @@ struct disc_pass {
 	float focal_px, middle_x, middle_y, near_m;
 	float turn[3][3]; /* site to camera */
 	float disc, radius_least;
+	bool backs_hidden;
 };
 
-static inline struct disc_pass disc_pass_of(const frame *f, float disc, float radius_least)
+static inline struct disc_pass disc_pass_of(
+	const frame *f, float disc, float radius_least, bool backs_hidden)
 {
 	const struct camera *c = &f->camera;
 	struct disc_pass p = { (float)c->focal_px, (float)c->width / 2, (float)c->height / 2,
-		(float)c->near_m, { { 0 } }, disc, radius_least };
+		(float)c->near_m, { { 0 } }, disc, radius_least, backs_hidden };
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
@@ -74,6 +76,8 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], st
 	vf right = (d->x - p->middle_x) * (1 / p->focal_px),
 	   down = (d->y - p->middle_y) * (1 / p->focal_px);
 	vf along = n[0] * right + n[1] * down + n[2], ray2 = right * right + down * down + 1;
+	if (p->backs_hidden)
+		d->drawn &= bits(along <= 0);
 	vf cosine2 = along * along / ray2,
 	   flat2 = p->radius_least * p->radius_least / (d->radius * d->radius);
 	vf aside2 = n[0] * n[0] + n[1] * n[1];

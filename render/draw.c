@@ -102,6 +102,45 @@ static bool is_plain(const struct points_step *s)
 	return s->brightness == 1 && s->contrast == 1 && s->saturation == 1;
 }
 
+/* The light of a pixel that a hole of the mask was filled in at: of the pixels around that points cover. */
+static bool light_around(const struct job *j, const struct band *b, const struct band_ink *i,
+	uint32_t x, uint32_t y, float ret[3])
+{
+	float sum[4] = { 0 }, depth_m = mask_depth(mask_key(j->mask, (int32_t)x, (int32_t)y));
+	for (int down = -2; down <= 2; down++)
+		for (int right = -2; right <= 2; right++) {
+			int at_x = (int)x + right, at_y = (int)y + down;
+			if (at_y < (int)b->from || at_y >= (int)(b->from + b->rows) || at_x < 0 ||
+				at_x >= (int)b->width)
+				continue;
+			size_t at =
+				(size_t)(band_row(b, i->weight, (uint32_t)at_y) + at_x - i->weight);
+			float there_m = mask_depth(mask_key(j->mask, at_x, at_y));
+			if (!(i->weight[at] > 0) || fabsf(there_m - depth_m) > 0.05f * depth_m)
+				continue;
+			for (int k = 0; k < 3; k++)
+				sum[k] += i->channel[k][at];
+			sum[3] += i->weight[at];
+		}
+	for (int k = 0; k < 3; k++)
+		ret[k] = sum[k] / MAX(sum[3], 1e-9f);
+	return sum[3] > 0;
+}
+
+static bool light_at(const struct job *j, const struct band *b, const struct band_ink *i,
+	uint32_t x, uint32_t y, const struct points_step *const *steps, float ret[3])
+{
+	int32_t key = mask_key(j->mask, (int32_t)x, (int32_t)y);
+	size_t at = (size_t)(band_row(b, i->weight, y) + x - i->weight);
+	if (key >= MASK_EMPTY || !steps[key & 255])
+		return false;
+	if (!(i->weight[at] > 0))
+		return light_around(j, b, i, x, y, ret);
+	for (int k = 0; k < 3; k++)
+		ret[k] = i->channel[k][at] / i->weight[at];
+	return true;
+}
+
 static void show_points(const struct job *j, const struct band *b, struct desk *d)
 {
 	const struct band_ink *i = &d->ink;
@@ -110,18 +149,15 @@ static void show_points(const struct job *j, const struct band *b, struct desk *
 		steps[p] = p < j->f->drawing->pipelines->len ? splat_step(j->f, (uint8_t)p) : NULL;
 	for (uint32_t y = b->from; y < b->from + b->rows; y++)
 		for (uint32_t x = 0; x < b->width; x++) {
-			size_t at = (size_t)(band_row(b, i->weight, y) + x - i->weight);
-			if (!(i->weight[at] > 0))
-				continue;
 			float light[3];
-			for (int k = 0; k < 3; k++)
-				light[k] = i->channel[k][at] / i->weight[at];
+			if (!light_at(j, b, i, x, y, steps, light))
+				continue;
 			const struct points_step *step =
 				steps[mask_key(j->mask, (int32_t)x, (int32_t)y) & 255];
-			if (step && !is_plain(step))
+			if (!is_plain(step))
 				show_pixel(step, light, light);
 			for (int k = 0; k < 3; k++)
-				d->canvas[k][at] = light[k];
+				band_row(b, d->canvas[k], y)[x] = light[k];
 		}
 }
 

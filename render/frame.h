@@ -47,6 +47,11 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
 /* Another camera with a picture of the same height; the layers stay. */
 bool frame_move(frame *f, const struct camera *c, GError **error);
 
+static inline const struct pipeline *frame_pipeline(const frame *f, uint32_t pipeline)
+{
+	return &g_array_index(f->drawing->pipelines, struct pipeline, pipeline);
+}
+
 /* A drawn picture: sRGB, 4 bytes a pixel, row by row, the last 255. */
 struct picture_buffer {
 	uint32_t width, height;

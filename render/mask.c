@@ -89,15 +89,11 @@ INLINE void draw_disc(const struct target *t, const struct disc *d)
 
 /* ---- points ---- */
 
-static const struct pipeline *pipeline_of(const frame *f, const struct chunk_view *v)
-{
-	return &g_array_index(f->drawing->pipelines, struct pipeline, v->pipeline);
-}
-
 INLINE void draw_chunk(const frame *f, const struct target *t, const struct chunk_view *v)
 {
-	const struct mask_step *step = &pipeline_of(f, v)->mask;
-	struct disc_pass p = disc_pass_of(f, step->disc, DISC_RADIUS_LEAST);
+	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
+	struct disc_pass p =
+		disc_pass_of(f, step->disc, DISC_RADIUS_LEAST, step->backs == BACKS_HIDDEN);
 	uint32_t end = disc_prefix(&p, v);
 	for (uint32_t i = 0; i < end; i += LANES) {
 		struct disc_lanes d = disc_lanes_of(f->scene, &p, v, i, end);
@@ -129,6 +125,60 @@ __attribute__((target("avx2"))) static void draw_avx2(
 #define draw_avx2 draw_portable
 #endif
 
+/* ---- holes ---- */
+
+/* What lies deeper than its neighbours by more than this factor is seen through a hole between them. */
+#define HOLE 1.05f
+
+INLINE vi farther(vi a, vi b)
+{
+	vi less = a < b;
+	return (b & less) | (a & ~less);
+}
+
+INLINE vi keys_at(const int32_t *const rows[5], int down, int x)
+{
+	return *(const vi_loose *)(rows[down + 2] + x);
+}
+
+/* A pixel between two that are nearer, one or two pixels wide, belongs to them. */
+INLINE vi filled(const int32_t *const rows[5], int x)
+{
+	static const int pairs[8][4] = { { -1, 0, 1, 0 }, { 0, -1, 0, 1 }, { -1, -1, 1, 1 },
+		{ 1, -1, -1, 1 }, { -2, 0, 1, 0 }, { -1, 0, 2, 0 }, { 0, -2, 0, 1 },
+		{ 0, -1, 0, 2 } };
+	vi own = keys_at(rows, 0, x), between = own;
+	for (int n = 0; n < 8; n++)
+		between = lower(between, farther(keys_at(rows, pairs[n][1], x + pairs[n][0]),
+						 keys_at(rows, pairs[n][3], x + pairs[n][2])));
+	vi is_hole = (vf)between * HOLE < (vf)own;
+	return (between & is_hole) | (own & ~is_hole);
+}
+
+INLINE void fill_row(const visibility_mask *from, visibility_mask *to, int y)
+{
+	const int32_t *rows[5];
+	for (int k = 0; k < 5; k++)
+		rows[k] = from->key + (ptrdiff_t)(y + k - 2) * from->pitch;
+	for (int x = 0; x < (int)from->width; x += LANES)
+		*(vi_loose *)(to->key + (ptrdiff_t)y * to->pitch + x) = filled(rows, x);
+}
+
+static void fill_portable(const visibility_mask *from, visibility_mask *to, int y)
+{
+	fill_row(from, to, y);
+}
+
+#if defined __x86_64__
+__attribute__((target("avx2"))) static void fill_avx2(
+	const visibility_mask *from, visibility_mask *to, int y)
+{
+	fill_row(from, to, y);
+}
+#else
+#define fill_avx2 fill_portable
+#endif
+
 /* ---- threads ---- */
 
 static void merge_rows(visibility_mask *const *part, int parts, uint32_t from, uint32_t to)
@@ -138,32 +188,37 @@ static void merge_rows(visibility_mask *const *part, int parts, uint32_t from, u
 		for (uint32_t y = from; y < to; y++) {
 			int32_t *a = m->key + (size_t)y * m->pitch;
 			const int32_t *b = part[n]->key + (size_t)y * m->pitch;
-			for (uint32_t x = 0; x < m->width; x++)
+			for (int x = -MASK_MARGIN; x < (int)m->width + MASK_MARGIN; x++)
 				a[x] = MIN(a[x], b[x]);
 		}
 }
 
 visibility_mask *visibility_mask_new(const frame *f, const struct chunk_view *views, uint32_t count)
 {
-	void (*draw)(const frame *, const struct target *, const struct chunk_view *) =
-		f->portable || !vectors_have_avx2() ? draw_portable : draw_avx2;
+	bool wide = !f->portable && vectors_have_avx2();
 	int threads = f->single_thread ? 1 : omp_get_max_threads();
-	g_autofree visibility_mask **part = g_new0(visibility_mask *, threads);
+	g_autofree visibility_mask **part = g_new0(visibility_mask *, threads + 1);
+	part[threads] = mask_alloc(&f->camera);
 #pragma omp parallel num_threads(threads)
 	{
 		visibility_mask *own = mask_alloc(&f->camera);
 		part[omp_get_thread_num()] = own;
 		clear(own);
+#pragma omp single nowait
+		clear(part[threads]);
 		struct target t = { own->key, (int32_t)own->width, (int32_t)own->height,
 			(ptrdiff_t)own->pitch };
 #pragma omp for schedule(dynamic, 4)
 		for (uint32_t n = 0; n < count; n++)
-			draw(f, &t, &views[n]);
+			(wide ? draw_avx2 : draw_portable)(f, &t, &views[n]);
 #pragma omp for schedule(static)
 		for (uint32_t row = 0; row < own->height; row += 16)
 			merge_rows(part, omp_get_num_threads(), row, MIN(row + 16, own->height));
+#pragma omp for schedule(static)
+		for (int y = 0; y < (int)own->height; y++)
+			(wide ? fill_avx2 : fill_portable)(part[0], part[threads], y);
 	}
-	for (int n = 1; n < threads; n++)
+	for (int n = 0; n < threads; n++)
 		visibility_mask_free(part[n]);
-	return part[0];
+	return part[threads];
 }

@@ -87,7 +87,7 @@ static void measure(scene *s, uint32_t at, const struct model_point *p)
 	if (p->kind == FEATURE_UNDIRECTED || p->plane_error == MODEL_ERROR_NONE ||
 		p->plane_error > fmaxf(LEAF_ERROR, LEAF_ERROR_SIZES * size))
 		spacing = fminf(spacing, LEAF_SLANT * size);
-	float disc = CLAMP(spacing * spacing / size, spacing, LONGEST * spacing);
+	float disc = CLAMP(fmaxf(spacing * spacing / size, size), spacing, LONGEST * spacing);
 	s->spacing[at] = (uint16_t)fminf(spacing + 0.5f, SPACING_M);
 	s->disc[at] = (uint16_t)fminf(disc + 0.5f, SPACING_M);
 }

@@ -10,7 +10,7 @@ struct splat {
 
 const struct points_step *splat_step(const frame *f, uint8_t pipeline)
 {
-	const struct pipeline *p = &g_array_index(f->drawing->pipelines, struct pipeline, pipeline);
+	const struct pipeline *p = frame_pipeline(f, pipeline);
 	const struct step_kind *points = step_kind_find("points");
 	for (uint32_t n = 0; n < p->layers; n++)
 		if (p->steps[n].kind == points)
@@ -55,7 +55,9 @@ INLINE void splat_chunk(const struct band *b, const frame *f, const visibility_m
 	const struct chunk_view *v, const struct points_step *step, float *const light[3],
 	float *weight)
 {
-	struct disc_pass p = disc_pass_of(f, step->size, fmaxf(step->least_px * f->px / 2, 0.72f));
+	struct disc_pass p =
+		disc_pass_of(f, step->size, fmaxf(step->least_px * f->px / 2, DISC_RADIUS_LEAST),
+			frame_pipeline(f, v->pipeline)->mask.backs == BACKS_HIDDEN);
 	const float *linear = light_of_bytes();
 	uint32_t end = disc_prefix(&p, v);
 	for (uint32_t i = 0; i < end; i += LANES) {

@@ -26,7 +26,7 @@ static const char *const point_names[] = { [INK_ALL] = "all",
 	NULL };
 static const char *const tone_names[] = { [TONE_EVEN] = "even", [TONE_COLOUR] = "colour", NULL };
 static const char *const direction_names[] = {
-	[DIRECTION_EDGE] = "edge", [DIRECTION_SCREEN] = "screen", NULL
+	[DIRECTION_EDGE] = "edge", [DIRECTION_SCREEN] = "screen", [DIRECTION_LINE] = "line", NULL
 };
 static const char *const colour_names[] = { [COLOUR_INK] = "ink", [COLOUR_POINT] = "point", NULL };
 static const char *const blend_names[] = {
@@ -58,7 +58,9 @@ static const char *const blend_names[] = {
 		"how much opacities differ from each other")
 #define DIRECTION(start)                                                                           \
 	INK_CHOICE(direction, direction_names, start,                                              \
-		"along the edge that a point is of, or as angle_deg tells")
+		"along the edge that a point is of, or as angle_deg tells; line: along an edge "   \
+		"even if "                                                                         \
+		"it is not sure")
 #define ANGLE(start)                                                                               \
 	NUMBER(ink_step, angle_deg, RANGE(-360, 360, -90, 90), start, "degrees",                   \
 		"on the screen, counterclockwise from the right")
@@ -84,6 +86,9 @@ static const char *const blend_names[] = {
 		NUMBER(ink_step, saturation, RANGE(0, 4, 0, 2), 1, "",                             \
 			"of points' own colours: 0 is grey, 1 as they are")
 #define OPACITY(start) NUMBER(ink_step, opacity, PART, start, "", "of the ink")
+#define GROW                                                                                       \
+	NUMBER(ink_step, grow, RANGE(1, 8, 1, 4), 2, "",                                           \
+		"how much larger they may be where points are too few")
 #define DEGREE(start)                                                                              \
 	NUMBER(ink_step, degree, PART, start, "",                                                  \
 		"how much fainter weak features are than strong ones")
@@ -105,6 +110,7 @@ static const struct step_parameter sprite_parameters[] = {
 	SPACING(4),
 	DIAMETER(2.5),
 	LENGTH_VARIATION(0.2),
+	GROW,
 	INK(0x2b2b2b),
 	OPACITY(0.8),
 	OPACITY_VARIATION(0.2),
@@ -124,6 +130,7 @@ static const struct step_parameter line_parameters[] = {
 	LENGTH(12),
 	WIDTH(1.2, 6),
 	LENGTH_VARIATION(0.2),
+	GROW,
 	INK(0x2b2b2b),
 	OPACITY(0.7),
 	OPACITY_VARIATION(0.2),
@@ -143,6 +150,7 @@ static const struct step_parameter stroke_parameters[] = {
 	LENGTH(30),
 	WIDTH(4.5, 20),
 	LENGTH_VARIATION(0.2),
+	GROW,
 	TEXTURE("pencil"),
 	INK(0x2b2b2b),
 	OPACITY(0.8),
@@ -163,13 +171,23 @@ static float ink_radius_px(const void *step)
 
 /* ---- the others ---- */
 
+static const char *const back_names[] = {
+	[BACKS_SHOWN] = "shown", [BACKS_HIDDEN] = "hidden", NULL
+};
 static const struct step_parameter mask_parameters[] = {
 	NUMBER(mask_step, disc, RANGE(0, 8, 0.5, 3), 1.5, "",
 		"how large points are when they hide others; 1: as they were measured"),
 	NUMBER(mask_step, offset_m, RANGE(0, 10, 0, 0.5), 0.05, "m",
 		"what lies no farther behind is not hidden"),
 	NUMBER(mask_step, offset_relative, RANGE(0, 0.5, 0, 0.05), 0.004, "",
-		"the same as a part of the distance; the larger one counts"),
+		"and so much more, as a part of the distance"),
+	{ .name = "backs",
+		.type = PARAMETER_CHOICE,
+		.offset = offsetof(struct mask_step, backs),
+		.choices = back_names,
+		.fallback = BACKS_SHOWN,
+		.unit = "",
+		.help = "whether surface is there that is seen from behind" },
 	{ NULL },
 };
 

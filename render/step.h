@@ -40,10 +40,15 @@ struct step_parameter {
 
 /* The visibility mask (Xu & Chen 2004, section 6.1): every point a disc of its own projected size, pushed back along the ray, so
  * that what lies on a surface is not hidden by it. */
+enum mask_backs {
+	BACKS_SHOWN,
+	BACKS_HIDDEN, /* surface that is seen from behind is not there (section 3: back-face culling) */
+};
 struct mask_step {
 	float disc;            /* factor on the diameter of a point's patch */
 	float offset_m;        /* at least this far back */
 	float offset_relative; /* and this part of the distance */
+	int32_t backs;         /* enum mask_backs */
 };
 
 /* Which points a layer draws (section 5, figure 2). */
@@ -62,6 +67,7 @@ enum ink_tone {
 enum ink_direction {
 	DIRECTION_EDGE,   /* along the point's line; points without one as DIRECTION_SCREEN */
 	DIRECTION_SCREEN, /* angle_deg on the screen */
+	DIRECTION_LINE, /* as DIRECTION_EDGE, and non-directional points along the line that suits them best */
 };
 enum ink_colour { COLOUR_INK, COLOUR_POINT };
 enum ink_blend {
@@ -82,7 +88,8 @@ struct ink_step {
 	const char *texture; /* strokes */
 	uint8_t ink[4];
 	float opacity;
-	float saturation;    /* of COLOUR_POINT: 0 grey, 1 as it is */
+	float saturation; /* of COLOUR_POINT: 0 grey, 1 as it is */
+	float grow; /* factor: so much larger they may be where there are too few points to be as dense as wanted */
 	float degree;        /* 0..1: how much fainter points of a low feature degree are */
 	float tone_strength; /* TONE_COLOUR: how much of the paper's lightness black takes away */
 	float tone_white;    /* lightness from which on nothing is drawn */

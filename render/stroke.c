@@ -157,6 +157,16 @@ static float visibility(const struct brush *b, const struct candidate *c)
 			   u * shows(b, x0 + 1, y0 + 1, c->depth_m));
 }
 
+float stroke_growth(float need)
+{
+	float half = need / 2, mean = 1;
+	if (need <= 1)
+		return 1;
+	if (need < 2) /* the mean of stroke_fade over all ranks */
+		mean = half + (1 - half) * (log2f(need) + 1 / (float)G_LN2) + half * log2f(half);
+	return sqrtf(need * STROKE_FADE_MEAN / mean);
+}
+
 /* ---- the stroke ---- */
 
 static void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[4])
@@ -195,14 +205,15 @@ static float around_zero(uint32_t point, uint32_t salt)
 
 /* line NULL: at the layer's own angle; normal NULL: of one depth. */
 static struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
-	const struct line *line, const float *normal)
+	float growth, const struct line *line, const float *normal)
 {
 	const struct ink_step *ink = &b->layer->ink;
 	static const float right[2] = { 1, 0 };
 	struct stroke s = { .x_px = c->x_px, .y_px = c->y_px, .alpha = alpha, .point = c->point };
-	float half_px = ink->length_px / 2 * (1 + ink->length_variation * around_zero(c->point, 1));
+	float half_px = growth * ink->length_px / 2 *
+			(1 + ink->length_variation * around_zero(c->point, 1));
 	float angle = ink->angle_variation_deg * around_zero(c->point, 2);
-	s.half_width_px = ink->width_px / 2;
+	s.half_width_px = growth * ink->width_px / 2;
 	s.q = 1 / c->depth_m;
 	if (line) {
 		float whole = b->focal_px / c->depth_m;
@@ -219,22 +230,35 @@ static struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	return s;
 }
 
+static bool is_seen_from_behind(
+	const struct brush *b, const struct candidate *c, const float normal[3])
+{
+	float ray[3];
+	ray_of(b, c, ray);
+	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN &&
+	       vector3_dot(normal, ray) > 0;
+}
+
+static bool goes_along(const struct brush *b)
+{
+	int32_t direction = b->layer->ink.direction;
+	return direction == DIRECTION_LINE ||
+	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
+}
+
 static void try_candidate(const struct brush *b, const struct candidate *c, GArray *to)
 {
 	struct line line;
 	float normal[3], need;
-	const struct ink_step *ink = &b->layer->ink;
 	if (b->kind != FEATURE_DIRECTED && c->rank >= need_on_surface(b, c, 1))
 		return;
 	float shown = visibility(b, c);
-	if (shown <= 0)
-		return;
-	bool on_edge = b->kind == FEATURE_DIRECTED && line_of(b, c, &line);
 	to_camera(b, b->f->scene->normal[c->point], normal);
-	if (on_edge)
-		need = need_along(b, c, &line);
-	else
-		need = need_on_surface(b, c, cosine_of(b, c, normal));
+	if (shown <= 0 || is_seen_from_behind(b, c, normal))
+		return;
+	bool has_line = (b->kind == FEATURE_DIRECTED || goes_along(b)) && line_of(b, c, &line);
+	bool on_edge = b->kind == FEATURE_DIRECTED && has_line;
+	need = on_edge ? need_along(b, c, &line) : need_on_surface(b, c, cosine_of(b, c, normal));
 	float fade = stroke_fade(c->rank, need);
 	if (fade <= 0)
 		return;
@@ -243,9 +267,11 @@ static void try_candidate(const struct brush *b, const struct candidate *c, GArr
 		return;
 	bool is_flat = b->kind != FEATURE_UNDIRECTED &&
 		       (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
-	struct stroke s =
-		stroke_of(b, c, alpha, on_edge && ink->direction == DIRECTION_EDGE ? &line : NULL,
-			is_flat ? normal : NULL);
+	/* Where dithering points are too few, others are there beside them. */
+	bool may_grow = !on_edge && !(b->kind == FEATURE_DITHER && is_toned_dithering(b->layer));
+	float growth = may_grow ? MIN(stroke_growth(need), b->layer->ink.grow) : 1;
+	struct stroke s = stroke_of(b, c, alpha, growth, has_line && goes_along(b) ? &line : NULL,
+		is_flat ? normal : NULL);
 	g_array_append_val(to, s);
 }
 

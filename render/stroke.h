@@ -53,4 +53,7 @@ static inline float stroke_fade(float rank, float need)
 	return fade < 1 ? fade : 1;
 }
 
+/* How much larger strokes must be to be as dark as wanted where need is more than there are points for. */
+float stroke_growth(float need);
+
 #endif
