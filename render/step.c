@@ -89,6 +89,9 @@ static const char *const blend_names[] = {
 #define GROW                                                                                       \
 	NUMBER(ink_step, grow, RANGE(1, 8, 1, 4), 2, "",                                           \
 		"how much larger they may be where points are too few")
+#define SCATTER                                                                                    \
+	NUMBER(ink_step, scatter, PART, 0.8, "",                                                   \
+		"how far points of surface are moved, so that rows of beams do not show")
 #define DEGREE(start)                                                                              \
 	NUMBER(ink_step, degree, PART, start, "",                                                  \
 		"how much fainter weak features are than strong ones")
@@ -111,6 +114,7 @@ static const struct step_parameter sprite_parameters[] = {
 	DIAMETER(2.5),
 	LENGTH_VARIATION(0.2),
 	GROW,
+	SCATTER,
 	INK(0x2b2b2b),
 	OPACITY(0.8),
 	OPACITY_VARIATION(0.2),
@@ -131,6 +135,7 @@ static const struct step_parameter line_parameters[] = {
 	WIDTH(1.2, 6),
 	LENGTH_VARIATION(0.2),
 	GROW,
+	SCATTER,
 	INK(0x2b2b2b),
 	OPACITY(0.7),
 	OPACITY_VARIATION(0.2),
@@ -151,6 +156,7 @@ static const struct step_parameter stroke_parameters[] = {
 	WIDTH(4.5, 20),
 	LENGTH_VARIATION(0.2),
 	GROW,
+	SCATTER,
 	TEXTURE("pencil"),
 	INK(0x2b2b2b),
 	OPACITY(0.8),

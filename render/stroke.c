@@ -37,6 +37,11 @@ struct candidate {
 
 /* ---- what its surface looks like from here ---- */
 
+static float around_zero(uint32_t point, uint32_t salt)
+{
+	return 2 * stroke_chance(point, salt) - 1;
+}
+
 static void to_camera(const struct brush *b, const int16_t packed[2], float ret[3])
 {
 	float v[3];
@@ -98,6 +103,27 @@ static bool line_of(const struct brush *b, const struct candidate *c, struct lin
 	ret->px_per_m = length;
 	ret->slope = -d[2] / (c->depth_m * c->depth_m * length);
 	return true;
+}
+
+/* Moves the point in its plane, inside the patch that it stands for. */
+static void scatter(const struct brush *b, const float normal[3], struct candidate *c)
+{
+	/* Two axes of the plane (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). */
+	float sign = normal[2] >= 0 ? 1 : -1, s = -1 / (sign + normal[2]),
+	      t = normal[0] * normal[1] * s;
+	float axis[2][3] = { { 1 + sign * normal[0] * normal[0] * s, sign * t, -sign * normal[0] },
+		{ t, sign + normal[1] * normal[1] * s, -normal[1] } };
+	float reach_m = b->layer->ink.scatter * b->f->scene->disc[c->point] * (UNIT_M / 2), at[3];
+	ray_of(b, c, at);
+	for (int k = 0; k < 3; k++)
+		at[k] = at[k] * c->depth_m +
+			reach_m * (around_zero(c->point, 5) * axis[0][k] +
+					  around_zero(c->point, 6) * axis[1][k]);
+	if (at[2] < b->near_m)
+		return;
+	c->depth_m = at[2];
+	c->x_px = b->middle_x + b->focal_px * at[0] / at[2];
+	c->y_px = b->middle_y + b->focal_px * at[1] / at[2];
 }
 
 /* ---- how many of them are drawn ---- */
@@ -198,11 +224,6 @@ static float opacity_of(const struct brush *b, const struct candidate *c)
 	return ink->fade_m > 0 ? alpha * exp2f(-c->depth_m / ink->fade_m) : alpha;
 }
 
-static float around_zero(uint32_t point, uint32_t salt)
-{
-	return 2 * stroke_chance(point, salt) - 1;
-}
-
 /* line NULL: at the layer's own angle; normal NULL: of one depth. */
 static struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
 	float growth, const struct line *line, const float *normal)
@@ -246,14 +267,18 @@ static bool goes_along(const struct brush *b)
 	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
 }
 
-static void try_candidate(const struct brush *b, const struct candidate *c, GArray *to)
+static void try_candidate(const struct brush *b, struct candidate *c, GArray *to)
 {
 	struct line line;
 	float normal[3], need;
 	if (b->kind != FEATURE_DIRECTED && c->rank >= need_on_surface(b, c, 1))
 		return;
-	float shown = visibility(b, c);
 	to_camera(b, b->f->scene->normal[c->point], normal);
+	bool is_flat = b->kind < FEATURE_UNDIRECTED &&
+		       (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
+	if (is_flat && b->layer->ink.scatter > 0)
+		scatter(b, normal, c);
+	float shown = visibility(b, c);
 	if (shown <= 0 || is_seen_from_behind(b, c, normal))
 		return;
 	bool has_line = (b->kind == FEATURE_DIRECTED || goes_along(b)) && line_of(b, c, &line);
@@ -265,8 +290,6 @@ static void try_candidate(const struct brush *b, const struct candidate *c, GArr
 	float alpha = opacity_of(b, c) * fade * shown;
 	if (alpha < ALPHA_LEAST)
 		return;
-	bool is_flat = b->kind != FEATURE_UNDIRECTED &&
-		       (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
 	/* Where dithering points are too few, others are there beside them. */
 	bool may_grow = !on_edge && !(b->kind == FEATURE_DITHER && is_toned_dithering(b->layer));
 	float growth = may_grow ? MIN(stroke_growth(need), b->layer->ink.grow) : 1;
