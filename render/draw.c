@@ -2,6 +2,7 @@
 #include "acquire/picture.h"
 #include "render/edl.h"
 #include "render/light.h"
+#include "render/project-lanes.h"
 #include "render/splat.h"
 #include <math.h>
 #include <string.h>
@@ -36,43 +37,40 @@ static void set_up(struct desk *d, const struct band *b)
 		*all[n] = d->memory + n * plane;
 }
 
-static void fill(const struct band *b, float *plane, float value)
+INLINE void fill(const struct band *b, float *plane, float value)
 {
-	for (size_t i = 0; i < (size_t)b->pitch * b->rows; i++)
-		plane[i] = value;
+	for (size_t i = 0; i < (size_t)b->pitch * b->rows; i += LANES)
+		store(plane + i, all(value));
 }
 
 /* ---- paper ---- */
 
-static float height_at(const paper_texture *p, float x, float y)
+typedef uint8_t vb_loose __attribute__((vector_size(8), aligned(1), may_alias));
+
+INLINE void lay_row(const float colour[3], float grain, const uint8_t *height, uint32_t width,
+	float *relief, float *const canvas[3])
 {
-	float fx = floorf(x), fy = floorf(y), u = x - fx, v = y - fy;
-	uint32_t side = p->side, x0 = (uint32_t)(int32_t)fx & (side - 1),
-		 y0 = (uint32_t)(int32_t)fy & (side - 1), x1 = (x0 + 1) & (side - 1),
-		 y1 = (y0 + 1) & (side - 1);
-	float a = p->height[y0 * side + x0], c = p->height[y1 * side + x0];
-	float upper = a + u * ((float)p->height[y0 * side + x1] - a),
-	      lower = c + u * ((float)p->height[y1 * side + x1] - c);
-	return (upper + v * (lower - upper) - PAPER_TEXTURE_MEAN) / 128;
+	for (uint32_t x = 0; x < width; x += LANES) {
+		vb_loose h = { 0 };
+		memcpy(&h, height + x, MIN(LANES, width - x));
+		vf up = (__builtin_convertvector(h, vf) - PAPER_TEXTURE_MEAN) * (1 / 128.f);
+		store(relief + x, up);
+		for (int k = 0; k < 3; k++)
+			store(canvas[k] + x, least(colour[k] * (1 + 0.5f * grain * up), all(1)));
+	}
 }
 
-static void lay_paper(const struct job *j, const struct band *b, struct desk *d)
+INLINE void lay_paper(const struct job *j, const struct band *b, struct desk *d)
 {
 	const struct style_paper *paper = &j->f->drawing->paper;
-	float colour[3], step = 1 / (j->f->px * paper->scale);
+	float colour[3];
 	for (int k = 0; k < 3; k++)
 		colour[k] = light_of_srgb((float)paper->colour[k] / 255);
 	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
-		float *relief = band_row(b, d->relief, y);
-		for (uint32_t x = 0; x < b->width; x++)
-			relief[x] = height_at(
-				j->f->paper, ((float)x + 0.5f) * step, ((float)y + 0.5f) * step);
-		for (int k = 0; k < 3; k++) {
-			float *canvas = band_row(b, d->canvas[k], y);
-			for (uint32_t x = 0; x < b->width; x++)
-				canvas[x] =
-					MIN(colour[k] * (1 + 0.5f * paper->grain * relief[x]), 1);
-		}
+		float *canvas[3] = { band_row(b, d->canvas[0], y), band_row(b, d->canvas[1], y),
+			band_row(b, d->canvas[2], y) };
+		lay_row(colour, paper->grain, j->f->relief + (size_t)y * b->width, b->width,
+			band_row(b, d->relief, y), canvas);
 	}
 }
 
@@ -173,86 +171,106 @@ static void draw_points(const struct job *j, const struct band *b, struct desk *
 /* ---- inks ---- */
 
 /* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
-static float on_relief(float bare, float relief, float tooth)
+INLINE vf on_relief(vf bare, vf relief, float tooth)
 {
-	float cover = 1 - bare;
-	return 1 - CLAMP(cover * (1 + 4 * tooth * relief * bare), 0, 1);
+	vf cover = 1 - bare;
+	return 1 - least(most(cover * (1 + 4 * tooth * relief * bare), all(0)), all(1));
 }
 
-static void add_inked(const struct frame_layer *l, const struct band *b, struct desk *d)
+INLINE vf uncovered(const struct frame_layer *l, const float *bare, const struct desk *d, size_t at)
 {
-	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at++) {
-		float bare = d->ink.bare[at];
-		if (l->ink.tooth > 0)
-			bare = on_relief(bare, d->relief[at], l->ink.tooth);
-		for (int k = 0; k < 3; k++)
-			d->canvas[k][at] *= l->ink_linear[k] + (1 - l->ink_linear[k]) * bare;
-	}
+	return on_relief(load(bare + at), load(d->relief + at), l->ink.tooth);
 }
 
-static void add_coloured(const struct frame_layer *l, const struct band *b, struct desk *d)
+INLINE void add_inked(const struct frame_layer *l, struct desk *d, size_t at)
+{
+	vf bare = uncovered(l, d->ink.bare, d, at);
+	for (int k = 0; k < 3; k++)
+		store(d->canvas[k] + at,
+			load(d->canvas[k] + at) *
+				(l->ink_linear[k] + (1 - l->ink_linear[k]) * bare));
+}
+
+INLINE void add_coloured(const struct frame_layer *l, struct desk *d, size_t at)
 {
 	for (int k = 0; k < 3; k++)
-		for (size_t at = 0; at < (size_t)b->pitch * b->rows; at++) {
-			float through = d->ink.channel[k][at];
-			d->canvas[k][at] *=
-				l->ink.tooth > 0 ? on_relief(through, d->relief[at], l->ink.tooth)
-						 : through;
-		}
+		store(d->canvas[k] + at,
+			load(d->canvas[k] + at) * uncovered(l, d->ink.channel[k], d, at));
 }
 
-static void add_painted(const struct frame_layer *l, const struct band *b, struct desk *d)
+INLINE void add_painted(const struct frame_layer *l, struct desk *d, size_t at)
 {
-	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at++) {
-		if (!(d->ink.weight[at] > 0))
-			continue;
-		float bare = d->ink.bare[at];
-		if (l->ink.tooth > 0)
-			bare = on_relief(bare, d->relief[at], l->ink.tooth);
-		for (int k = 0; k < 3; k++)
-			d->canvas[k][at] = d->canvas[k][at] * bare +
-					   (1 - bare) * d->ink.channel[k][at] / d->ink.weight[at];
+	vf bare = uncovered(l, d->ink.bare, d, at), weight = load(d->ink.weight + at);
+	for (int k = 0; k < 3; k++) {
+		vf below = load(d->canvas[k] + at),
+		   paint = load(d->ink.channel[k] + at) / most(weight, all(1e-12f));
+		store(d->canvas[k] + at,
+			choose(weight > 0, below * bare + (1 - bare) * paint, below));
 	}
 }
 
-static void draw_layer(const struct job *j, const struct band *b, struct desk *d, uint32_t n)
+INLINE void add_layer(const struct frame_layer *l, const struct band *b, struct desk *d)
 {
-	static void (*const add[])(const struct frame_layer *, const struct band *,
-		struct desk *) = { add_inked, add_coloured, add_painted };
+	enum band_blend blend = band_blend_of(l);
+	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at += LANES)
+		if (blend == BAND_INKED)
+			add_inked(l, d, at);
+		else if (blend == BAND_COLOURED)
+			add_coloured(l, d, at);
+		else
+			add_painted(l, d, at);
+}
+
+INLINE void clear_ink(const struct frame_layer *l, const struct band *b, struct desk *d)
+{
+	enum band_blend blend = band_blend_of(l);
+	if (blend != BAND_COLOURED)
+		fill(b, d->ink.bare, 1);
+	for (int k = 0; k < 3 && blend != BAND_INKED; k++)
+		fill(b, d->ink.channel[k], blend == BAND_PAINTED ? 0 : 1);
+	if (blend == BAND_PAINTED)
+		fill(b, d->ink.weight, 0);
+}
+
+INLINE void draw_layer(const struct job *j, const struct band *b, struct desk *d, uint32_t n)
+{
 	const struct frame_layer *l = &j->f->layer[n];
 	const band_lists *lists = &j->lists[n];
 	uint32_t band = b->from / BAND_ROWS, first = band ? lists->end[band - 1] : 0;
-	enum band_blend blend = band_blend_of(l);
 	if (lists->end[band] == first)
 		return;
-	fill(b, d->ink.bare, 1);
-	for (int k = 0; k < 3; k++)
-		fill(b, d->ink.channel[k], blend == BAND_PAINTED ? 0 : 1);
-	fill(b, d->ink.weight, 0);
+	clear_ink(l, b, d);
 	band_draw(b, j->f, l, &j->strokes[n], lists->which + first, lists->end[band] - first,
 		j->mask, &d->ink);
-	add[blend](l, b, d);
+	add_layer(l, b, d);
 }
 
 /* ---- a band ---- */
 
-static void put_out(const struct job *j, const struct band *b, const struct desk *d)
+INLINE void put_out(const struct job *j, const struct band *b, const struct desk *d)
 {
 	const uint8_t *srgb = light_srgb_bytes();
 	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
 		uint8_t(*to)[4] = j->to->rgba + (size_t)y * b->width;
 		size_t row = (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
-		for (uint32_t x = 0; x < b->width; x++) {
-			for (int k = 0; k < 3; k++)
-				to[x][k] = srgb[(int)(CLAMP(d->canvas[k][row + x], 0, 1) *
-							      (LIGHT_STEPS - 1) +
-						      0.5f)];
-			to[x][3] = 255;
+		for (uint32_t x = 0; x < b->width; x += LANES) {
+			int32_t step[3][LANES];
+			for (int k = 0; k < 3; k++) {
+				vf light =
+					least(most(load(d->canvas[k] + row + x), all(0)), all(1));
+				store_mask(step[k], __builtin_convertvector(
+							    light * (LIGHT_STEPS - 1) + 0.5f, vi));
+			}
+			for (uint32_t n = 0; n < MIN(LANES, b->width - x); n++) {
+				uint8_t rgba[4] = { srgb[step[0][n]], srgb[step[1][n]],
+					srgb[step[2][n]], 255 };
+				memcpy(to[x + n], rgba, 4);
+			}
 		}
 	}
 }
 
-static void draw_band(const struct job *j, const struct band *b, struct desk *d)
+INLINE void draw_band(const struct job *j, const struct band *b, struct desk *d)
 {
 	lay_paper(j, b, d);
 	if (has_points(j->f))
@@ -263,8 +281,24 @@ static void draw_band(const struct job *j, const struct band *b, struct desk *d)
 	put_out(j, b, d);
 }
 
+static void draw_band_portable(const struct job *j, const struct band *b, struct desk *d)
+{
+	draw_band(j, b, d);
+}
+
+#if defined __x86_64__
+__attribute__((target("avx2"))) static void draw_band_avx2(
+	const struct job *j, const struct band *b, struct desk *d)
+{
+	draw_band(j, b, d);
+}
+#else
+#define draw_band_avx2 draw_band_portable
+#endif
+
 static void draw_bands(const struct job *j)
 {
+	bool wide = !j->f->portable && vectors_have_avx2();
 	uint32_t width = j->to->width, height = j->to->height;
 	struct band b = { width, 0, BAND_ROWS, (width + 2 * BAND_MARGIN + 7) / 8 * 8 };
 #pragma omp parallel if (!j->f->single_thread)
@@ -274,7 +308,7 @@ static void draw_bands(const struct job *j)
 #pragma omp for schedule(dynamic, 1)
 		for (uint32_t from = 0; from < height; from += BAND_ROWS) {
 			struct band own = { width, from, MIN(BAND_ROWS, height - from), b.pitch };
-			draw_band(j, &own, &d);
+			(wide ? draw_band_avx2 : draw_band_portable)(j, &own, &d);
 		}
 		g_aligned_free(d.memory);
 	}

@@ -148,10 +148,51 @@ static bool add_layers(frame *f, GError **error)
 	return true;
 }
 
+/* ---- paper ---- */
+
+static float height_at(const paper_texture *p, float x, float y)
+{
+	float fx = floorf(x), fy = floorf(y), u = x - fx, v = y - fy;
+	uint32_t wrap = p->side - 1, x0 = (uint32_t)(int32_t)fx & wrap,
+		 y0 = (uint32_t)(int32_t)fy & wrap, x1 = (x0 + 1) & wrap, y1 = (y0 + 1) & wrap;
+	float a = p->height[y0 * p->side + x0], b = p->height[y0 * p->side + x1],
+	      c = p->height[y1 * p->side + x0], d = p->height[y1 * p->side + x1];
+	float upper = a + u * (b - a), lower = c + u * (d - c);
+	return upper + v * (lower - upper);
+}
+
+/* Does not move with the camera, so it is laid once. */
+static bool lay_paper(frame *f, GError **error)
+{
+	g_autoptr(paper_texture) p = paper_texture_new(f->drawing->paper.texture, error);
+	float step = 1 / (f->px * f->drawing->paper.scale);
+	if (!p)
+		return false;
+	f->relief_width = f->camera.width;
+	f->relief_height = f->camera.height;
+	f->relief = g_malloc((size_t)f->relief_width * f->relief_height);
+#pragma omp parallel for
+	for (uint32_t y = 0; y < f->relief_height; y++)
+		for (uint32_t x = 0; x < f->relief_width; x++)
+			f->relief[(size_t)y * f->relief_width + x] =
+				(uint8_t)(height_at(p, ((float)x + 0.5f) * step,
+						  ((float)y + 0.5f) * step) +
+					  0.5f);
+	return true;
+}
+
+/* ---- all ---- */
+
 bool frame_move(frame *f, const struct camera *c, GError **error)
 {
 	if (!camera_validate(c, error))
 		return false;
+	if (f->relief && (c->width != f->relief_width || c->height != f->relief_height)) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
+			"a frame of %ux%u cannot become one of %ux%u", f->relief_width,
+			f->relief_height, c->width, c->height);
+		return false;
+	}
 	f->camera = *c;
 	for (int k = 0; k < 3; k++)
 		f->eye_m[k] = c->eye_m[k] - f->scene->origin_m[k];
@@ -165,8 +206,7 @@ frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GErro
 	f->drawing = d;
 	f->px = (float)(c->height / FRAME_STYLE_HEIGHT);
 	f->layer = g_new0(struct frame_layer, FRAME_LAYERS_MAX + 1);
-	f->paper = paper_texture_new(d->paper.texture, error);
-	if (!f->paper || !frame_move(f, c, error) || !add_layers(f, error))
+	if (!frame_move(f, c, error) || !lay_paper(f, error) || !add_layers(f, error))
 		return NULL;
 	return g_steal_pointer(&f);
 }
@@ -175,11 +215,11 @@ void frame_free(frame *f)
 {
 	if (!f)
 		return;
-	for (uint32_t l = 0; l < f->layers; l++)
+	for (uint32_t l = 0; l < f->layers; l++) {
 		stroke_texture_free(f->layer[l].texture);
-	for (uint32_t l = 0; l < f->layers; l++)
 		g_free(f->layer[l].texels);
-	paper_texture_free(f->paper);
+	}
+	g_free(f->relief);
 	g_free(f->layer);
 	g_free(f);
 }

@@ -37,14 +37,15 @@ struct frame {
 	double eye_m[3];           /* from the scene's origin */
 	struct frame_layer *layer; /* inks, in the order in which they are drawn */
 	uint32_t layers;
-	paper_texture *paper;
+	uint8_t *relief; /* of the paper, width x height, PAPER_TEXTURE_MEAN is flat */
+	uint32_t relief_width, relief_height;
 	bool portable, single_thread; /* for tests: without this processor's vectors */
 };
 /* Scene and drawing must live longer. Errors of camera_validate, missing textures, more layers than FRAME_LAYERS_MAX. */
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error);
 void frame_free(frame *f); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
-/* Another camera with a picture of the same height; the layers stay. */
+/* Another camera with a picture of the same size; the layers stay. */
 bool frame_move(frame *f, const struct camera *c, GError **error);
 
 static inline const struct pipeline *frame_pipeline(const frame *f, uint32_t pipeline)

@@ -62,18 +62,37 @@ struct disc {
 	int32_t pipeline;
 };
 
-/* Eight pixels in a row; those outside are MASK_EMPTY. */
-INLINE vi disc_row(const struct disc *d, float left, float down)
+INLINE vi keys_of_depths(vf depth_m, vi inside, int32_t pipeline)
 {
-	vf dx = left - d->x + lane_number;
-	vf across = d->squash[0] * dx + d->squash[1] * down;
-	vi inside = dx * dx + down * down + across * across <= d->radius * d->radius;
-	vf depth_m = d->depth_m + d->tilt[0] * dx + d->tilt[1] * down;
-	vi key = ((vi)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | d->pipeline;
+	vi key = ((vi)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | pipeline;
 	return (inside & key) | (~inside & MASK_EMPTY);
 }
 
-INLINE void draw_disc(const struct target *t, const struct disc *d)
+INLINE void put(int32_t *at, vi key)
+{
+	*(vi_loose *)at = lower(*(vi_loose *)at, key);
+}
+
+/* Up to eight pixels wide, well inside the picture. */
+INLINE void draw_small(const struct target *t, const struct disc *d)
+{
+	int left = (int)(d->x - d->radius), top = (int)(d->y - d->radius),
+	    bottom = (int)(d->y + d->radius);
+	vf dx = (float)left + 0.5f - d->x + lane_number;
+	/* dx^2 + dy^2 + (squash . d)^2, in powers of dy */
+	vf flat = dx * dx * (1 + d->squash[0] * d->squash[0]),
+	   cross = dx * (2 * d->squash[0] * d->squash[1]);
+	vf depth_m = d->depth_m + d->tilt[0] * dx;
+	float steep = 1 + d->squash[1] * d->squash[1], reach = d->radius * d->radius;
+	int32_t *at = t->key + top * t->pitch + left;
+	for (int row = top; row <= bottom; row++, at += t->pitch) {
+		float down = (float)row + 0.5f - d->y;
+		vi inside = flat + cross * down <= reach - steep * down * down;
+		put(at, keys_of_depths(depth_m + d->tilt[1] * down, inside, d->pipeline));
+	}
+}
+
+INLINE void draw_large(const struct target *t, const struct disc *d)
 {
 	int left = MAX((int)floorf(d->x - d->radius), 1 - LANES),
 	    right = MIN((int)floorf(d->x + d->radius), t->width - 1),
@@ -81,13 +100,80 @@ INLINE void draw_disc(const struct target *t, const struct disc *d)
 	    bottom = MIN((int)floorf(d->y + d->radius), t->height - 1);
 	for (int row = top; row <= bottom; row++)
 		for (int column = left; column <= right; column += LANES) {
-			vi_loose *at = (vi_loose *)(t->key + row * t->pitch + column);
-			*at = lower(
-				*at, disc_row(d, (float)column + 0.5f, (float)row + 0.5f - d->y));
+			float down = (float)row + 0.5f - d->y;
+			vf dx = (float)column + 0.5f - d->x + lane_number;
+			vf across = d->squash[0] * dx + d->squash[1] * down;
+			vi inside =
+				dx * dx + down * down + across * across <= d->radius * d->radius;
+			put(t->key + row * t->pitch + column,
+				keys_of_depths(d->depth_m + d->tilt[0] * dx + d->tilt[1] * down,
+					inside, d->pipeline));
 		}
 }
 
 /* ---- points ---- */
+
+/* Discs of less than this are the one pixel that their middle is in: they stand closer than pixels do. */
+#define RADIUS_DOT 0.8f
+/* Those of less than this are at most eight pixels wide. */
+#define RADIUS_SMALL 3.4f
+
+/* Eight discs, as lanes and one by one. */
+struct batch {
+	float x[LANES], y[LANES], radius[LANES], squash[2][LANES], tilt[2][LANES], depth_m[LANES];
+	int32_t at[LANES], key[LANES]; /* of dots */
+};
+
+INLINE void draw_dots(const struct target *t, const struct batch *b, unsigned which)
+{
+	for (; which; which &= which - 1) {
+		int k = __builtin_ctz(which);
+		int32_t *at = t->key + b->at[k];
+		*at = MIN(*at, b->key[k]);
+	}
+}
+
+INLINE struct disc disc_of(const struct batch *b, int k, int32_t pipeline)
+{
+	return (struct disc){ b->x[k], b->y[k], b->radius[k], { b->squash[0][k], b->squash[1][k] },
+		{ b->tilt[0][k], b->tilt[1][k] }, b->depth_m[k], pipeline };
+}
+
+INLINE void draw_lanes(
+	const struct target *t, const struct disc_lanes *d, vf pushed_m, int32_t pipeline)
+{
+	struct batch b;
+	vi column = __builtin_convertvector(d->x, vi), row = __builtin_convertvector(d->y, vi);
+	vi inside =
+		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
+	vi clear_of_edges = (d->x >= d->radius) & (d->y >= d->radius) & (d->x < (float)t->width) &
+			    (d->y + d->radius < (float)t->height);
+	unsigned dots = bits(inside & (d->radius < RADIUS_DOT)) & d->drawn,
+		 small = bits(clear_of_edges & (d->radius >= RADIUS_DOT) &
+				 (d->radius < RADIUS_SMALL)) &
+			 d->drawn;
+	store_mask(b.at, row * (int32_t)t->pitch + column);
+	store_mask(b.key, keys_of_depths(pushed_m, inside, pipeline));
+	draw_dots(t, &b, dots);
+	if (d->drawn == dots)
+		return;
+	store(b.x, d->x);
+	store(b.y, d->y);
+	store(b.radius, d->radius);
+	store(b.depth_m, pushed_m);
+	for (int k = 0; k < 2; k++) {
+		store(b.squash[k], d->squash[k]);
+		store(b.tilt[k], d->tilt[k]);
+	}
+	for (unsigned left = small; left; left &= left - 1) {
+		struct disc one = disc_of(&b, __builtin_ctz(left), pipeline);
+		draw_small(t, &one);
+	}
+	for (unsigned left = d->drawn & ~small & ~dots; left; left &= left - 1) {
+		struct disc one = disc_of(&b, __builtin_ctz(left), pipeline);
+		draw_large(t, &one);
+	}
+}
 
 INLINE void draw_chunk(const frame *f, const struct target *t, const struct chunk_view *v)
 {
@@ -97,16 +183,12 @@ INLINE void draw_chunk(const frame *f, const struct target *t, const struct chun
 	uint32_t end = disc_prefix(&p, v);
 	for (uint32_t i = 0; i < end; i += LANES) {
 		struct disc_lanes d = disc_lanes_of(f->scene, &p, v, i, end);
+		if (!d.drawn)
+			continue;
 		/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 		vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
 			      SLANT * d.radius * d.depth_m * (1 / p.focal_px);
-		for (unsigned left = d.drawn; left; left &= left - 1) {
-			int k = __builtin_ctz(left);
-			struct disc one = { d.x[k], d.y[k], d.radius[k],
-				{ d.squash[0][k], d.squash[1][k] }, { d.tilt[0][k], d.tilt[1][k] },
-				pushed_m[k], v->pipeline };
-			draw_disc(t, &one);
-		}
+		draw_lanes(t, &d, pushed_m, v->pipeline);
 	}
 }
 
