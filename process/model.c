@@ -157,9 +157,8 @@ void model_unpack_normal(const int16_t packed[2], float ret[3])
 	ret[0] = ret[1] = ret[2] = 0;
 	if (packed[0] == MODEL_NORMAL_NONE && packed[1] == MODEL_NORMAL_NONE)
 		return;
-	float u = fmaxf((float)packed[0] / 32767.0f, -1),
-	      v = fmaxf((float)packed[1] / 32767.0f, -1);
-	float z = 1 - fabsf(u) - fabsf(v), fold = fmaxf(-z, 0);
+	float u = MAX((float)packed[0] / 32767.0f, -1), v = MAX((float)packed[1] / 32767.0f, -1);
+	float z = 1 - fabsf(u) - fabsf(v), fold = MAX(-z, 0);
 	float x = u - copysignf(fold, u), y = v - copysignf(fold, v);
 	float length = sqrtf(x * x + y * y + z * z);
 	ret[0] = x / length;

@@ -13,8 +13,9 @@ struct pen {
 	const struct stroke *s;
 	float cosine, sine, half_length, half_width;
 	float reach_along, reach_across;
-	float falloff;          /* of a sprite */
-	const uint32_t *texels; /* of the variant */
+	float per_cosine, per_sine; /* 1 / of it; 0: too small to tell columns by */
+	float falloff;              /* of a sprite */
+	const uint32_t *texels;     /* of the variant */
 	uint32_t texel_pitch;
 	float texels_along, texels_across; /* to a pixel */
 	float texel_ends[2];
@@ -24,12 +25,14 @@ struct pen {
 INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
 {
 	struct pen p = { .s = s, .half_width = s->half_width_px };
-	p.half_length = hypotf(s->along_px[0], s->along_px[1]);
+	p.half_length = sqrtf(s->along_px[0] * s->along_px[0] + s->along_px[1] * s->along_px[1]);
 	p.cosine = p.half_length > 0 ? s->along_px[0] / p.half_length : 1;
 	p.sine = p.half_length > 0 ? s->along_px[1] / p.half_length : 0;
 	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
 	p.reach_along = p.half_length + soft;
 	p.reach_across = p.half_width + soft;
+	p.per_cosine = fabsf(p.cosine) > 1e-4f ? 1 / p.cosine : 0;
+	p.per_sine = fabsf(p.sine) > 1e-4f ? 1 / p.sine : 0;
 	if (kernel == KERNEL_SPRITE) {
 		float sigma = 2 * p.half_length / SIGMAS;
 		p.falloff = 1 / (2 * sigma * sigma);
@@ -103,19 +106,19 @@ INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 /* Columns, from the stroke's middle, where its row can have any ink. */
 INLINE bool span(const struct pen *p, float dy, float *ret_from, float *ret_to)
 {
-	float from = -INFINITY, to = INFINITY, c = p->cosine, s = p->sine;
-	if (fabsf(s) > 1e-4f) { /* |dy c - dx s| <= reach_across */
-		float middle = dy * c / s, half = p->reach_across / fabsf(s);
-		from = fmaxf(from, middle - half);
-		to = fminf(to, middle + half);
-	} else if (fabsf(dy * c) > p->reach_across + 1e-3f * p->half_length)
-		return false;
-	if (fabsf(c) > 1e-4f) { /* |dx c + dy s| <= reach_along */
-		float middle = -dy * s / c, half = p->reach_along / fabsf(c);
-		from = fmaxf(from, middle - half);
-		to = fminf(to, middle + half);
-	} else if (fabsf(dy * s) > p->reach_along + 1e-3f * p->half_length)
-		return false;
+	float from = -INFINITY, to = INFINITY;
+	if (p->per_sine != 0) { /* |dy cosine - dx sine| <= reach_across */
+		float middle = dy * p->cosine * p->per_sine,
+		      half = p->reach_across * fabsf(p->per_sine);
+		from = middle - half;
+		to = middle + half;
+	}
+	if (p->per_cosine != 0) { /* |dx cosine + dy sine| <= reach_along */
+		float middle = -dy * p->sine * p->per_cosine,
+		      half = p->reach_along * fabsf(p->per_cosine);
+		from = MAX(from, middle - half);
+		to = MIN(to, middle + half);
+	}
 	*ret_from = from;
 	*ret_to = to;
 	return from <= to;
@@ -151,8 +154,8 @@ INLINE void draw_row(const struct pen *p, const struct band *b, uint32_t y,
 	float dy = (float)y + 0.5f - p->s->y_px, from, to;
 	if (!span(p, dy, &from, &to))
 		return;
-	int x = (int)fmaxf(floorf(p->s->x_px + from - 0.5f), 0),
-	    end = (int)fminf(ceilf(p->s->x_px + to + 0.5f), (float)b->width);
+	int x = (int)MAX(p->s->x_px + from - 0.5f, 0),
+	    end = (int)MIN(p->s->x_px + to + 1.5f, (float)b->width);
 	ptrdiff_t row = (ptrdiff_t)(y - b->from) * b->pitch + BAND_MARGIN;
 	for (; x < end; x += LANES) {
 		vf dx = (float)x + 0.5f - p->s->x_px + lane_number;

@@ -4,9 +4,9 @@
 /* Rows that the stroke may touch. */
 static float reach_down(const struct stroke *s)
 {
-	float length = hypotf(s->along_px[0], s->along_px[1]);
-	float across = length > 0 ? fabsf(s->along_px[0]) / length : 1;
-	return fabsf(s->along_px[1]) + across * s->half_width_px + 1;
+	float x = s->along_px[0], y = s->along_px[1], length2 = x * x + y * y;
+	float across = length2 > 0 ? fabsf(x) / sqrtf(length2) : 1;
+	return fabsf(y) + across * s->half_width_px + 1;
 }
 
 static bool bands_of(

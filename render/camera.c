@@ -1,6 +1,7 @@
 #include "render/camera.h"
 #include <gio/gio.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static double dot(const double a[3], const double b[3])
@@ -231,4 +232,16 @@ bool camera_validate(const struct camera *c, GError **error)
 		return true;
 	return refuse(error, "it draws from %g to %g m; that must rise from above 0", c->near_m,
 		c->far_m);
+}
+
+bool camera_size_parse(const char *text, uint32_t *ret_width, uint32_t *ret_height)
+{
+	unsigned width, height;
+	char rest;
+	if (sscanf(text, "%5ux%5u%c", &width, &height, &rest) != 2 || width < 1 || height < 1 ||
+		width > CAMERA_SIDE_MAX || height > CAMERA_SIDE_MAX)
+		return false;
+	*ret_width = width;
+	*ret_height = height;
+	return true;
 }

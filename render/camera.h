@@ -53,6 +53,8 @@ struct camera camera_scaled(const struct camera *c, double factor);
 /* One sentence (G_IO_ERROR_INVALID_ARGUMENT) when something is not finite, the axes are none, a side
  * is not 1..CAMERA_SIDE_MAX, the fov is out of its range, or near and far are not 0 < near < far. */
 bool camera_validate(const struct camera *c, GError **error);
+/* "1600x1200": sides from 1 to CAMERA_SIDE_MAX. false: it is none, and both are left as they were. */
+bool camera_size_parse(const char *text, uint32_t *ret_width, uint32_t *ret_height);
 double camera_fov_deg(const struct camera *c);
 double camera_heading_rad(const struct camera *c); /* -pi..pi */
 double camera_elevation_rad(const struct camera *c);

@@ -103,6 +103,19 @@ static bool load_texture(struct frame_layer *l, GError **error)
 	return whole;
 }
 
+static void set_ways(struct frame_layer *l)
+{
+	float own = l->ink.angle_deg * (float)(G_PI / 180);
+	l->own_way[0] = cosf(own);
+	l->own_way[1] = -sinf(own);
+	for (int n = 0; n < 256; n++) {
+		float by = l->ink.angle_variation_deg * (float)(G_PI / 180) * ((float)n - 127.5f) /
+			   127.5f;
+		l->turn[n][0] = cosf(by);
+		l->turn[n][1] = sinf(by);
+	}
+}
+
 static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GError **error)
 {
 	struct frame_layer *l = &f->layer[f->layers];
@@ -123,6 +136,7 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	f->layers++; /* with what is freed later */
 	if (!load_texture(l, error))
 		return false;
+	set_ways(l);
 	l->stroke_area_px = area_of(l);
 	want(l, f->scene);
 	return true;

@@ -26,6 +26,8 @@ struct frame_layer {
 	float wanted_per_px[256];    /* strokes to a square pixel, by lightness of the points */
 	float dithering_per_m2[256]; /* points that there are, by their lightness; more than 0 */
 	float ink_linear[3];
+	/* Directions on the screen, x right and y down: the layer's own, and 256 turns within its variation, as cosine and sine. */
+	float own_way[2], turn[256][2];
 };
 
 typedef struct frame frame;

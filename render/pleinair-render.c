@@ -1,8 +1,8 @@
 /* pleinair render SITE: draws a site in a style, as a picture or as numbered frames along a path of the camera. */
 #include "acquire/cli.h"
 #include "render/camera-path.h"
+#include "render/drawn-site.h"
 #include "render/painter.h"
-#include "render/view-find.h"
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -45,12 +45,8 @@ static const GOptionEntry entries[] = {
 
 typedef struct work work;
 struct work {
-	site *site;
-	model *model;
-	scene *scene;
+	drawn_site *site;
 	drawing *drawing;
-	GArray *stations;
-	struct view_sources sources;
 	view *view;
 	camera_path *path; /* NULL: one picture */
 	painter *painter;
@@ -69,11 +65,7 @@ static void work_clear(struct work *w)
 	camera_path_free(w->path);
 	view_free(w->view);
 	drawing_free(w->drawing);
-	scene_free(w->scene);
-	if (w->stations)
-		g_array_unref(w->stations);
-	model_free(w->model);
-	site_free(w->site);
+	drawn_site_free(w->site);
 	g_free(w->style);
 }
 G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(work, work_clear)
@@ -82,57 +74,35 @@ G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(work, work_clear)
 
 static bool open_views(struct work *w, const char *site_folder, GError **error)
 {
-	w->site = site_open(site_folder, error);
-	w->model = w->site ? model_open(site_folder, error) : NULL;
-	w->stations = w->model ? view_stations(w->site, w->model, error) : NULL;
-	if (!w->stations)
-		return false;
-	w->sources = (struct view_sources){ .site = w->site,
-		.stations = (const struct view_station *)(void *)w->stations->data,
-		.station_count = w->stations->len,
-		.aspect = (double)w->width / w->height };
-	w->sources.chunks = model_chunks(w->model, &w->sources.chunk_count);
-	return true;
+	w->site = drawn_site_new(site_folder, (double)w->width / w->height, error);
+	return w->site;
 }
 
 static bool find_view(struct work *w, GError **error)
 {
-	if (!view_find(&w->sources, view_name ? view_name : "overview", &w->view, error))
+	const struct view_sources *sources = &w->site->sources;
+	if (!view_find(sources, view_name ? view_name : "overview", &w->view, error))
 		return false;
 	w->style = g_strdup(style_name       ? style_name
 			    : w->view->style ? w->view->style
 					     : "figure-7d");
 	if (path_text)
-		w->path = camera_path_parse(path_text, w->view, &w->sources, error);
+		w->path = camera_path_parse(path_text, w->view, sources, error);
 	return !path_text || w->path;
-}
-
-static bool find_drawing(struct work *w, const char *site_folder, GError **error)
-{
-	g_autoptr(style) s = style_find(w->style, site_folder, error);
-	g_autoptr(GError) none = NULL;
-	if (!s)
-		return false;
-	g_autoptr(segments) tree = segments_load(site_folder, &none);
-	if (!tree && !g_error_matches(none, G_FILE_ERROR, G_FILE_ERROR_NOENT) &&
-		!g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND)) {
-		g_propagate_error(error, g_steal_pointer(&none));
-		return false;
-	}
-	w->drawing = drawing_new(s, tree, NULL, error);
-	return w->drawing;
 }
 
 static bool open_all(
 	struct work *w, const char *site_folder, enum backend_wish wish, GError **error)
 {
-	if (!open_views(w, site_folder, error) || !find_view(w, error) ||
-		!find_drawing(w, site_folder, error))
+	if (!open_views(w, site_folder, error) || !find_view(w, error))
 		return false;
 	cli_bar_update(&w->bar, 0, "reading the model");
-	w->scene = scene_new(w->model, error);
-	w->painter = w->scene ? painter_new(wish, error) : NULL;
-	return w->painter;
+	/* The painter first: what it looks for a GPU with must be alone. */
+	w->painter = painter_new(wish, error);
+	if (!w->painter || !drawn_site_load(w->site, error))
+		return false;
+	w->drawing = drawn_site_style(w->site, w->style, error);
+	return w->drawing;
 }
 
 /* ---- pictures ---- */
@@ -150,7 +120,7 @@ static bool draw_one(struct work *w, uint32_t number, struct picture_buffer *lar
 	struct draw_times t;
 	struct camera c = camera_of(w, number);
 	if (w->frame ? !frame_move(w->frame, &c, error)
-		     : !(w->frame = frame_new(w->scene, w->drawing, &c, error)))
+		     : !(w->frame = frame_new(w->site->scene, w->drawing, &c, error)))
 		return false;
 	if (!painter_draw(w->painter, w->frame, large, &t, error))
 		return false;
@@ -201,7 +171,7 @@ static bool save_view(const struct work *w, GError **error)
 	g_autoptr(view) v =
 		view_new(save_name, save_name, w->view->eye_m, w->view->target_m, w->view->fov_deg);
 	v->style = g_strdup(w->style);
-	return view_save(v, w->site, error);
+	return view_save(v, w->site->site, error);
 }
 
 /* ---- what is said ---- */
@@ -252,8 +222,8 @@ static void say(const struct work *w, const char *file)
 
 static void print_views(const struct work *w)
 {
-	g_autoptr(GPtrArray) saved = view_list(w->site, NULL, NULL);
-	g_autoptr(GPtrArray) names = view_built_in_names(&w->sources);
+	g_autoptr(GPtrArray) saved = view_list(w->site->site, NULL, NULL);
+	g_autoptr(GPtrArray) names = view_built_in_names(&w->site->sources);
 	for (guint n = 0; saved && n < saved->len; n++) {
 		const view *v = g_ptr_array_index(saved, n);
 		printf("%-16s %s\n", v->name, v->title);
@@ -263,18 +233,6 @@ static void print_views(const struct work *w)
 }
 
 /* ---- the command ---- */
-
-static bool read_size(const char *text, uint32_t *ret_width, uint32_t *ret_height)
-{
-	unsigned width, height;
-	char rest;
-	if (sscanf(text, "%5ux%5u%c", &width, &height, &rest) != 2 || width < 1 || height < 1 ||
-		width > CAMERA_SIDE_MAX || height > CAMERA_SIDE_MAX)
-		return false;
-	*ret_width = width;
-	*ret_height = height;
-	return true;
-}
 
 static char *default_file(const struct work *w, const char *site_folder, GError **error)
 {
@@ -293,7 +251,7 @@ static char *default_file(const struct work *w, const char *site_folder, GError 
 /* What was typed, checked as far as it can be without a site. */
 static int check_usage(struct work *w)
 {
-	if (!read_size(size_text ? size_text : "1600x1200", &w->width, &w->height))
+	if (!camera_size_parse(size_text ? size_text : "1600x1200", &w->width, &w->height))
 		return cli_misuse(COMMAND, "--size is WIDTHxHEIGHT, each from 1 to %u, not '%s'",
 			CAMERA_SIDE_MAX, size_text);
 	if (supersample < 1 || supersample > 8)

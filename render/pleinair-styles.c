@@ -1,6 +1,7 @@
 /* pleinair styles [SITE]: which styles there are, what they are made of, and whether files are good ones. */
 #include "acquire/cli.h"
 #include "acquire/site.h"
+#include "render/gallery.h"
 #include "render/style.h"
 #include <stdio.h>
 #include <string.h>
@@ -8,12 +9,20 @@
 #define COMMAND "styles"
 
 static gboolean json, schema, steps, check;
+static char *thumbnails, *view_name, *size_text;
 
 static const GOptionEntry entries[] = {
 	{ "check", 'c', 0, G_OPTION_ARG_NONE, &check,
 		"Say what is wrong with these files (instead of SITE)", NULL },
 	{ "steps", 's', 0, G_OPTION_ARG_NONE, &steps,
 		"List the steps that styles are made of, and their parameters", NULL },
+	{ "thumbnails", 't', 0, G_OPTION_ARG_FILENAME, &thumbnails,
+		"Draw SITE in each style, into this folder, with a page that shows all", "FOLDER" },
+	{ "view", 'v', 0, G_OPTION_ARG_STRING, &view_name,
+		"thumbnails: from where, as in pleinair render (default walk, else overview)",
+		"VIEW" },
+	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text, "thumbnails: of each (default 800x600)",
+		"WxH" },
 	{ "schema", 0, 0, G_OPTION_ARG_NONE, &schema,
 		"Print the JSON Schema of styles, for editors", NULL },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the list as JSON", NULL },
@@ -81,6 +90,45 @@ static int list_styles(const char *site_path)
 	}
 	print_list(list);
 	return status ? status : cli_done(COMMAND);
+}
+
+/* ---- thumbnails ---- */
+
+static bool show_progress(double fraction, const char *doing, gpointer user_data)
+{
+	cli_bar_update(user_data, fraction, doing);
+	return !cli_interrupted();
+}
+
+static bool draw_thumbnails(const char *site_path, const struct gallery_options *o, GError **error)
+{
+	g_auto(GStrv) names = style_names(site_path);
+	g_autoptr(drawn_site) d = drawn_site_new(site_path, (double)o->width / o->height, error);
+	g_autoptr(painter) p = d ? painter_new(BACKEND_WISH_AUTO, error) : NULL;
+	return p && drawn_site_load(d, error) && gallery_write(d, p, names, o, error);
+}
+
+static int make_thumbnails(const char *site_path)
+{
+	g_autoptr(GError) error = NULL;
+	struct cli_bar bar;
+	struct gallery_options o = { .folder = thumbnails,
+		.view = view_name,
+		.width = 800,
+		.height = 600,
+		.progress = show_progress,
+		.user_data = &bar };
+	if (size_text && !camera_size_parse(size_text, &o.width, &o.height))
+		return cli_misuse(COMMAND, "--size is WIDTHxHEIGHT, each from 1 to %u, not '%s'",
+			CAMERA_SIDE_MAX / 2, size_text);
+	cli_catch_interrupts();
+	bar = cli_bar_begin(COMMAND);
+	bool good = draw_thumbnails(site_path, &o, &error);
+	cli_bar_end(&bar);
+	if (!good)
+		return cli_fail(COMMAND, error);
+	printf("%s/index.html\n", thumbnails);
+	return cli_done(COMMAND);
 }
 
 /* ---- the steps ---- */
@@ -165,6 +213,10 @@ int main(int argc, char **argv)
 		return list_steps();
 	if (schema)
 		return print_schema();
+	if (thumbnails && argc < 2)
+		return cli_misuse(COMMAND, "thumbnails of which site?");
+	if (thumbnails)
+		return make_thumbnails(argv[1]);
 	if (argc < 2)
 		return list_styles(NULL);
 	g_autoptr(site) s = site_open(argv[1], &error);

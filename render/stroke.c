@@ -95,7 +95,7 @@ static bool line_of(const struct brush *b, const struct candidate *c, struct lin
 	ray_of(b, c, ray);
 	float scale = b->focal_px / c->depth_m;
 	float x = (d[0] - ray[0] * d[2]) * scale, y = (d[1] - ray[1] * d[2]) * scale;
-	float length = hypotf(x, y);
+	float length = sqrtf(x * x + y * y);
 	if (!(length > 1e-3f * scale))
 		return false;
 	ret->along[0] = x / length;
@@ -207,12 +207,11 @@ static void colour_of(const struct brush *b, const struct candidate *c, uint8_t 
 		ret[k] = (uint8_t)CLAMP(grey + ink->saturation * (rgba[k] - grey) + 0.5f, 0, 255);
 }
 
-static void turn_along(struct stroke *s, const float along[2], float half_px, float angle_deg)
+static void turn_along(const struct brush *b, struct stroke *s, const float along[2], float half_px)
 {
-	float a = angle_deg * (float)(G_PI / 180), cosine = cosf(a), sine = sinf(a);
-	/* y is down, angles are counterclockwise */
-	s->along_px[0] = half_px * (along[0] * cosine + along[1] * sine);
-	s->along_px[1] = half_px * (along[1] * cosine - along[0] * sine);
+	const float *turn = b->layer->turn[(int)(stroke_chance(s->point, 2) * 256)];
+	s->along_px[0] = half_px * (along[0] * turn[0] - along[1] * turn[1]);
+	s->along_px[1] = half_px * (along[0] * turn[1] + along[1] * turn[0]);
 }
 
 static float opacity_of(const struct brush *b, const struct candidate *c)
@@ -229,21 +228,19 @@ static struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	float growth, const struct line *line, const float *normal)
 {
 	const struct ink_step *ink = &b->layer->ink;
-	static const float right[2] = { 1, 0 };
 	struct stroke s = { .x_px = c->x_px, .y_px = c->y_px, .alpha = alpha, .point = c->point };
 	float half_px = growth * ink->length_px / 2 *
 			(1 + ink->length_variation * around_zero(c->point, 1));
-	float angle = ink->angle_variation_deg * around_zero(c->point, 2);
 	s.half_width_px = growth * ink->width_px / 2;
 	s.q = 1 / c->depth_m;
 	if (line) {
 		float whole = b->focal_px / c->depth_m;
 		half_px *= CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
-		turn_along(&s, line->along, half_px, angle);
+		turn_along(b, &s, line->along, half_px);
 		for (int k = 0; k < 2; k++)
 			s.slope[k] = line->slope * line->along[k];
 	} else {
-		turn_along(&s, right, half_px, ink->angle_deg + angle);
+		turn_along(b, &s, b->layer->own_way, half_px);
 		if (normal)
 			plane_slope(b, c, normal, half_px, s.slope);
 	}

@@ -1,0 +1,51 @@
+#include "render/drawn-site.h"
+
+drawn_site *drawn_site_new(const char *folder, double aspect, GError **error)
+{
+	g_autoptr(drawn_site) d = g_new0(drawn_site, 1);
+	d->folder = g_strdup(folder);
+	d->site = site_open(folder, error);
+	d->model = d->site ? model_open(folder, error) : NULL;
+	d->stations = d->model ? view_stations(d->site, d->model, error) : NULL;
+	if (!d->stations)
+		return NULL;
+	d->sources = (struct view_sources){ .site = d->site,
+		.stations = (const struct view_station *)(void *)d->stations->data,
+		.station_count = d->stations->len,
+		.aspect = aspect };
+	d->sources.chunks = model_chunks(d->model, &d->sources.chunk_count);
+	return g_steal_pointer(&d);
+}
+
+bool drawn_site_load(drawn_site *d, GError **error)
+{
+	g_autoptr(GError) none = NULL;
+	d->tree = segments_load(d->folder, &none);
+	if (none && !g_error_matches(none, G_FILE_ERROR, G_FILE_ERROR_NOENT) &&
+		!g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND)) {
+		g_propagate_error(error, g_steal_pointer(&none));
+		return false;
+	}
+	d->scene = scene_new(d->model, error);
+	return d->scene;
+}
+
+void drawn_site_free(drawn_site *d)
+{
+	if (!d)
+		return;
+	scene_free(d->scene);
+	segments_free(d->tree);
+	if (d->stations)
+		g_array_unref(d->stations);
+	model_free(d->model);
+	site_free(d->site);
+	g_free(d->folder);
+	g_free(d);
+}
+
+drawing *drawn_site_style(const drawn_site *d, const char *style_name, GError **error)
+{
+	g_autoptr(style) s = style_find(style_name, d->folder, error);
+	return s ? drawing_new(s, d->tree, NULL, error) : NULL;
+}

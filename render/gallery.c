@@ -1,0 +1,122 @@
+#include "render/gallery.h"
+#include <errno.h>
+
+static const char css[] =
+	":root{color-scheme:light dark}"
+	"body{font:16px/1.5 system-ui,sans-serif;margin:0;background:#f6f3ec;color:#2b2723}"
+	"main{max-width:1700px;margin:0 auto;padding:1.2rem 1.5rem}h1{font-weight:600;margin:.4rem "
+	"0 1rem}"
+	".wall{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,480px),1fr));"
+	"gap:1.6rem}"
+	"figure{margin:0}figcaption{margin-top:.4rem}figcaption b{font-weight:600}"
+	"figcaption span{display:block;font-size:.85rem;color:#6d645a}"
+	"img{width:100%;height:auto;display:block;border-radius:3px;box-shadow:0 1px 6px "
+	"rgba(0,0,0,.25)}"
+	"@media(prefers-color-scheme:dark){body{background:#1d1b19;color:#ece6dc}figcaption "
+	"span{color:#a89f93}}";
+
+static struct gallery_options filled_in(const struct gallery_options *o)
+{
+	struct gallery_options r = *o;
+	r.width = r.width ? r.width : 800;
+	r.height = r.height ? r.height : 600;
+	r.supersample = r.supersample ? r.supersample : 2;
+	return r;
+}
+
+static view *find_view(const drawn_site *d, const char *name, GError **error)
+{
+	view *v = NULL;
+	if (!name)
+		v = view_built_in(&d->sources, "walk");
+	if (!v && !view_find(&d->sources, name ? name : "overview", &v, error))
+		return NULL;
+	return v;
+}
+
+static bool draw_style(const drawn_site *d, painter *p, const char *name, const view *v,
+	const struct gallery_options *o, GError **error)
+{
+	g_autoptr(drawing) drawn = drawn_site_style(d, name, error);
+	struct camera c = view_camera(v, o->width, o->height);
+	c = camera_scaled(&c, o->supersample);
+	g_autoptr(frame) f = drawn ? frame_new(d->scene, drawn, &c, error) : NULL;
+	if (!f)
+		return false;
+	g_autofree char *file = g_strdup_printf("%s.png", name);
+	g_autofree char *path = g_build_filename(o->folder, file, NULL);
+	struct picture_buffer large = picture_buffer_new(c.width, c.height), small = { 0 };
+	bool good = painter_draw(p, f, &large, NULL, error);
+	if (good) {
+		small = picture_buffer_reduced(&large, o->supersample);
+		good = picture_buffer_save(&small, path, error);
+	}
+	picture_buffer_clear(&large);
+	picture_buffer_clear(&small);
+	return good;
+}
+
+static bool append_style(GString *html, const drawn_site *d, const char *name, GError **error)
+{
+	g_autoptr(style) s = style_find(name, d->folder, error);
+	if (!s)
+		return false;
+	g_autofree char *title = g_markup_escape_text(s->title, -1),
+			*source = g_markup_escape_text(s->source, -1),
+			*text = g_markup_escape_text(s->description, -1),
+			*file = g_uri_escape_string(name, NULL, FALSE);
+	g_string_append_printf(html,
+		"<figure><a href=\"%s.png\"><img src=\"%s.png\" alt=\"%s\" loading=\"lazy\"></a>"
+		"<figcaption><b>%s</b> &middot; "
+		"%s<span>%s</span><span>%s</span></figcaption></figure>\n",
+		file, file, title, title, file, text, source);
+	return true;
+}
+
+static bool write_page(
+	const drawn_site *d, char *const *names, const struct gallery_options *o, GError **error)
+{
+	const char *title = manifest_get_string(site_manifest(d->site), "name", NULL);
+	g_autofree char *escaped = g_markup_escape_text(title ? title : "site", -1);
+	g_autofree char *path = g_build_filename(o->folder, "index.html", NULL);
+	g_autoptr(GString) html = g_string_new(NULL);
+	g_string_append_printf(html,
+		"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
+		"content=\"width=device-width\"><title>%s in all styles</title><style>%s</style>\n"
+		"<main><h1>%s in all styles</h1><div class=\"wall\">\n",
+		escaped, css, escaped);
+	for (char *const *name = names; *name; name++)
+		if (!append_style(html, d, *name, error))
+			return false;
+	g_string_append(html, "</div></main></html>\n");
+	return g_file_set_contents(path, html->str, (gssize)html->len, error);
+}
+
+static bool go_on(
+	const struct gallery_options *o, double fraction, const char *name, GError **error)
+{
+	if (!o->progress || o->progress(fraction, name, o->user_data))
+		return true;
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped before %s", name);
+	return false;
+}
+
+bool gallery_write(const drawn_site *d, painter *p, char *const *names,
+	const struct gallery_options *options, GError **error)
+{
+	struct gallery_options o = filled_in(options);
+	g_autoptr(view) v = find_view(d, o.view, error);
+	guint count = g_strv_length((char **)names);
+	if (!v)
+		return false;
+	if (g_mkdir_with_parents(o.folder, 0777) != 0) {
+		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", o.folder,
+			g_strerror(errno));
+		return false;
+	}
+	for (guint n = 0; n < count; n++)
+		if (!go_on(&o, (double)n / count, names[n], error) ||
+			!draw_style(d, p, names[n], v, &o, error))
+			return false;
+	return write_page(d, names, &o, error);
+}
