@@ -27,6 +27,8 @@ static bool check_chunk(const model *m, uint64_t which, uint64_t first, GError *
 		if (!isfinite(c->centre_m[i]) || !isfinite(c->half_size_m[i]) ||
 			c->half_size_m[i] < 0)
 			return damaged(m, which, "its box is no box", error);
+	if (c->leaf > UINT16_MAX)
+		return damaged(m, which, "no tree of segments has its leaf", error);
 	return true;
 }
 

@@ -312,6 +312,7 @@ static void test_contradictions(void)
 		{ { .points = UINT32_MAX }, { .first = UINT32_MAX, .points = 11 } },
 		{ { .points = 4, .half_size_m = { -1, 0, 0 } }, { .first = 4, .points = 6 } },
 		{ { .points = 4, .centre_m = { 0, NAN, 0 } }, { .first = 4, .points = 6 } },
+		{ { .points = 4 }, { .first = 4, .points = 6, .leaf = 65536 } },
 	};
 	static const struct model_chunk good[2] = { { .points = 4 }, { .first = 4, .points = 6 } };
 	g_autofree char *folder = simulated_folder();
