@@ -56,7 +56,7 @@ static void allocate(scene *s)
 
 size_t scene_bytes(const scene *s)
 {
-	size_t point = 6 * sizeof(uint16_t) + sizeof *s->normal + sizeof *s->direction +
+	size_t point = 5 * sizeof(uint16_t) + sizeof *s->normal + sizeof *s->direction +
 		       sizeof *s->rgba + 2 + 2 * sizeof *s->list;
 	return sizeof *s + s->count * point + s->chunks * sizeof *s->chunk;
 }

@@ -1,7 +1,7 @@
 #ifndef RENDER_SCENE_H
 #define RENDER_SCENE_H
 /* The points of a site in the form that both backends draw them from: the model's chunks (process/model.h) in their order, attributes
- * apart, positions in 16 bits of each chunk's box; 30 bytes a point. Inside a chunk the points of each kind are listed in the
+ * apart, positions in 16 bits of each chunk's box; 28 bytes a point. Inside a chunk the points of each kind are listed in the
  * order of their ranks, so that any first part of a list is a uniform subset: the continuous resolution queue (Xu & Chen 2004,
  * sections 6.3 and 7.4), for the mask and for each layer alike.
  *
