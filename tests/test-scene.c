@@ -1,0 +1,306 @@
+/* A model in the form that it is drawn from. */
+#include "tests/scene-made.h"
+
+/* ---- points ---- */
+
+static void assert_place(const scene *s, const struct scene_chunk *c, uint32_t i,
+	const struct model_chunk *from, const struct model_point *p)
+{
+	double at[3];
+	scene_position(s, c, i, at);
+	for (int k = 0; k < 3; k++) {
+		double was = from->centre_m[k] + (double)p->position_m[k];
+		double origin = fabs(from->centre_m[k] - s->origin_m[k]);
+		/* Half a step, and what a float leaves of the centre and of the step. */
+		double most = 0.5 * (double)c->step_m[k] + 1.2e-7 * (origin + from->half_size_m[k]);
+		g_assert_cmpfloat(fabs(at[k] - was), <=, 1.01 * most + 1e-12);
+	}
+}
+
+static void assert_attributes(const scene *s, uint32_t at, const struct model_point *p)
+{
+	g_assert_cmpmem(s->normal[at], 4, p->normal, 4);
+	g_assert_cmpmem(s->direction[at], 4, p->direction, 4);
+	g_assert_cmpmem(s->rgba[at], 4, p->rgba, 4);
+	g_assert_cmpuint(s->kind[at], ==, p->kind);
+	g_assert_cmpuint(s->degree[at], ==, p->feature);
+}
+
+/* All kinds follow each other; each has its points in the order in which they stand in the file. */
+static void assert_lists(const scene *s, const struct scene_chunk *c)
+{
+	g_autofree bool *seen = g_new0(bool, c->count);
+	uint32_t from = 0;
+	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
+		g_assert_cmpuint(c->kind_end[kind], >=, from);
+		g_assert_cmpuint(c->kind_end[kind], <=, c->count);
+		for (uint32_t n = from; n < c->kind_end[kind]; n++) {
+			uint16_t i = s->list[c->first + n];
+			float spacing_m = s->list_spacing[c->first + n] * 1e-4f;
+			g_assert_cmpuint(i, <, c->count);
+			g_assert_false(seen[i]);
+			seen[i] = true;
+			g_assert_cmpuint(s->kind[c->first + i], ==, kind);
+			g_assert_true(n == from || i > s->list[c->first + n - 1]);
+			g_assert_cmpuint(s->list_spacing[c->first + n], >=, 1);
+			g_assert_cmpfloat(spacing_m, <=, c->list_spacing_most_m[kind]);
+		}
+		from = c->kind_end[kind];
+	}
+	g_assert_cmpuint(from, ==, c->count);
+}
+
+static void assert_sizes(const scene *s, const struct scene_chunk *c)
+{
+	float least = INFINITY, most = 0, disc = 0;
+	for (uint32_t i = c->first; i < c->first + c->count; i++) {
+		g_assert_cmpuint(s->spacing[i], >=, 1);
+		g_assert_cmpuint(s->disc[i], >=, s->spacing[i]);
+		g_assert_cmpfloat(s->disc[i], <=, 2.5f * s->spacing[i] + 1);
+		least = fminf(least, s->spacing[i] * 1e-4f);
+		most = fmaxf(most, s->spacing[i] * 1e-4f);
+		disc = fmaxf(disc, s->disc[i] * 1e-4f);
+	}
+	g_assert_cmpfloat(c->spacing_least_m, ==, least);
+	g_assert_cmpfloat(c->spacing_most_m, ==, most);
+	g_assert_cmpfloat(c->disc_most_m, ==, disc);
+}
+
+static void assert_scene(const made *m)
+{
+	const scene *s = m->scene;
+	uint64_t chunks;
+	const struct model_chunk *from = model_chunks(m->model, &chunks);
+	g_assert_cmpuint(s->count, ==, model_count(m->model));
+	g_assert_cmpuint(s->chunks, ==, chunks);
+	for (uint32_t n = 0; n < s->chunks; n++) {
+		const struct scene_chunk *c = &s->chunk[n];
+		g_assert_cmpuint(c->first, ==, from[n].first);
+		g_assert_cmpuint(c->count, ==, from[n].points);
+		g_assert_cmpuint(c->leaf, ==, from[n].leaf);
+		for (uint32_t i = 0; i < c->count; i++) {
+			const struct model_point *p = &model_points(m->model)[c->first + i];
+			assert_place(s, c, i, &from[n], p);
+			assert_attributes(s, c->first + i, p);
+		}
+		assert_lists(s, c);
+		assert_sizes(s, c);
+	}
+}
+
+static void test_court(void)
+{
+	g_auto(made) m = made_court();
+	const scene *s = made_read(&m);
+	g_assert_cmpuint(s->chunks, >, 30);
+	assert_scene(&m);
+	g_assert_cmpfloat(s->dither_per_m2, ==, 60);
+	g_assert_cmpfloat(s->tone_exponent, ==, 1);
+	/* What its arrays really take. */
+	size_t point = 3 * 2 + 2 + 2 + 4 + 4 + 4 + 1 + 1 + 2 + 2;
+	g_assert_cmpuint(
+		scene_bytes(s), ==, s->count * point + s->chunks * sizeof *s->chunk + sizeof *s);
+}
+
+/* Far from where the site has its origin, too. */
+static void test_far_away(void)
+{
+	g_auto(made) m = made_new();
+	struct made_plane p = { .corner_m = { -900, 1000, 300 },
+		.a_m = { 3, 1, 0 },
+		.b_m = { -0.4, 1.2, 2 },
+		.apart_m = 0.03,
+		.order = MADE_RANDOM };
+	made_add_plane(&m, &p);
+	p.corner_m[0] = 1000;
+	made_add_plane(&m, &p);
+	made_read(&m);
+	assert_scene(&m);
+}
+
+/* ---- how far points of a kind stand apart ---- */
+
+static double mean_list_spacing_m(const scene *s, int kind)
+{
+	double sum = 0;
+	uint32_t count = 0;
+	for (uint32_t n = 0; n < s->chunks; n++) {
+		const struct scene_chunk *c = &s->chunk[n];
+		for (uint32_t i = kind ? c->kind_end[kind - 1] : 0; i < c->kind_end[kind]; i++) {
+			sum += s->list_spacing[c->first + i] * 1e-4;
+			count++;
+		}
+	}
+	g_assert_cmpuint(count, >, 0);
+	return sum / count;
+}
+
+/* A quarter of the points are undirected: these stand twice as far apart, the others are 3 of 4. */
+static void test_shares(void)
+{
+	g_auto(made) m = made_new();
+	struct made_plane p = {
+		.a_m = { 4, 0, 0 }, .b_m = { 0, 4, 0 }, .apart_m = 0.02, .order = MADE_JITTERED
+	};
+	made_add_plane(&m, &p);
+	for (guint i = 0; i < m.points->len; i++) {
+		struct made_point *q = &g_array_index(m.points, struct made_point, i);
+		q->kind = i / 200 % 2 && i % 2 ? FEATURE_UNDIRECTED : FEATURE_NONE;
+	}
+	const scene *s = made_read(&m);
+	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_UNDIRECTED), >, 0.04 * 0.97);
+	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_UNDIRECTED), <, 0.04 * 1.03);
+	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_NONE), >, 0.02 * sqrt(4 / 3.) * 0.98);
+	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_NONE), <, 0.02 * sqrt(4 / 3.) * 1.02);
+}
+
+static void test_edges_and_dither(void)
+{
+	g_auto(made) m = made_court();
+	const scene *s = made_read(&m);
+	g_assert_cmpfloat(fabs(mean_list_spacing_m(s, FEATURE_DITHER) - 1 / sqrt(60)), <, 1e-4);
+	g_assert_cmpfloat(fabs(mean_list_spacing_m(s, FEATURE_DIRECTED) - 0.01), <, 1e-6);
+}
+
+/* ---- discs ---- */
+
+static const struct measure {
+	uint16_t size, spacing, plane_error;
+	uint8_t kind;
+	uint16_t wanted_spacing, wanted_disc;
+} measures[] = {
+	{ 100, 100, 10, FEATURE_NONE, 100, 100 },
+	{ 100, 200, 10, FEATURE_NONE, 200, 400 },       /* aslant: long */
+	{ 100, 400, 10, FEATURE_NONE, 400, 1000 },      /* but not longer than that */
+	{ 100, 400, 10, FEATURE_UNDIRECTED, 140, 196 }, /* leaves */
+	{ 100, 400, MODEL_ERROR_NONE, FEATURE_NONE, 140, 196 },
+	{ 100, 400, 201, FEATURE_NONE, 140, 196 },
+	{ 100, 400, 200, FEATURE_NONE, 400, 1000 },
+	{ 200, 100, 10, FEATURE_NONE, 100, 100 }, /* overlapping patches */
+	{ 0, 0, 10, FEATURE_NONE, 1, 1 },
+	{ 65535, 65535, 10, FEATURE_NONE, 65535, 65535 },
+	{ 1, 65535, 10, FEATURE_NONE, 65535, 65535 },
+	{ 1, 65535, MODEL_ERROR_NONE, FEATURE_NONE, 1, 2 },
+};
+
+static void test_measures(void)
+{
+	struct model_point p[G_N_ELEMENTS(measures)] = { 0 };
+	for (size_t i = 0; i < G_N_ELEMENTS(p); i++) {
+		p[i].size = measures[i].size;
+		p[i].spacing = measures[i].spacing;
+		p[i].plane_error = measures[i].plane_error;
+		p[i].kind = measures[i].kind;
+	}
+	struct model_chunk c = { .points = G_N_ELEMENTS(p) };
+	g_auto(made) m = made_of_tables(p, G_N_ELEMENTS(p), &c, 1);
+	made_open(&m);
+	for (size_t i = 0; i < G_N_ELEMENTS(p); i++) {
+		g_assert_cmpuint(m.scene->spacing[i], ==, measures[i].wanted_spacing);
+		g_assert_cmpuint(m.scene->disc[i], ==, measures[i].wanted_disc);
+	}
+}
+
+/* ---- odd models ---- */
+
+static void test_no_points(void)
+{
+	g_auto(made) m = made_of_tables(NULL, 0, NULL, 0);
+	made_open(&m);
+	g_assert_cmpuint(m.scene->count, ==, 0);
+	g_assert_cmpuint(m.scene->chunks, ==, 0);
+}
+
+/* A box of no size, as of one point alone. */
+static void test_one_point(void)
+{
+	struct model_point p = { .size = 100, .spacing = 100, .kind = FEATURE_DIRECTED };
+	struct model_chunk c = { .centre_m = { 5, 6, 7 }, .points = 1, .leaf = 3 };
+	g_auto(made) m = made_of_tables(&p, 1, &c, 1);
+	double at[3];
+	made_open(&m);
+	assert_scene(&m);
+	scene_position(m.scene, &m.scene->chunk[0], 0, at);
+	for (int k = 0; k < 3; k++)
+		g_assert_cmpfloat(at[k], ==, c.centre_m[k]);
+	g_assert_cmpuint(m.scene->chunk[0].kind_end[FEATURE_UNDIRECTED], ==, 0);
+	g_assert_cmpuint(m.scene->chunk[0].kind_end[FEATURE_DIRECTED], ==, 1);
+}
+
+static void test_chunks_of_one(void)
+{
+	enum { COUNT = 500 };
+	g_autofree struct model_point *p = g_new0(struct model_point, COUNT);
+	g_autofree struct model_chunk *c = g_new0(struct model_chunk, COUNT);
+	for (int i = 0; i < COUNT; i++) {
+		p[i].spacing = p[i].size = 50;
+		p[i].kind = (uint8_t)(i % FEATURE_KINDS);
+		c[i] = (struct model_chunk){
+			.centre_m = { i, -i, 2 * i }, .points = 1, .first = (uint64_t)i
+		};
+	}
+	g_auto(made) m = made_of_tables(p, COUNT, c, COUNT);
+	made_open(&m);
+	assert_scene(&m);
+}
+
+/* All in a plane, on a line, on one place: the box has no size along some axes. */
+static void test_flat(gconstpointer data)
+{
+	int axes = GPOINTER_TO_INT(data);
+	struct model_point p[300] = { 0 };
+	struct model_chunk c = { .centre_m = { 9, 9, 9 }, .points = 300 };
+	g_autoptr(GRand) chance = g_rand_new_with_seed(7);
+	for (int k = 0; k < axes; k++)
+		c.half_size_m[k] = 1;
+	for (int i = 0; i < 300; i++) {
+		p[i].spacing = p[i].size = 50;
+		for (int k = 0; k < axes; k++)
+			p[i].position_m[k] = (float)g_rand_double_range(chance, -1, 1);
+	}
+	g_auto(made) m = made_of_tables(p, 300, &c, 1);
+	made_open(&m);
+	assert_scene(&m);
+}
+
+/* The file's checksums are right, and what it says is not. */
+static void test_absurd(void)
+{
+	struct model_point p[4] = { { .position_m = { NAN, INFINITY, -INFINITY } },
+		{ .position_m = { 1e30f, -1e30f, 3 } },
+		{ .kind = 200, .normal = { INT16_MIN, 5 }, .spacing = 9 },
+		{ .direction = { INT16_MIN, INT16_MIN } } };
+	struct model_chunk c[2] = { { .half_size_m = { 1, 1, 1 }, .points = 2 },
+		{ .centre_m = { 1e300, 0, 0 },
+			.half_size_m = { 3e38f, 0, 1 },
+			.points = 2,
+			.first = 2 } };
+	g_auto(made) m = made_of_tables(p, 4, c, 2);
+	made_open(&m);
+	g_autoptr(drawing) d =
+		made_drawing(MADE_SITE("{\"step\":\"points\"},{\"step\":\"sprites\"},"
+				       "{\"step\":\"strokes\"},{\"step\":\"edl\"}"));
+	static const double eye[3] = { 0, -5, 0 }, target[3] = { 0, 0, 0 };
+	struct camera view = camera_look_at(eye, target, 60, 80, 60);
+	g_autoptr(frame) f = made_frame(m.scene, d, &view);
+	struct picture_buffer picture = made_picture(f);
+	picture_buffer_clear(&picture);
+}
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/scene/court", test_court);
+	g_test_add_func("/scene/far-away", test_far_away);
+	g_test_add_func("/scene/shares", test_shares);
+	g_test_add_func("/scene/edges-and-dither", test_edges_and_dither);
+	g_test_add_func("/scene/measures", test_measures);
+	g_test_add_func("/scene/no-points", test_no_points);
+	g_test_add_func("/scene/one-point", test_one_point);
+	g_test_add_func("/scene/chunks-of-one", test_chunks_of_one);
+	g_test_add_data_func("/scene/plane", GINT_TO_POINTER(2), test_flat);
+	g_test_add_data_func("/scene/line", GINT_TO_POINTER(1), test_flat);
+	g_test_add_data_func("/scene/place", GINT_TO_POINTER(0), test_flat);
+	g_test_add_func("/scene/absurd", test_absurd);
+	return g_test_run();
+}
