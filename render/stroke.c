@@ -23,6 +23,7 @@ struct brush {
 	const visibility_mask *mask;
 	float focal_px, middle_x, middle_y, near_m;
 	float turn[3][3]; /* site to camera: rows right, down, forward */
+	float ray_most; /* length of the longest ray of depth 1 */
 	int kind;
 	float wanted_most;
 	uint32_t list_from, list_count; /* of the kind in the chunk */
@@ -58,13 +59,15 @@ static void ray_of(const struct brush *b, const struct candidate *c, float ret[3
 	ret[2] = 1;
 }
 
+/* Of the angle that the surface is seen at, times how much longer the ray is than the depth: a square metre of it covers so many
+ * (focal length / depth)^2. */
 static float cosine_of(const struct brush *b, const struct candidate *c, const float normal[3])
 {
 	float ray[3];
 	if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
 		return COSINE_UNKNOWN;
 	ray_of(b, c, ray);
-	return MAX(fabsf(vector3_dot(normal, ray)) / vector3_length(ray), COSINE_LEAST);
+	return MAX(fabsf(vector3_dot(normal, ray)), COSINE_LEAST);
 }
 
 /* 1/depth over the screen, of the plane through the point. */
@@ -268,7 +271,7 @@ static void try_candidate(const struct brush *b, struct candidate *c, GArray *to
 {
 	struct line line;
 	float normal[3], need;
-	if (b->kind != FEATURE_DIRECTED && c->rank >= need_on_surface(b, c, 1))
+	if (b->kind != FEATURE_DIRECTED && c->rank >= need_on_surface(b, c, b->ray_most))
 		return;
 	to_camera(b, b->f->scene->normal[c->point], normal);
 	bool is_flat = b->kind < FEATURE_UNDIRECTED &&
@@ -308,7 +311,7 @@ static float wanted_most(const struct brush *b)
 			here *= b->f->scene->dither_per_m2 / l->dithering_per_m2[n];
 		most = MAX(most, here);
 	}
-	return most;
+	return most * b->ray_most;
 }
 
 /* No rank above it is drawn. */
@@ -393,6 +396,10 @@ static struct brush brush_of(const frame *f, const visibility_mask *m, const str
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
 			b.turn[k][n] = (float)row[k][n];
+	float reach = l->ink.length_px / 2;
+	float corner[3] = { (b.middle_x + reach) / b.focal_px, (b.middle_y + reach) / b.focal_px,
+		1 };
+	b.ray_most = vector3_length(corner);
 	return b;
 }
 
