@@ -15,12 +15,19 @@ struct pen {
 	float reach_along, reach_across;
 	float per_cosine, per_sine; /* 1 / of it; 0: too small to tell columns by */
 	float falloff;              /* of a sprite */
+	float strength;             /* of a line */
 	const uint32_t *texels;     /* of the variant */
 	uint32_t texel_pitch;
 	float texels_along, texels_across; /* to a pixel */
 	float texel_ends[2];
 	float colour[3];
 };
+
+/* Lines are drawn a pixel wider than they are, with soft edges, which makes those that are thinner than that too strong. */
+INLINE float thinness(float half)
+{
+	return half < 0.5f ? 2 * half / ((half + 0.5f) * (half + 0.5f)) : 1;
+}
 
 INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
 {
@@ -33,6 +40,7 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 	p.reach_across = p.half_width + soft;
 	p.per_cosine = fabsf(p.cosine) > 1e-4f ? 1 / p.cosine : 0;
 	p.per_sine = fabsf(p.sine) > 1e-4f ? 1 / p.sine : 0;
+	p.strength = thinness(p.half_length) * thinness(p.half_width);
 	if (kernel == KERNEL_SPRITE) {
 		float sigma = 2 * p.half_length / SIGMAS;
 		p.falloff = 1 / (2 * sigma * sigma);
@@ -69,7 +77,7 @@ INLINE vf sprite_alpha(const struct pen *p, vf dx, float dy)
 INLINE vf line_alpha(const struct pen *p, vf along, vf across)
 {
 	return clamp01(p->reach_along - magnitude(along)) *
-	       clamp01(p->reach_across - magnitude(across));
+	       clamp01(p->reach_across - magnitude(across)) * p->strength;
 }
 
 INLINE vf texture_alpha(const struct pen *p, vf along, vf across)
