@@ -16,9 +16,14 @@ static uint32_t kinds_of(const struct ink_step *ink)
 	case INK_FEATURES: return undirected | directed;
 	case INK_DIRECTIONAL: return directed;
 	case INK_NON_DIRECTIONAL: return undirected;
-	case INK_DITHERING: return ink->tone == TONE_COLOUR ? dither | none : dither;
-	default: return none | dither | undirected | directed;
+	case INK_DITHERING:
+		if (ink->tone == TONE_EVEN)
+			return dither;
+		break;
+	default:
+		break;
 	}
+	return none | dither | undirected | directed;
 }
 
 /* ---- tone ---- */

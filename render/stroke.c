@@ -141,20 +141,43 @@ static bool is_toned_dithering(const struct frame_layer *l)
 	return l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
 }
 
-/* Strokes wanted over points that there are. */
+/* Those of edges are as dense along them; but where a tone is shown they are surface like all other points. */
+static bool is_on_edge(const struct brush *b)
+{
+	return b->kind == FEATURE_DIRECTED && !is_toned_dithering(b->layer);
+}
+
+/* Points that come after dithering points, as dense as all points are. */
+static bool shares_queue(const struct brush *b)
+{
+	return b->kind != FEATURE_DITHER && is_toned_dithering(b->layer);
+}
+
+/* Strokes wanted to a square metre of its surface. */
 static float need_on_surface(const struct brush *b, const struct candidate *c, float cosine)
 {
-	const struct frame_layer *l = b->layer;
-	uint8_t lightness = lightness_of(b->f->scene->rgba[c->point]);
 	float px_per_m = b->focal_px / c->depth_m;
-	float wanted_per_m2 = l->wanted_per_px[lightness] * px_per_m * px_per_m * cosine;
-	if (is_toned_dithering(l)) {
-		float there = l->dithering_per_m2[lightness];
-		if (b->kind == FEATURE_DITHER)
-			return wanted_per_m2 / there;
-		return MAX(wanted_per_m2 - there, 0) * c->spacing_m * c->spacing_m;
-	}
-	return wanted_per_m2 * c->spacing_m * c->spacing_m;
+	uint8_t lightness = lightness_of(b->f->scene->rgba[c->point]);
+	return b->layer->wanted_per_px[lightness] * px_per_m * px_per_m * cosine;
+}
+
+/* Its place among the points that a layer draws there, as points to a square metre before it, and the last one's. Where a tone is
+ * shown all other points come after the dithering points, in one queue with them. */
+struct place {
+	float rank, last;
+};
+
+static struct place place_of(const struct brush *b, const struct candidate *c)
+{
+	float per_m2 = 1 / (c->spacing_m * c->spacing_m);
+	if (!is_toned_dithering(b->layer))
+		return (struct place){ c->rank * per_m2, per_m2 };
+	const scene *s = b->f->scene;
+	float there = b->layer->dithering_per_m2[lightness_of(s->rgba[c->point])],
+	      spacing_m = s->spacing[c->point] * UNIT_M, last = there + 1 / (spacing_m * spacing_m);
+	if (b->kind == FEATURE_DITHER)
+		return (struct place){ c->rank * there, last };
+	return (struct place){ there + c->rank * (last - there), last };
 }
 
 static float need_along(const struct brush *b, const struct candidate *c, const struct line *l)
@@ -267,35 +290,49 @@ static bool goes_along(const struct brush *b)
 	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
 }
 
-static void try_candidate(const struct brush *b, struct candidate *c, GArray *to)
+static void add_stroke(const struct brush *b, const struct candidate *c, float alpha, float growth,
+	const struct line *line, const float *normal, GArray *to)
+{
+	alpha *= opacity_of(b, c);
+	if (alpha < ALPHA_LEAST)
+		return;
+	struct stroke s = stroke_of(b, c, alpha, growth, line, normal);
+	g_array_append_val(to, s);
+}
+
+static void try_on_edge(const struct brush *b, const struct candidate *c, GArray *to)
 {
 	struct line line;
-	float normal[3], need;
-	if (b->kind != FEATURE_DIRECTED && c->rank >= need_on_surface(b, c, b->ray_most))
+	float normal[3];
+	bool has_line = line_of(b, c, &line);
+	float shown = visibility(b, c);
+	to_camera(b, b->f->scene->normal[c->point], normal);
+	if (shown <= 0 || is_seen_from_behind(b, c, normal) || !has_line)
+		return;
+	add_stroke(b, c, shown * stroke_fade(c->rank, need_along(b, c, &line)), 1,
+		goes_along(b) ? &line : NULL, normal, to);
+}
+
+static void try_on_surface(const struct brush *b, struct candidate *c, GArray *to)
+{
+	struct line line;
+	float normal[3];
+	struct place place = place_of(b, c);
+	if (place.rank >= need_on_surface(b, c, b->ray_most))
 		return;
 	to_camera(b, b->f->scene->normal[c->point], normal);
 	bool is_flat = b->kind < FEATURE_UNDIRECTED &&
 		       (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
 	if (is_flat && b->layer->ink.scatter > 0)
 		scatter(b, normal, c);
-	float shown = visibility(b, c);
+	float need = need_on_surface(b, c, cosine_of(b, c, normal)),
+	      fade = stroke_fade(place.rank, need);
+	float shown = fade > 0 ? visibility(b, c) : 0;
 	if (shown <= 0 || is_seen_from_behind(b, c, normal))
 		return;
-	bool has_line = (b->kind == FEATURE_DIRECTED || goes_along(b)) && line_of(b, c, &line);
-	bool on_edge = b->kind == FEATURE_DIRECTED && has_line;
-	need = on_edge ? need_along(b, c, &line) : need_on_surface(b, c, cosine_of(b, c, normal));
-	float fade = stroke_fade(c->rank, need);
-	if (fade <= 0)
-		return;
-	float alpha = opacity_of(b, c) * fade * shown;
-	if (alpha < ALPHA_LEAST)
-		return;
-	/* Where dithering points are too few, others are there beside them. */
-	bool may_grow = !on_edge && !(b->kind == FEATURE_DITHER && is_toned_dithering(b->layer));
-	float growth = may_grow ? MIN(stroke_growth(need), b->layer->ink.grow) : 1;
-	struct stroke s = stroke_of(b, c, alpha, growth, has_line && goes_along(b) ? &line : NULL,
-		is_flat ? normal : NULL);
-	g_array_append_val(to, s);
+	bool has_line = goes_along(b) && line_of(b, c, &line);
+	add_stroke(b, c, shown * fade, MIN(stroke_growth(need / place.last), b->layer->ink.grow),
+		has_line ? &line : NULL, is_flat ? normal : NULL, to);
 }
 
 /* ---- a chunk's points ---- */
@@ -317,8 +354,10 @@ static float wanted_most(const struct brush *b)
 /* No rank above it is drawn. */
 static float need_most(const struct brush *b)
 {
-	float scale = b->focal_px / b->view->near_m * b->view->chunk->list_spacing_most_m[b->kind];
-	if (b->kind == FEATURE_DIRECTED)
+	const struct scene_chunk *c = b->view->chunk;
+	float scale = b->focal_px / b->view->near_m *
+		      (shares_queue(b) ? c->spacing_most_m : c->list_spacing_most_m[b->kind]);
+	if (is_on_edge(b))
 		return scale / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
 	return b->wanted_most * scale * scale;
 }
@@ -336,7 +375,7 @@ INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf
 {
 	float reach = b->layer->ink.length_px / 2;
 	vf scale = spacing_m * (b->focal_px / l->depth_m);
-	vf need = b->kind == FEATURE_DIRECTED
+	vf need = is_on_edge(b)
 			  ? scale * (1 / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
 			  : scale * scale * b->wanted_most;
 	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
@@ -359,7 +398,9 @@ INLINE void choose_points(const struct brush *b, GArray *to)
 		struct lane_points l =
 			project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
 		vf rank = ((float)i + 0.5f + lane_number) * ranks;
-		vf spacing_m = load_u16(s->list_spacing + at) * UNIT_M;
+		vf spacing_m = (shares_queue(b) ? gather_u16(s->spacing + c->first, list) :
+						   load_u16(s->list_spacing + at)) *
+			       UNIT_M;
 		unsigned left = promising(b, &l, rank, spacing_m);
 		if (end - i < LANES)
 			left &= (1u << (end - i)) - 1;
@@ -367,7 +408,7 @@ INLINE void choose_points(const struct brush *b, GArray *to)
 			int k = __builtin_ctz(left);
 			struct candidate one = { c->first + list[k], rank[k], spacing_m[k],
 				l.x_px[k], l.y_px[k], l.depth_m[k] };
-			try_candidate(b, &one, to);
+			(is_on_edge(b) ? try_on_edge : try_on_surface)(b, &one, to);
 		}
 	}
 }
