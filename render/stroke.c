@@ -358,7 +358,7 @@ static float need_most(const struct brush *b)
 	float scale = b->focal_px / b->view->near_m *
 		      (shares_queue(b) ? c->spacing_most_m : c->list_spacing_most_m[b->kind]);
 	if (is_on_edge(b))
-		return scale / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
+		return scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
 	return b->wanted_most * scale * scale;
 }
 
@@ -376,7 +376,7 @@ INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf
 	float reach = b->layer->ink.length_px / 2;
 	vf scale = spacing_m * (b->focal_px / l->depth_m);
 	vf need = is_on_edge(b)
-			  ? scale * (1 / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
+			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
 			  : scale * scale * b->wanted_most;
 	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
 		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
