@@ -23,7 +23,7 @@ struct brush {
 	const visibility_mask *mask;
 	float focal_px, middle_x, middle_y, near_m;
 	float turn[3][3]; /* site to camera: rows right, down, forward */
-	float ray_most; /* length of the longest ray of depth 1 */
+	float ray_most;   /* length of the longest ray of depth 1 */
 	int kind;
 	float wanted_most;
 	uint32_t list_from, list_count; /* of the kind in the chunk */

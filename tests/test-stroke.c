@@ -1,0 +1,576 @@
+/* Which points become strokes, how dense, how dark, along what, and whether they stay from frame to frame. */
+#include "render/light.h"
+#include "tests/scene-made.h"
+
+/* Pictures are 300 high, so a pixel is four of a style's. */
+#define HEIGHT 300u
+#define STEADY                                                                                     \
+	"\"opacity\":1,\"opacity_variation\":0,\"length_variation\":0,\"degree\":0,\"tooth\":0"
+
+static stroke_list *strokes_of(const frame *f, bool masked)
+{
+	uint32_t count;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	g_autoptr(visibility_mask) m = masked ? visibility_mask_new(f, views, count) : NULL;
+	return stroke_lists_new(f, m, views, count);
+}
+
+/* A plane at y = 0 with its middle in the origin, seen from y < 0. */
+static void add_wall(made *m, int side, double apart_m, uint8_t grey, bool dithered)
+{
+	double half = side * apart_m / 2;
+	struct made_plane p = { .corner_m = { -half, 0, -half },
+		.a_m = { 2 * half, 0, 0 },
+		.b_m = { 0, 0, 2 * half },
+		.apart_m = apart_m,
+		.order = MADE_JITTERED,
+		.rgba = { grey, grey, grey, 255 },
+		.dithered = dithered };
+	made_add_plane(m, &p);
+}
+
+/* Towards the origin, at a slant; away such that a metre there has so many pixels. */
+static struct camera before_wall(double slant_deg, double px_per_m, uint32_t width)
+{
+	static const double origin[3] = { 0, 0, 0 };
+	double fov_deg = 50, focal_px = HEIGHT / 2. / tan(fov_deg / 2 * G_PI / 180);
+	double away_m = focal_px / px_per_m, a = slant_deg * G_PI / 180;
+	double eye[3] = { -away_m * sin(a), -away_m * cos(a), 0 };
+	return camera_look_at(eye, origin, fov_deg, width, HEIGHT);
+}
+
+/* Whether a place on the screen shows the wall, farther from its border than so many metres. */
+static bool is_wall(const struct camera *c, double half_m, double px, double py)
+{
+	double ray[3], place[2] = { px, py };
+	camera_ray(c, place, ray);
+	double scale = -c->eye_m[1] / ray[1];
+	return scale > 0 && fabs(c->eye_m[0] + scale * ray[0]) < half_m &&
+	       fabs(c->eye_m[2] + scale * ray[2]) < half_m;
+}
+
+/* ---- density ---- */
+
+#define TILE 32
+
+typedef struct tiles tiles;
+struct tiles {
+	uint32_t columns, rows;
+	double *strokes, *px;
+};
+
+static void tiles_clear(struct tiles *t)
+{
+	g_free(t->strokes);
+	g_free(t->px);
+}
+G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(tiles, tiles_clear)
+static struct tiles tiles_of(const frame *f, const stroke_list *l, double half_m)
+{
+	const struct camera *c = &f->camera;
+	struct tiles t = { c->width / TILE, c->height / TILE };
+	t.strokes = g_new0(double, t.columns *t.rows);
+	t.px = g_new0(double, t.columns *t.rows);
+	for (uint32_t n = 0; n < l->count; n++) {
+		const struct stroke *s = &l->stroke[n];
+		double x = (double)s->x_px, y = (double)s->y_px;
+		if (x >= 0 && y >= 0 && x < t.columns * TILE && y < t.rows * TILE &&
+			is_wall(c, half_m, x, y))
+			t.strokes[(uint32_t)y / TILE * t.columns + (uint32_t)x / TILE] +=
+				(double)s->alpha;
+	}
+	for (uint32_t y = 0; y < t.rows * TILE; y++)
+		for (uint32_t x = 0; x < t.columns * TILE; x++)
+			t.px[y / TILE * t.columns + x / TILE] +=
+				is_wall(c, half_m, x + 0.5, y + 0.5);
+	return t;
+}
+
+/* Strokes to a pixel, and how much whole tiles differ. */
+static double density_of(const struct tiles *t, double *ret_variation)
+{
+	double strokes = 0, px = 0, sum = 0, squares = 0;
+	int whole = 0;
+	for (uint32_t n = 0; n < t->columns * t->rows; n++) {
+		strokes += t->strokes[n];
+		px += t->px[n];
+		if (t->px[n] < TILE * TILE)
+			continue;
+		sum += t->strokes[n];
+		squares += t->strokes[n] * t->strokes[n];
+		whole++;
+	}
+	double mean = sum / MAX(whole, 1);
+	*ret_variation = whole > 1 ? sqrt(fmax(squares / whole - mean * mean, 0)) / mean : 0;
+	g_assert_cmpfloat(px, >, 3000);
+	return strokes / px;
+}
+
+/* As many as the style says, at any distance and slant, wherever points are dense enough. */
+static void test_density(void)
+{
+	static const double px_per_m[] = { 150, 60, 25 }, slants_deg[] = { 0, 40, 70 };
+	g_auto(made) m = made_new();
+	add_wall(&m, 600, 0.01, 100, false);
+	const scene *s = made_read(&m);
+	g_autoptr(drawing) d = made_drawing(MADE_SITE(
+		"{\"step\":\"sprites\",\"points\":\"surface\",\"spacing_px\":16," STEADY "}"));
+	for (int i = 0; i < 3; i++)
+		for (int k = 0; k < 3; k++) {
+			struct camera c = before_wall(slants_deg[k], px_per_m[i], 400);
+			g_autoptr(frame) f = made_frame(s, d, &c);
+			stroke_list *l = strokes_of(f, true);
+			double variation;
+			g_auto(tiles) t = tiles_of(f, l, 2.95);
+			double density = density_of(&t, &variation) * 16;
+			g_test_message("%g px a metre, %g degrees: %.3f of what is wanted, tiles "
+				       "differ by %.3f",
+				px_per_m[i], slants_deg[k], density, variation);
+			g_assert_cmpfloat(fabs(density - 1), <=, 0.05);
+			g_assert_cmpfloat(variation, <=, 0.12);
+			stroke_lists_free(l, f->layers);
+		}
+}
+
+/* ---- tone ---- */
+
+static double mean_light(const frame *f, double half_m)
+{
+	struct picture_buffer p = made_picture(f);
+	double sum = 0;
+	uint32_t count = 0;
+	for (uint32_t y = 0; y < p.height; y++)
+		for (uint32_t x = 0; x < p.width; x++) {
+			if (!is_wall(&f->camera, half_m, x + 0.5, y + 0.5))
+				continue;
+			sum += (double)light_of_srgb(
+				(float)p.rgba[(size_t)y * p.width + x][1] / 255);
+			count++;
+		}
+	picture_buffer_clear(&p);
+	g_assert_cmpuint(count, >, 5000);
+	return sum / count;
+}
+
+static const struct medium {
+	const char *name, *step;
+} media[] = {
+	{ "sprites", "{\"step\":\"sprites\",\"length_px\":14,\"spacing_px\":4" },
+	{ "lines", "{\"step\":\"lines\",\"length_px\":40,\"width_px\":4.8,\"spacing_px\":5" },
+	{ "thin-lines", "{\"step\":\"lines\",\"length_px\":40,\"width_px\":1.6,\"spacing_px\":4" },
+	{ "strokes", "{\"step\":\"strokes\",\"length_px\":60,\"width_px\":12,\"spacing_px\":5" },
+};
+
+/* In black of one strength, and as it comes. */
+static const char *const inks[] = { STEADY ",\"ink\":\"#000000\"", "\"degree\":0" };
+
+static double light_with(const scene *s, const struct medium *medium, const char *ink)
+{
+	g_autofree char *nodes =
+		g_strdup_printf(MADE_SITE("%s,\"points\":\"dithering\",\"tone\":\"colour\",%s}"),
+			medium->step, ink);
+	g_autoptr(drawing) d = made_drawing(nodes);
+	struct camera c = before_wall(0, 60, 300);
+	g_autoptr(frame) f = made_frame(s, d, &c);
+	return mean_light(f, 1.9);
+}
+
+/* The light of walls of all greys against what step.h promises: 1 - strength * dark ^ gamma of the paper's lightness. */
+static void test_tone(void)
+{
+	double squares[G_N_ELEMENTS(media)][2] = { { 0 } };
+	int count = 0;
+	for (int grey = 0; grey <= 250; grey += 25, count++) {
+		g_auto(made) m = made_new();
+		add_wall(&m, 420, 0.01, (uint8_t)grey, true);
+		const scene *s = made_read(&m);
+		float dark = fmaxf(0.95f - (float)grey / 255, 0) / 0.95f;
+		double wanted = (double)light_of_srgb(1 - 0.8f * dark);
+		for (size_t n = 0; n < G_N_ELEMENTS(media); n++)
+			for (int k = 0; k < 2; k++) {
+				double light = light_with(s, &media[n], inks[k]);
+				squares[n][k] += (light - wanted) * (light - wanted);
+				g_test_message("grey %.2f, %s: %.3f of %.3f", grey / 255.,
+					media[n].name, light, wanted);
+			}
+	}
+	for (size_t n = 0; n < G_N_ELEMENTS(media); n++)
+		for (int k = 0; k < 2; k++) {
+			g_test_message("%s: %.4f RMS", media[n].name, sqrt(squares[n][k] / count));
+			g_assert_cmpfloat(sqrt(squares[n][k] / count), <=, 0.04);
+		}
+}
+
+/* ---- from frame to frame ---- */
+
+/* Ground and a wall behind it, with an edge between them: from before it nothing of them is hidden. */
+static void add_corner(made *m)
+{
+	struct made_plane ground = { .corner_m = { -3, -4, -1.5 },
+		.a_m = { 6, 0, 0 },
+		.b_m = { 0, 4, 0 },
+		.apart_m = 0.012,
+		.order = MADE_JITTERED,
+		.rgba = { 70, 80, 60, 255 },
+		.dithered = true };
+	struct made_plane wall = { .corner_m = { -3, 0, -1.5 },
+		.a_m = { 6, 0, 0 },
+		.b_m = { 0, 0, 3 },
+		.apart_m = 0.012,
+		.order = MADE_JITTERED,
+		.rgba = { 110, 100, 90, 255 },
+		.dithered = true };
+	static const double left[3] = { -3, 0, -1.5 }, right[3] = { 3, 0, -1.5 };
+	static const float south[3] = { 0, -1, 0 };
+	made_add_plane(m, &ground);
+	made_add_plane(m, &wall);
+	made_add_edge(m, left, right, south, 0.012);
+}
+
+static struct camera dolly_at(double part)
+{
+	static const double target[3] = { 0, 0, -0.5 };
+	double near = exp2(-part);
+	double eye[3] = { 1.2 * near, -6 * near, -0.5 + 1.5 * near };
+	return camera_look_at(eye, target, 50, 400, HEIGHT);
+}
+
+static struct camera orbit_at(double part)
+{
+	static const double target[3] = { 0, 0, -0.5 };
+	double a = (part * 20 - 50) * G_PI / 180;
+	double eye[3] = { 5 * sin(a), -5 * cos(a), 0.8 };
+	return camera_look_at(eye, target, 50, 400, HEIGHT);
+}
+
+static struct camera pan_at(double part)
+{
+	struct camera c = dolly_at(0);
+	return camera_turned(&c, (part - 0.5) * 40 * atan(8 * HEIGHT / 1080. / c.focal_px));
+}
+
+static const struct way {
+	const char *name;
+	struct camera (*at)(double part);
+} ways[] = { { "dolly", dolly_at }, { "orbit", orbit_at }, { "pan", pan_at } };
+
+/* Of each layer and point: what it was drawn with; 0: it was not. */
+static float **alphas_of(const frame *f)
+{
+	float **alpha = g_new0(float *, f->layers + 1);
+	stroke_list *l = strokes_of(f, true);
+	for (uint32_t n = 0; n < f->layers; n++) {
+		alpha[n] = g_new0(float, f->scene->count);
+		for (uint32_t i = 0; i < l[n].count; i++)
+			alpha[n][l[n].stroke[i].point] = l[n].stroke[i].alpha;
+	}
+	stroke_lists_free(l, f->layers);
+	return alpha;
+}
+
+static void alphas_free(float **alpha, uint32_t layers)
+{
+	for (uint32_t n = 0; n < layers; n++)
+		g_free(alpha[n]);
+	g_free(alpha);
+}
+
+struct change {
+	size_t drawn, survived, jumped;
+	double step_most;
+};
+
+static bool is_inside(const struct camera *c, const double at[3])
+{
+	double px[2], depth_m;
+	return camera_project(c, at, px, &depth_m) && px[0] >= 0 && px[1] >= 0 &&
+	       px[0] < c->width && px[1] < c->height;
+}
+
+static void compare(const frame *f, const struct camera *was, float *const *before,
+	float *const *now, struct change *ret)
+{
+	const scene *s = f->scene;
+	for (uint32_t n = 0; n < s->chunks; n++)
+		for (uint32_t i = 0; i < s->chunk[n].count; i++) {
+			double at[3];
+			uint32_t point = s->chunk[n].first + i;
+			scene_position(s, &s->chunk[n], i, at);
+			if (!is_inside(was, at) || !is_inside(&f->camera, at))
+				continue;
+			for (uint32_t l = 0; l < f->layers; l++) {
+				float a = before[l][point], b = now[l][point], step = fabsf(a - b);
+				ret->drawn += a > 0.02f;
+				ret->survived += a > 0.02f && b > 0;
+				ret->jumped += step > 0.15f;
+				ret->step_most = fmax(ret->step_most, (double)step);
+			}
+		}
+}
+
+#define FRAMES 40
+
+/* Nothing is hidden here: what was drawn stays, and comes and goes softly. */
+static void test_stays(gconstpointer data)
+{
+	const struct way *w = data;
+	g_auto(made) m = made_new();
+	add_corner(&m);
+	const scene *s = made_read(&m);
+	g_autoptr(drawing) d = made_drawing(
+		MADE_SITE("{\"step\":\"lines\",\"points\":\"dithering\",\"tone\":\"colour\","
+			  "\"spacing_px\":20," STEADY "},"
+			  "{\"step\":\"sprites\",\"points\":\"surface\",\"spacing_px\":24," STEADY
+			  "},{\"step\":\"strokes\",\"spacing_px\":36," STEADY "}"));
+	struct camera c = w->at(0);
+	struct change change = { 0 };
+	g_autoptr(frame) f = made_frame(s, d, &c);
+	float **before = alphas_of(f);
+	for (int n = 1; n <= FRAMES; n++) {
+		struct camera next = w->at((double)n / FRAMES);
+		g_assert_true(frame_move(f, &next, NULL));
+		float **now = alphas_of(f);
+		compare(f, &c, before, now, &change);
+		alphas_free(before, f->layers);
+		before = now;
+		c = next;
+	}
+	alphas_free(before, f->layers);
+	g_test_message("%s: %zu drawn, %.5f survive, steps up to %.3f, %zu above 0.15", w->name,
+		change.drawn, (double)change.survived / (double)change.drawn, change.step_most,
+		change.jumped);
+	g_assert_cmpuint(change.drawn, >, 100000);
+	g_assert_cmpfloat((double)change.survived, >=, 0.9995 * (double)change.drawn);
+	g_assert_cmpfloat(change.step_most, <=, 0.15);
+}
+
+/* ---- which points ---- */
+
+enum {
+	NONE = 1 << FEATURE_NONE,
+	DITHER = 1 << FEATURE_DITHER,
+	UNDIRECTED = 1 << FEATURE_UNDIRECTED,
+	DIRECTED = 1 << FEATURE_DIRECTED
+};
+
+static const struct choice {
+	const char *points, *tone;
+	unsigned kinds;
+} choices[] = {
+	{ "all", "even", NONE | DITHER | UNDIRECTED | DIRECTED },
+	{ "surface", "even", NONE | DITHER },
+	{ "features", "even", UNDIRECTED | DIRECTED },
+	{ "directional", "even", DIRECTED },
+	{ "non-directional", "even", UNDIRECTED },
+	{ "dithering", "even", DITHER },
+	{ "dithering", "colour", DITHER | NONE },
+	{ "features", "colour", UNDIRECTED | DIRECTED },
+};
+
+static void test_kinds(gconstpointer data)
+{
+	const struct choice *choice = data;
+	g_auto(made) m = made_court();
+	const scene *s = made_read(&m);
+	g_autofree char *nodes =
+		g_strdup_printf(MADE_SITE("{\"step\":\"lines\",\"points\":\"%s\",\"tone\":\"%s\","
+					  "\"spacing_px\":4}"),
+			choice->points, choice->tone);
+	g_autoptr(drawing) d = made_drawing(nodes);
+	static const double eye[3] = { 103, 195, 6 }, target[3] = { 103, 204, 4 };
+	struct camera c = camera_look_at(eye, target, 60, 400, HEIGHT);
+	g_autoptr(frame) f = made_frame(s, d, &c);
+	stroke_list *l = strokes_of(f, true);
+	unsigned kinds = 0;
+	for (uint32_t n = 0; n < l->count; n++) {
+		g_assert_cmpfloat(l->stroke[n].alpha, >, 0);
+		g_assert_cmpfloat(l->stroke[n].alpha, <=, 1);
+		kinds |= 1u << s->kind[l->stroke[n].point];
+	}
+	g_assert_cmphex(kinds, ==, choice->kinds);
+	stroke_lists_free(l, f->layers);
+}
+
+/* ---- along what ---- */
+
+/* Points whose lines go anywhere, around the origin. */
+static void add_lines(made *m, int count)
+{
+	for (int n = 0; n < count; n++) {
+		struct made_point p = { .rgba = { 1, 2, 3, 255 },
+			.kind = FEATURE_DIRECTED,
+			.degree = 255,
+			.leaf = MADE_LEAF,
+			.apart_m = 2 };
+		for (int k = 0; k < 3; k++) {
+			p.at_m[k] = g_rand_double_range(m->chance, -2, 2);
+			p.direction[k] = (float)g_rand_double_range(m->chance, -1, 1);
+			p.normal[k] = (float)g_rand_double_range(m->chance, -1, 1);
+		}
+		g_array_append_val(m->points, p);
+	}
+}
+
+static uint32_t chunk_with(const scene *s, uint32_t point)
+{
+	uint32_t n = 0;
+	while (point >= s->chunk[n].first + s->chunk[n].count)
+		n++;
+	return n;
+}
+
+/* Degrees between the stroke and a millimetre of its line as it is projected; -1: the line points at the eye. */
+static double off_line_deg(const frame *f, const struct stroke *s)
+{
+	const struct scene_chunk *c = &f->scene->chunk[chunk_with(f->scene, s->point)];
+	double at[3], from[2] = { 0 }, to[2] = { 0 }, depth_m = 1;
+	float line[3];
+	scene_position(f->scene, c, s->point - c->first, at);
+	model_unpack_normal(f->scene->direction[s->point], line);
+	g_assert_true(camera_project(&f->camera, at, from, &depth_m));
+	for (int k = 0; k < 3; k++)
+		at[k] += 1e-4 * (double)line[k];
+	g_assert_true(camera_project(&f->camera, at, to, &depth_m));
+	double x = to[0] - from[0], y = to[1] - from[1];
+	if (hypot(x, y) < 0.05 * 1e-4 * f->camera.focal_px / depth_m)
+		return -1;
+	double cross = x * (double)s->along_px[1] - y * (double)s->along_px[0];
+	double dot = x * (double)s->along_px[0] + y * (double)s->along_px[1];
+	return atan2(fabs(cross), fabs(dot)) * 180 / G_PI;
+}
+
+static void test_directions(void)
+{
+	g_auto(made) m = made_new();
+	add_lines(&m, 4000);
+	const scene *s = made_read(&m);
+	g_autoptr(drawing) d = made_drawing(
+		MADE_SITE("{\"step\":\"strokes\",\"angle_variation_deg\":0},"
+			  "{\"step\":\"lines\",\"points\":\"directional\",\"direction\":\"edge\","
+			  "\"angle_variation_deg\":0}"));
+	static const double eye[3] = { 0.3, -6, 1 }, target[3] = { 0, 0, 0 };
+	struct camera c = camera_look_at(eye, target, 70, 400, HEIGHT);
+	g_autoptr(frame) f = made_frame(s, d, &c);
+	stroke_list *l = strokes_of(f, false);
+	double worst = 0;
+	for (uint32_t k = 0; k < 2; k++) {
+		g_assert_cmpuint(l[k].count, >, 500);
+		for (uint32_t n = 0; n < l[k].count; n++)
+			worst = fmax(worst, off_line_deg(f, &l[k].stroke[n]));
+	}
+	g_test_message("%u strokes, up to %.3f degrees off", l[0].count, worst);
+	g_assert_cmpfloat(worst, <=, 0.5);
+	stroke_lists_free(l, f->layers);
+}
+
+/* At an angle of the style, counterclockwise from the right. */
+static void test_screen_angle(void)
+{
+	g_auto(made) m = made_court();
+	const scene *s = made_read(&m);
+	g_autoptr(drawing) d = made_drawing(MADE_SITE(
+		"{\"step\":\"lines\",\"points\":\"all\",\"direction\":\"screen\",\"angle_deg\":30,"
+		"\"angle_variation_deg\":0,\"length_variation\":0,\"length_px\":20}"));
+	static const double eye[3] = { 103, 195, 6 }, target[3] = { 103, 204, 4 };
+	struct camera c = camera_look_at(eye, target, 60, 400, HEIGHT);
+	g_autoptr(frame) f = made_frame(s, d, &c);
+	stroke_list *l = strokes_of(f, true);
+	g_assert_cmpuint(l->count, >, 100);
+	for (uint32_t n = 0; n < l->count; n++) {
+		g_assert_cmpfloat(
+			fabs((double)l->stroke[n].along_px[0] - 2.5 * cos(G_PI / 6)), <, 1e-3);
+		g_assert_cmpfloat(
+			fabs((double)l->stroke[n].along_px[1] + 2.5 * sin(G_PI / 6)), <, 1e-3);
+	}
+	stroke_lists_free(l, f->layers);
+}
+
+/* ---- what has no direction, no normal, no size ---- */
+
+static bool is_sound(const struct stroke *s)
+{
+	return isfinite(s->x_px) && isfinite(s->y_px) && isfinite(s->along_px[0]) &&
+	       isfinite(s->along_px[1]) && isfinite(s->half_width_px) && isfinite(s->alpha) &&
+	       isfinite(s->q) && isfinite(s->slope[0]) && isfinite(s->slope[1]) && s->alpha > 0 &&
+	       s->alpha <= 1;
+}
+
+/* Lines that point at the eye, or have no direction; surfaces seen from the side, or without a normal; points at the near plane. */
+static void add_odd(made *m, const double eye[3])
+{
+	for (int n = 0; n < 3000; n++) {
+		struct made_point p = { .kind = (uint8_t)(n % FEATURE_KINDS),
+			.leaf = MADE_LEAF,
+			.rgba = { 0, 0, 0, n % 3 ? 255 : 0 },
+			.apart_m = 1 };
+		double away = n % 7 ? g_rand_double_range(m->chance, 0.1, 3) : 0.1;
+		p.at_m[0] = eye[0] + g_rand_double_range(m->chance, -1, 1) * away;
+		p.at_m[1] = eye[1] + away;
+		p.at_m[2] = eye[2] + g_rand_double_range(m->chance, -1, 1) * away;
+		for (int k = 0; k < 3; k++) {
+			p.direction[k] = n / 4 % 3 ? (float)(p.at_m[k] - eye[k]) : 0;
+			p.normal[k] = n / 12 % 3 == 0   ? 0
+				      : n / 12 % 3 == 1 ? (float)(k == 2)
+							: (float)(p.at_m[k] - eye[k]);
+		}
+		g_array_append_val(m->points, p);
+	}
+}
+
+static void test_odd(void)
+{
+	static const double eye[3] = { 5, 5, 5 }, target[3] = { 5, 15, 5 };
+	g_auto(made) m = made_new();
+	add_odd(&m, eye);
+	const scene *s = made_read(&m);
+	g_autoptr(drawing) d = made_drawing(
+		MADE_SITE("{\"step\":\"strokes\",\"points\":\"all\",\"length_variation\":1},"
+			  "{\"step\":\"sprites\",\"points\":\"all\",\"tone\":\"colour\"},"
+			  "{\"step\":\"lines\",\"points\":\"all\",\"direction\":\"edge\"},"
+			  "{\"step\":\"points\"},{\"step\":\"edl\"}"));
+	struct camera c = camera_look_at(eye, target, 80, 400, HEIGHT);
+	g_autoptr(frame) f = made_frame(s, d, &c);
+	for (int masked = 0; masked < 2; masked++) {
+		stroke_list *l = strokes_of(f, masked);
+		for (uint32_t k = 0; k < f->layers; k++) {
+			g_assert_cmpuint(l[k].count, >, 50);
+			for (uint32_t n = 0; n < l[k].count; n++)
+				g_assert_true(is_sound(&l[k].stroke[n]));
+		}
+		stroke_lists_free(l, f->layers);
+	}
+	struct picture_buffer picture = made_picture(f);
+	picture_buffer_clear(&picture);
+}
+
+/* Half of a rank fades: the mean of it over all ranks is what densities are divided by. */
+static void test_fade(void)
+{
+	double sum = 0;
+	for (int n = 0; n < 100000; n++)
+		sum += (double)stroke_fade((float)(n + 0.5) / 100000, 1);
+	g_assert_cmpfloat(fabs(sum / 100000 - (double)STROKE_FADE_MEAN), <, 1e-3);
+	g_assert_cmpfloat(stroke_fade(0.5f, 1), ==, 1);
+	g_assert_cmpfloat(stroke_fade(1, 1), ==, 0);
+	g_assert_cmpfloat(stroke_fade(0.01f, 0), ==, 0);
+}
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/stroke/fade", test_fade);
+	g_test_add_func("/stroke/density", test_density);
+	g_test_add_func("/stroke/tone", test_tone);
+	for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
+		g_autofree char *path = g_strconcat("/stroke/stays/", ways[i].name, NULL);
+		g_test_add_data_func(path, &ways[i], test_stays);
+	}
+	for (size_t i = 0; i < G_N_ELEMENTS(choices); i++) {
+		g_autofree char *path = g_strdup_printf("/stroke/kinds/%zu", i);
+		g_test_add_data_func(path, &choices[i], test_kinds);
+	}
+	g_test_add_func("/stroke/directions", test_directions);
+	g_test_add_func("/stroke/screen-angle", test_screen_angle);
+	g_test_add_func("/stroke/odd", test_odd);
+	return g_test_run();
+}
