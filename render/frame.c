@@ -20,8 +20,7 @@ static uint32_t kinds_of(const struct ink_step *ink)
 		if (ink->tone == TONE_EVEN)
 			return dither;
 		break;
-	default:
-		break;
+	default: break;
 	}
 	return none | dither | undirected | directed;
 }
@@ -29,8 +28,10 @@ static uint32_t kinds_of(const struct ink_step *ink)
 /* ---- tone ---- */
 
 /* What a square of paper should let through where points have this lightness (0..1). */
-static float wanted_light(const struct ink_step *ink, float lightness)
+static float wanted_light(const struct ink_step *ink, const scene *s, float lightness)
 {
+	float stretched = (lightness - s->darkest) / (s->lightest - s->darkest);
+	lightness += ink->tone_levels * (CLAMP(stretched, 0, 1) - lightness);
 	float dark = fmaxf(ink->tone_white - lightness, 0) / fmaxf(ink->tone_white, 1e-3f);
 	return light_of_srgb(1 - ink->tone_strength * powf(dark, ink->tone_gamma));
 }
@@ -49,7 +50,7 @@ static void want(struct frame_layer *l, const scene *s)
 	float even = 1 / (l->ink.spacing_px * l->ink.spacing_px);
 	for (int n = 0; n < 256; n++) {
 		float number = l->ink.tone == TONE_COLOUR
-				       ? per_px(l, wanted_light(&l->ink, (float)n / 255))
+				       ? per_px(l, wanted_light(&l->ink, s, (float)n / 255))
 				       : even;
 		l->dithering_per_m2[n] =
 			fmaxf(s->dither_per_m2 * powf(1 - (float)n / 255, s->tone_exponent), 1e-3f);

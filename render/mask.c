@@ -113,8 +113,6 @@ INLINE void draw_large(const struct target *t, const struct disc *d)
 
 /* ---- points ---- */
 
-/* Discs of less than this are the one pixel that their middle is in: they stand closer than pixels do. */
-#define RADIUS_DOT 0.8f
 /* Those of less than this are at most eight pixels wide. */
 #define RADIUS_SMALL 3.4f
 
@@ -148,12 +146,14 @@ INLINE void draw_lanes(
 		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
 	vi clear_of_edges = (d->x >= d->radius) & (d->y >= d->radius) & (d->x < (float)t->width) &
 			    (d->y + d->radius < (float)t->height);
-	unsigned dots = bits(inside & (d->radius < RADIUS_DOT)) & d->drawn,
-		 small = bits(clear_of_edges & (d->radius >= RADIUS_DOT) &
+	unsigned dots = bits(inside & (d->radius < MASK_DOT_RADIUS)) & d->drawn,
+		 small = bits(clear_of_edges & (d->radius >= MASK_DOT_RADIUS) &
 				 (d->radius < RADIUS_SMALL)) &
 			 d->drawn;
 	store_mask(b.at, row * (int32_t)t->pitch + column);
-	store_mask(b.key, keys_of_depths(pushed_m, inside, pipeline));
+	vf centre_m = pushed_m + d->tilt[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
+		      d->tilt[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
+	store_mask(b.key, keys_of_depths(centre_m, inside, pipeline));
 	draw_dots(t, &b, dots);
 	if (d->drawn == dots)
 		return;
@@ -209,9 +209,6 @@ __attribute__((target("avx2"))) static void draw_avx2(
 
 /* ---- holes ---- */
 
-/* What lies deeper than its neighbours by more than this factor is seen through a hole between them. */
-#define HOLE 1.05f
-
 INLINE vi farther(vi a, vi b)
 {
 	vi less = a < b;
@@ -233,7 +230,7 @@ INLINE vi filled(const int32_t *const rows[5], int x)
 	for (int n = 0; n < 8; n++)
 		between = lower(between, farther(keys_at(rows, pairs[n][1], x + pairs[n][0]),
 						 keys_at(rows, pairs[n][3], x + pairs[n][2])));
-	vi is_hole = (vf)between * HOLE < (vf)own;
+	vi is_hole = (vf)between * MASK_HOLE < (vf)own;
 	return (between & is_hole) | (own & ~is_hole);
 }
 
@@ -263,16 +260,18 @@ __attribute__((target("avx2"))) static void fill_avx2(
 
 /* ---- threads ---- */
 
-static void merge_rows(visibility_mask *const *part, int parts, uint32_t from, uint32_t to)
+static void merge_row(visibility_mask *const *part, int parts, uint32_t y)
 {
-	visibility_mask *m = part[0];
-	for (int n = 1; n < parts; n++)
-		for (uint32_t y = from; y < to; y++) {
-			int32_t *a = m->key + (size_t)y * m->pitch;
-			const int32_t *b = part[n]->key + (size_t)y * m->pitch;
-			for (int x = -MASK_MARGIN; x < (int)m->width + MASK_MARGIN; x++)
-				a[x] = MIN(a[x], b[x]);
-		}
+	int32_t *a = part[0]->key + (size_t)y * part[0]->pitch;
+	int width = (int)part[0]->width;
+	for (int n = 1; n < parts; n++) {
+		const int32_t *b = part[n]->key + (size_t)y * part[n]->pitch;
+		for (int x = 0; x < width; x++)
+			a[x] = MIN(a[x], b[x]);
+	}
+	/* What discs at the edge left beyond it is nothing that holes are filled by. */
+	for (int x = 0; x < MASK_MARGIN; x++)
+		a[-1 - x] = a[width + x] = MASK_EMPTY;
 }
 
 visibility_mask *visibility_mask_new(const frame *f, const struct chunk_view *views, uint32_t count)
@@ -294,8 +293,8 @@ visibility_mask *visibility_mask_new(const frame *f, const struct chunk_view *vi
 		for (uint32_t n = 0; n < count; n++)
 			(wide ? draw_avx2 : draw_portable)(f, &t, &views[n]);
 #pragma omp for schedule(static)
-		for (uint32_t row = 0; row < own->height; row += 16)
-			merge_rows(part, omp_get_num_threads(), row, MIN(row + 16, own->height));
+		for (uint32_t y = 0; y < own->height; y++)
+			merge_row(part, omp_get_num_threads(), y);
 #pragma omp for schedule(static)
 		for (int y = 0; y < (int)own->height; y++)
 			(wide ? fill_avx2 : fill_portable)(part[0], part[threads], y);

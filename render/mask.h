@@ -11,6 +11,11 @@
 #define MASK_PIPELINE_BITS 8
 #define MASK_EMPTY         0x7f7fff00 /* nothing there */
 #define MASK_MARGIN        16         /* pixels around, so that vectors may reach over the edge */
+/* Discs of less than this are the one pixel that their middle is in: they stand closer than pixels do. */
+#define MASK_DOT_RADIUS 0.8f
+/* What lies deeper than its neighbours on both sides, by more than this factor, is seen through a hole of a pixel or two, and is
+ * filled. */
+#define MASK_HOLE 1.05f
 
 typedef struct visibility_mask visibility_mask;
 struct visibility_mask {

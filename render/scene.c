@@ -13,6 +13,11 @@
 #define LEAF_ERROR       200.f
 #define LEAF_ERROR_SIZES 0.35f
 
+/* Points that lightness is counted of: one in so many; and which part is left out at either end. */
+#define LEVEL_STEP   7
+#define LEVEL_PART   0.05
+#define LEVELS_LEAST 0.1f
+
 /* Cells of a chunk's box along each axis, for the shares of kinds around a point. */
 #define CELLS 8
 /* Ridges of feature points at an edge are so many points wide. */
@@ -226,6 +231,32 @@ static void find_origin(scene *s, const struct model_chunk *chunk)
 		s->origin_m[k] = (low[k] + high[k]) / 2;
 }
 
+/* The lightness that a part of the coloured points is below. */
+static float lightness_below(const uint32_t count[256], double part)
+{
+	uint64_t all = 0, below = 0;
+	for (int n = 0; n < 256; n++)
+		all += count[n];
+	for (int n = 0; n < 256; n++)
+		if ((double)(below += count[n]) >= part * (double)all)
+			return (float)n / 255;
+	return 1;
+}
+
+static void find_levels(scene *s)
+{
+	uint32_t count[256] = { 0 };
+	for (uint32_t i = 0; i < s->count; i += LEVEL_STEP)
+		if (s->rgba[i][3])
+			count[scene_lightness(s->rgba[i])]++;
+	s->darkest = lightness_below(count, LEVEL_PART);
+	s->lightest = lightness_below(count, 1 - LEVEL_PART);
+	if (s->lightest - s->darkest < LEVELS_LEAST) { /* no colours, or all the same */
+		s->darkest = 0;
+		s->lightest = 1;
+	}
+}
+
 scene *scene_new(const model *m, GError **error)
 {
 	uint64_t chunks;
@@ -251,5 +282,6 @@ scene *scene_new(const model *m, GError **error)
 		for (uint32_t n = 0; n < s->chunks; n++)
 			take_chunk(s, n, m, &chunk[n], h);
 	}
+	find_levels(s);
 	return s;
 }

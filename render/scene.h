@@ -37,6 +37,8 @@ struct scene {
 	uint8_t *kind, *degree;
 	/* Indices in the chunk, kind by kind, each in the order of ranks; and as many spacings among points of the same kind. */
 	uint16_t *list, *list_spacing;
+	/* Of coloured points, 0..1: a twentieth is darker, a twentieth is lighter; 0 and 1 without any. */
+	float darkest, lightest;
 	float dither_per_m2, tone_exponent; /* that the dithering points were chosen with */
 };
 /* Reads all of the model once, and gives its memory back behind itself. G_IO_ERROR_NO_SPACE when it is too large: 2^32 points. */
@@ -44,6 +46,12 @@ scene *scene_new(const model *m, GError **error);
 void scene_free(scene *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scene, scene_free)
 size_t scene_bytes(const scene *s); /* of memory */
+
+/* Of a point's colour, as the eye weighs it; without one 128. */
+static inline uint8_t scene_lightness(const uint8_t rgba[4])
+{
+	return rgba[3] ? (uint8_t)((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8) : 128;
+}
 
 static inline void scene_position(
 	const scene *s, const struct scene_chunk *c, uint32_t i, double ret_m[3])

@@ -101,7 +101,10 @@ static const char *const blend_names[] = {
 		NUMBER(ink_step, tone_white, RANGE(0, 1, 0.5, 1), 0.95, "",                        \
 			"with the tone of the colour: nothing is drawn from this lightness on"),   \
 		NUMBER(ink_step, tone_gamma, RANGE(0.1, 10, 0.4, 3), 1, "",                        \
-			"with the tone of the colour: above 1 middle tones stay lighter")
+			"with the tone of the colour: above 1 middle tones stay lighter"),         \
+		NUMBER(ink_step, tone_levels, PART, 0, "",                                         \
+			"with the tone of the colour: how much lightness is stretched to all "     \
+			"that the site has")
 #define SURROUNDINGS(grain)                                                                        \
 	NUMBER(ink_step, fade_m, RANGE(0, 100000, 0, 200), 0, "m",                                 \
 		"distance in which ink fades to half; 0: it does not"),                            \

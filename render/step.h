@@ -58,7 +58,7 @@ enum ink_points {
 	INK_FEATURES,
 	INK_DIRECTIONAL,
 	INK_NON_DIRECTIONAL,
-	INK_DITHERING, /* where these are too few for the tone, other surface points help */
+	INK_DITHERING, /* with TONE_COLOUR: where these are too few for the tone, all others help */
 };
 enum ink_tone {
 	TONE_EVEN,   /* as dense everywhere */
@@ -95,8 +95,9 @@ struct ink_step {
 	float tone_strength; /* TONE_COLOUR: how much of the paper's lightness black takes away */
 	float tone_white;    /* lightness from which on nothing is drawn */
 	float tone_gamma;    /* above 1: middle tones stay lighter */
-	float fade_m;        /* distance in which ink fades to half; 0: does not */
-	float tooth;         /* 0..1: how much the paper's grain shows in it */
+	float tone_levels; /* 0..1: how much lightness is stretched to what the site has, from dark to light */
+	float fade_m; /* distance in which ink fades to half; 0: does not */
+	float tooth;  /* 0..1: how much the paper's grain shows in it */
 };
 
 /* Points as they are: the colours of all points, blended where surfaces are the same. */

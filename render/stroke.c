@@ -131,11 +131,6 @@ static void scatter(const struct brush *b, const float normal[3], struct candida
 
 /* ---- how many of them are drawn ---- */
 
-static uint8_t lightness_of(const uint8_t rgba[4])
-{
-	return rgba[3] ? (uint8_t)((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8) : 128;
-}
-
 static bool is_toned_dithering(const struct frame_layer *l)
 {
 	return l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
@@ -157,7 +152,7 @@ static bool shares_queue(const struct brush *b)
 static float need_on_surface(const struct brush *b, const struct candidate *c, float cosine)
 {
 	float px_per_m = b->focal_px / c->depth_m;
-	uint8_t lightness = lightness_of(b->f->scene->rgba[c->point]);
+	uint8_t lightness = scene_lightness(b->f->scene->rgba[c->point]);
 	return b->layer->wanted_per_px[lightness] * px_per_m * px_per_m * cosine;
 }
 
@@ -173,7 +168,7 @@ static struct place place_of(const struct brush *b, const struct candidate *c)
 	if (!is_toned_dithering(b->layer))
 		return (struct place){ c->rank * per_m2, per_m2 };
 	const scene *s = b->f->scene;
-	float there = b->layer->dithering_per_m2[lightness_of(s->rgba[c->point])],
+	float there = b->layer->dithering_per_m2[scene_lightness(s->rgba[c->point])],
 	      spacing_m = s->spacing[c->point] * UNIT_M, last = there + 1 / (spacing_m * spacing_m);
 	if (b->kind == FEATURE_DITHER)
 		return (struct place){ c->rank * there, last };
@@ -228,7 +223,7 @@ static void colour_of(const struct brush *b, const struct candidate *c, uint8_t 
 	memcpy(ret, ink->ink, 4);
 	if (ink->colour != COLOUR_POINT || !rgba[3])
 		return;
-	float grey = lightness_of(rgba);
+	float grey = scene_lightness(rgba);
 	for (int k = 0; k < 3; k++)
 		ret[k] = (uint8_t)CLAMP(grey + ink->saturation * (rgba[k] - grey) + 0.5f, 0, 255);
 }
@@ -300,7 +295,7 @@ static void add_stroke(const struct brush *b, const struct candidate *c, float a
 	g_array_append_val(to, s);
 }
 
-static void try_on_edge(const struct brush *b, const struct candidate *c, GArray *to)
+static void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
 {
 	struct line line;
 	float normal[3];
@@ -398,8 +393,8 @@ INLINE void choose_points(const struct brush *b, GArray *to)
 		struct lane_points l =
 			project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
 		vf rank = ((float)i + 0.5f + lane_number) * ranks;
-		vf spacing_m = (shares_queue(b) ? gather_u16(s->spacing + c->first, list) :
-						   load_u16(s->list_spacing + at)) *
+		vf spacing_m = (shares_queue(b) ? gather_u16(s->spacing + c->first, list)
+						: load_u16(s->list_spacing + at)) *
 			       UNIT_M;
 		unsigned left = promising(b, &l, rank, spacing_m);
 		if (end - i < LANES)

@@ -64,9 +64,24 @@ static void tilt(const struct reference *r, const int16_t packed[2], struct big_
 	}
 }
 
+static void fill_dot(const struct reference *r, const struct big_disc *d, double pushed_m)
+{
+	const struct camera *c = &r->f->camera;
+	double x = floor(d->px[0]), y = floor(d->px[1]);
+	if (x < 0 || y < 0 || x >= c->width || y >= c->height)
+		return;
+	double *at = &r->depth_m[(size_t)y * c->width + (size_t)x];
+	*at = fmin(*at,
+		pushed_m + d->tilt[0] * (x + 0.5 - d->px[0]) + d->tilt[1] * (y + 0.5 - d->px[1]));
+}
+
 static void fill_disc(const struct reference *r, const struct big_disc *d, double pushed_m)
 {
 	const struct camera *c = &r->f->camera;
+	if (d->radius < MASK_DOT_RADIUS) {
+		fill_dot(r, d, pushed_m);
+		return;
+	}
 	int left = (int)fmax(floor(d->px[0] - d->radius), 0),
 	    right = (int)fmin(d->px[0] + d->radius + 1, c->width - 1.),
 	    top = (int)fmax(floor(d->px[1] - d->radius), 0),
@@ -107,6 +122,39 @@ static void fill_point(const struct reference *r, const struct scene_chunk *chun
 	fill_disc(r, &d, pushed_m);
 }
 
+static double depth_at(const struct reference *r, int x, int y)
+{
+	const struct camera *c = &r->f->camera;
+	if (x < 0 || y < 0 || x >= (int)c->width || y >= (int)c->height)
+		return INFINITY;
+	return r->depth_m[(size_t)y * c->width + (size_t)x];
+}
+
+/* Between two that are nearer, one or two pixels apart. */
+static double without_holes(const struct reference *r, int x, int y)
+{
+	static const int ways[4][2] = { { 1, 0 }, { 0, 1 }, { 1, 1 }, { 1, -1 } };
+	double own = depth_at(r, x, y), between = INFINITY;
+	for (int n = 0; n < 4; n++)
+		for (int before = 1; before <= 2; before++)
+			for (int after = 1; before + after <= (n < 2 ? 3 : 2); after++)
+				between = fmin(between, fmax(depth_at(r, x - before * ways[n][0],
+								     y - before * ways[n][1]),
+								depth_at(r, x + after * ways[n][0],
+									y + after * ways[n][1])));
+	return between * MASK_HOLE < own ? between : own;
+}
+
+static double *filled(const struct reference *r)
+{
+	const struct camera *c = &r->f->camera;
+	double *to = g_new(double, (size_t)c->width * c->height);
+	for (uint32_t y = 0; y < c->height; y++)
+		for (uint32_t x = 0; x < c->width; x++)
+			to[(size_t)y * c->width + x] = without_holes(r, (int)x, (int)y);
+	return to;
+}
+
 /* Caller frees. */
 static double *reference_of(const frame *f)
 {
@@ -121,7 +169,9 @@ static double *reference_of(const frame *f)
 	for (uint32_t n = 0; n < f->scene->chunks; n++)
 		for (uint32_t i = 0; i < f->scene->chunk[n].count; i++)
 			fill_point(&r, &f->scene->chunk[n], i);
-	return r.depth_m;
+	double *whole = filled(&r);
+	g_free(r.depth_m);
+	return whole;
 }
 
 /* Pixels where it is another one: at the borders of discs floats decide as they like. */
@@ -283,7 +333,7 @@ static struct camera slanted(double slant_deg, double apart_px, uint32_t width, 
 /* Depth where the ray through a place meets the plane y = at_m; 0: it does not, or near its border. */
 static double depth_of_plane(const struct camera *c, double at_m, double px, double py)
 {
-	double ray[3], scale, place[2] = { px, py }, half = SIDE * 0.01 / 2 - 0.05;
+	double ray[3], scale, place[2] = { px, py }, half = SIDE * 0.01 / 2 - 0.1;
 	camera_ray(c, place, ray);
 	scale = (at_m - c->eye_m[1]) / ray[1];
 	if (!(scale > 0))

@@ -176,7 +176,7 @@ static const struct measure {
 	{ 100, 400, MODEL_ERROR_NONE, FEATURE_NONE, 140, 196 },
 	{ 100, 400, 201, FEATURE_NONE, 140, 196 },
 	{ 100, 400, 200, FEATURE_NONE, 400, 1000 },
-	{ 200, 100, 10, FEATURE_NONE, 100, 100 }, /* overlapping patches */
+	{ 200, 100, 10, FEATURE_NONE, 100, 200 }, /* beams closer one way than the other */
 	{ 0, 0, 10, FEATURE_NONE, 1, 1 },
 	{ 65535, 65535, 10, FEATURE_NONE, 65535, 65535 },
 	{ 1, 65535, 10, FEATURE_NONE, 65535, 65535 },

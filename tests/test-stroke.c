@@ -363,7 +363,7 @@ static const struct choice {
 	{ "directional", "even", DIRECTED },
 	{ "non-directional", "even", UNDIRECTED },
 	{ "dithering", "even", DITHER },
-	{ "dithering", "colour", DITHER | NONE },
+	{ "dithering", "colour", NONE | DITHER | UNDIRECTED | DIRECTED },
 	{ "features", "colour", UNDIRECTED | DIRECTED },
 };
 
@@ -470,7 +470,7 @@ static void test_screen_angle(void)
 	const scene *s = made_read(&m);
 	g_autoptr(drawing) d = made_drawing(MADE_SITE(
 		"{\"step\":\"lines\",\"points\":\"all\",\"direction\":\"screen\",\"angle_deg\":30,"
-		"\"angle_variation_deg\":0,\"length_variation\":0,\"length_px\":20}"));
+		"\"angle_variation_deg\":0,\"length_variation\":0,\"length_px\":20,\"grow\":1}"));
 	static const double eye[3] = { 103, 195, 6 }, target[3] = { 103, 204, 4 };
 	struct camera c = camera_look_at(eye, target, 60, 400, HEIGHT);
 	g_autoptr(frame) f = made_frame(s, d, &c);
