@@ -5,7 +5,7 @@
 #include <omp.h>
 
 /* As disc-lanes.h has them. */
-#define DISC_CROWD        3.
+#define DISC_CROWD        5.
 #define DISC_RADIUS_LEAST 0.72
 #define DISC_RADIUS_MOST  48.
 
