@@ -267,6 +267,10 @@ static int check_usage(struct work *w)
 			CAMERA_SIDE_MAX);
 	if (output && !g_str_has_suffix(output, ".png"))
 		return cli_misuse(COMMAND, "--output ends in .png, not '%s'", output);
+	if (save_name && !view_name_is_good(save_name))
+		return cli_misuse(COMMAND,
+			"--save-view is 1 to 64 letters of a-z and A-Z, digits, - and _, not '%s'",
+			save_name);
 	return CLI_DONE;
 }
 
@@ -276,7 +280,8 @@ static bool draw(struct work *w, const char *site_folder, GError **error)
 	if (!file || !draw_frames(w, file, error) || (save_name && !save_view(w, error)))
 		return false;
 	cli_bar_end(&w->bar);
-	say(w, file);
+	g_autofree char *first = w->path ? file_of_frame(file, 0) : g_strdup(file);
+	say(w, first);
 	return true;
 }
 
