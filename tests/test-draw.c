@@ -136,11 +136,12 @@ static void test_order(void)
 {
 	static const char nodes[] = MADE_SITE(
 		"{\"step\":\"points\"},"
-		"{\"step\":\"lines\",\"points\":\"all\",\"length_variation\":0,"
+		"{\"step\":\"lines\",\"points\":\"all\",\"length_variation\":0,\"scatter\":0,"
 		"\"angle_variation_deg\":0,\"opacity_variation\":0},"
 		"{\"step\":\"lines\",\"id\":\"b\",\"points\":\"surface\",\"length_variation\":0,"
+		"\"scatter\":0,"
 		"\"angle_variation_deg\":0,\"opacity_variation\":0,\"colour\":\"point\"},"
-		"{\"step\":\"sprites\",\"points\":\"all\",\"length_variation\":0,"
+		"{\"step\":\"sprites\",\"points\":\"all\",\"length_variation\":0,\"scatter\":0,"
 		"\"opacity_variation\":0,\"blend\":\"paint\",\"colour\":\"point\"}");
 	g_auto(made) m = made_court();
 	made_read(&m);

@@ -51,7 +51,7 @@ static void test_json(void)
 	g_assert_cmpstr(title_in(ours, "mine"), ==,
 		"Kr\xc3\xa4"
 		"ftig");
-	g_assert_cmpstr(title_in(ours, "points"), ==, "Points");
+	g_assert_cmpstr(title_in(ours, "points"), ==, "Coloured points");
 }
 
 static void test_list(void)
