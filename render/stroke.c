@@ -182,6 +182,13 @@ static float need_along(const struct brush *b, const struct candidate *c, const 
 
 /* ---- hidden or not ---- */
 
+/* floorf, which has no instruction of its own on old processors. */
+static int whole(float x)
+{
+	int towards_zero = (int)x;
+	return towards_zero - (x < (float)towards_zero);
+}
+
 static float shows(const struct brush *b, int x, int y, float depth_m)
 {
 	const visibility_mask *m = b->mask;
@@ -196,7 +203,7 @@ static float visibility(const struct brush *b, const struct candidate *c)
 	if (!b->mask)
 		return 1;
 	float x = c->x_px - 0.5f, y = c->y_px - 0.5f;
-	int x0 = (int)floorf(x), y0 = (int)floorf(y);
+	int x0 = whole(x), y0 = whole(y);
 	float u = x - (float)x0, v = y - (float)y0;
 	return (1 - v) * ((1 - u) * shows(b, x0, y0, c->depth_m) +
 				 u * shows(b, x0 + 1, y0, c->depth_m)) +

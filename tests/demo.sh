@@ -1,6 +1,6 @@
 #!/bin/sh
 # demo.sh BIN SITE: four fine scans of the simulated courtyard, registered into one model; pages that show the panoramas, how the
-# scans fit, and what was found in them to draw.
+# scans fit, what was found in them to draw, and the place drawn in every style.
 set -e
 bin=$1 site=$2
 seed=${DEMO_SEED:-7}
@@ -14,9 +14,12 @@ done
 "$bin/pleinair" process "$site"
 "$bin/pleinair" report "$site"
 "$bin/pleinair" pictures "$site"
+echo "demo: drawing the site in every style"
+"$bin/pleinair" styles "$site" --thumbnails "$site/exports/gallery" --size 1200x900
 echo
 echo "demo: done in $(($(date +%s) - started)) s. Look at:"
 folder=$(cd "$site" && pwd)
+echo "    $folder/exports/gallery/index.html      the place drawn in every style"
 echo "    $folder/exports/panoramas/index.html    the panoramas"
 echo "    $folder/exports/report.html             how the four scans fit"
 echo "    $folder/exports/pictures/index.html     classes, segments, feature degree, feature and dithering points"
