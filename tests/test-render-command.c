@@ -93,6 +93,32 @@ static void test_styles(void)
 	g_assert_cmpuint(g_hash_table_size(seen), ==, g_strv_length(names));
 }
 
+/* pleinair styles draws all of them, with a page. */
+static void test_thumbnails(void)
+{
+	g_auto(GStrv) names = style_names(NULL);
+	g_autofree char *to = in_folder("gallery"), *none = in_folder("none");
+	g_auto(answer) a = commands_run(
+		"styles", oak, "--thumbnails", to, "--size", "120x90", "--view", "overview");
+	g_autofree char *page = g_build_filename(to, "index.html", NULL), *text = NULL;
+	commands_assert_done(&a);
+	g_assert_true(g_file_get_contents(page, &text, NULL, NULL));
+	for (char **name = names; *name; name++) {
+		g_autofree char *file = g_strdup_printf("%s.png", *name);
+		g_autofree char *path = g_build_filename(to, file, NULL);
+		g_assert_nonnull(strstr(text, file));
+		g_assert_cmpuint(dark_pixels(path, 120, 90, 235), >, 10);
+	}
+	g_auto(answer) of_none = commands_run("styles", "--thumbnails", to);
+	commands_assert_refused(&of_none, 2, "thumbnails of which site?");
+	g_auto(answer) size = commands_run("styles", oak, "--thumbnails", to, "--size", "0x9");
+	commands_assert_refused(&size, 2, "not '0x9'");
+	g_auto(answer) view = commands_run("styles", oak, "--thumbnails", to, "--view", "nowhere");
+	commands_assert_refused(&view, 1, "nowhere");
+	g_auto(answer) missing = commands_run("styles", none, "--thumbnails", to);
+	commands_assert_refused(&missing, 1, none);
+}
+
 /* The same command twice writes the same file. */
 static void test_twice(void)
 {
@@ -330,6 +356,7 @@ int main(int argc, char **argv)
 	put_model();
 	g_test_add_func("/render-command/default", test_default);
 	g_test_add_func("/render-command/styles", test_styles);
+	g_test_add_func("/render-command/thumbnails", test_thumbnails);
 	g_test_add_func("/render-command/twice", test_twice);
 	g_test_add_func("/render-command/json", test_json);
 	g_test_add_func("/render-command/times", test_times);
