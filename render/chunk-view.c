@@ -1,7 +1,11 @@
 #include "render/chunk-view.h"
+#include "render/disc-lanes.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Of the style's pixels: strokes of points beyond the edge of the picture. */
+#define STROKES_REACH 64
 
 static void turn(const struct camera *c, const double v[3], double ret[3])
 {
@@ -41,10 +45,13 @@ static void bound(const frame *f, const double at[3], double half[3][3], struct 
 	}
 }
 
-/* Points at its edges are drawn larger than they are. */
-static float margin_px(const frame *f, const struct scene_chunk *c, float near_m)
+/* The largest disc of the chunk's pipeline. */
+static float disc_margin_px(const frame *f, const struct chunk_view *v)
 {
-	return 4 + c->disc_most_m * (float)f->camera.focal_px / near_m + 64 * f->px;
+	float disc = frame_pipeline(f, v->pipeline)->mask.disc;
+	float radius = 0.5f * disc * v->chunk->disc_most_m * (float)f->camera.focal_px / v->near_m;
+	/* Those that stand for others are larger, but not much larger than a pixel. */
+	return MIN(MAX(radius, DISC_RADIUS_LEAST + 2 * disc), DISC_RADIUS_MOST) + 1;
 }
 
 bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_view *ret)
@@ -63,7 +70,10 @@ bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_v
 		return false;
 	*ret = (struct chunk_view){ .chunk = c, .pipeline = f->drawing->pipeline_of[c->leaf] };
 	bound(f, at, half, ret);
-	float margin = margin_px(f, c, ret->near_m);
+	ret->margin_px = disc_margin_px(f, ret);
+	float tilted = MIN(DISC_STEEPEST * ret->margin_px / (float)f->camera.focal_px, 1 / 3.f);
+	ret->nearest_m = ret->near_m * (1 - tilted);
+	float margin = ret->margin_px + STROKES_REACH * f->px;
 	if (ret->high_px[0] < -margin || ret->high_px[1] < -margin ||
 		ret->low_px[0] > (float)f->camera.width + margin ||
 		ret->low_px[1] > (float)f->camera.height + margin)

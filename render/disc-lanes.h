@@ -11,6 +11,8 @@
 /* Discs are at least this wide, so that each covers the pixel that it is in; and at most that. */
 #define DISC_RADIUS_LEAST 0.72f
 #define DISC_RADIUS_MOST  48.f
+/* Depth over width: discs that are seen at a lower angle are tilted as little as that. */
+#define DISC_STEEPEST 40.f
 
 struct disc_pass {
 	float focal_px, middle_x, middle_y, near_m;
@@ -66,7 +68,7 @@ INLINE void unpack_lanes(const int16_t (*packed)[2], vf ret[3])
 	ret[2] = where(some, z * unit);
 }
 
-/* Flat as its plane is seen, but not below the least radius; its depth no steeper than to a third of the distance. */
+/* Flat as its plane is seen, but not below the least radius; its depth no steeper than DISC_STEEPEST, or a third of the distance. */
 INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], struct disc_lanes *d)
 {
 	vf site[3], n[3];
@@ -85,7 +87,8 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], st
 	cosine2 = least(most(most(cosine2, flat2), all(1e-3f)), all(1));
 	vf squash = root(where(some, (1 / cosine2 - 1) / aside2));
 	/* depth = n . P / n . ray */
-	vf steep = most(magnitude(along) * p->focal_px, root(aside2) * d->radius * 3);
+	vf steep = most(magnitude(along) * p->focal_px,
+		root(aside2) * most(d->radius * 3, all(p->focal_px / DISC_STEEPEST)));
 	vf slope = where(some, d->depth_m / steep);
 	slope = choose(along >= 0, -slope, slope);
 	for (int k = 0; k < 2; k++) {

@@ -346,6 +346,8 @@ void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *re
 	t.bin_s = lap(&since_us);
 	draw_bands(&j);
 	t.draw_s = lap(&since_us);
+	t.chunks_in_view = j.count;
+	t.chunks_hidden = m->chunks_hidden;
 	for (uint32_t n = 0; n < j.count; n++)
 		t.points_in_view += views[n].chunk->count;
 	for (uint32_t n = 0; n < f->layers; n++) {

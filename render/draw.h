@@ -6,7 +6,8 @@
 
 struct draw_times {
 	double cull_s, mask_s, choose_s, bin_s, draw_s, all_s;
-	uint32_t points_in_view, strokes; /* in chunks that are in view; drawn */
+	uint32_t points_in_view, strokes;       /* in chunks that are in view; drawn */
+	uint32_t chunks_in_view, chunks_hidden; /* of these, not drawn since others hide them */
 };
 /* Into a picture of the camera's size, whose memory is the caller's. ret_times may be NULL. */
 void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *ret_times);

@@ -19,6 +19,7 @@ void visibility_mask_free(visibility_mask *m)
 {
 	if (m) {
 		g_aligned_free(m->memory);
+		g_free(m->deepest_m);
 		g_free(m);
 	}
 }
@@ -258,6 +259,59 @@ __attribute__((target("avx2"))) static void fill_avx2(
 #define fill_avx2 fill_portable
 #endif
 
+/* ---- tiles ---- */
+
+static float deepest_of(const visibility_mask *m, uint32_t across, uint32_t down)
+{
+	int32_t deepest = 0;
+	for (uint32_t y = down * MASK_TILE; y < MIN((down + 1) * MASK_TILE, m->height); y++)
+		for (uint32_t x = across * MASK_TILE; x < MIN((across + 1) * MASK_TILE, m->width);
+			x++)
+			deepest = MAX(deepest, mask_key(m, (int32_t)x, (int32_t)y));
+	return mask_depth(deepest);
+}
+
+static void make_tiles(visibility_mask *m)
+{
+	m->tiles_across = (m->width + MASK_TILE - 1) / MASK_TILE;
+	m->tiles_down = (m->height + MASK_TILE - 1) / MASK_TILE;
+	m->deepest_m = g_new(float, (size_t)m->tiles_across * m->tiles_down);
+}
+
+/* A row of tiles of m, as they are in from. */
+static void tiles_from(const visibility_mask *from, visibility_mask *m, uint32_t down)
+{
+	for (uint32_t across = 0; across < m->tiles_across; across++)
+		m->deepest_m[down * m->tiles_across + across] = deepest_of(from, across, down);
+}
+
+/* Around its box, with its discs. */
+static bool tiles_of(
+	const visibility_mask *m, const struct chunk_view *v, uint32_t low[2], uint32_t high[2])
+{
+	const float size[2] = { (float)m->width, (float)m->height };
+	for (int k = 0; k < 2; k++) {
+		float from = v->low_px[k] - v->margin_px, to = v->high_px[k] + v->margin_px;
+		if (to < 0 || from >= size[k])
+			return false;
+		low[k] = (uint32_t)MAX(from, 0) / MASK_TILE;
+		high[k] = (uint32_t)MIN(to, size[k] - 1) / MASK_TILE;
+	}
+	return true;
+}
+
+bool mask_hides(const visibility_mask *m, const struct chunk_view *v)
+{
+	uint32_t low[2], high[2];
+	if (!tiles_of(m, v, low, high)) /* beside the picture; its strokes may reach into it */
+		return false;
+	for (uint32_t down = low[1]; down <= high[1]; down++)
+		for (uint32_t across = low[0]; across <= high[0]; across++)
+			if (m->deepest_m[down * m->tiles_across + across] >= v->nearest_m)
+				return false;
+	return true;
+}
+
 /* ---- threads ---- */
 
 static void merge_row(visibility_mask *const *part, int parts, uint32_t y)
@@ -274,32 +328,63 @@ static void merge_row(visibility_mask *const *part, int parts, uint32_t y)
 		a[-1 - x] = a[width + x] = MASK_EMPTY;
 }
 
+/* Chunks with half of the points, from the nearest on. */
+static uint32_t nearer_half(const struct chunk_view *views, uint32_t count)
+{
+	uint64_t all = 0, so_far = 0;
+	uint32_t n = 0;
+	for (uint32_t k = 0; k < count; k++)
+		all += views[k].chunk->count;
+	while (n < count && so_far < all / 2)
+		so_far += views[n++].chunk->count;
+	return n;
+}
+
 visibility_mask *visibility_mask_new(const frame *f, const struct chunk_view *views, uint32_t count)
 {
 	bool wide = !f->portable && vectors_have_avx2();
+	void (*draw)(const frame *, const struct target *, const struct chunk_view *) =
+		wide ? draw_avx2 : draw_portable;
 	int threads = f->single_thread ? 1 : omp_get_max_threads();
-	g_autofree visibility_mask **part = g_new0(visibility_mask *, threads + 1);
-	part[threads] = mask_alloc(&f->camera);
+	uint32_t half = nearer_half(views, count), hidden = 0;
+	g_autofree visibility_mask **part = g_new0(visibility_mask *, threads);
+	visibility_mask *whole = mask_alloc(&f->camera);
+	clear(whole);
+	make_tiles(whole);
 #pragma omp parallel num_threads(threads)
 	{
 		visibility_mask *own = mask_alloc(&f->camera);
 		part[omp_get_thread_num()] = own;
 		clear(own);
-#pragma omp single nowait
-		clear(part[threads]);
 		struct target t = { own->key, (int32_t)own->width, (int32_t)own->height,
 			(ptrdiff_t)own->pitch };
 #pragma omp for schedule(dynamic, 4)
-		for (uint32_t n = 0; n < count; n++)
-			(wide ? draw_avx2 : draw_portable)(f, &t, &views[n]);
+		for (uint32_t n = 0; n < half; n++)
+			draw(f, &t, &views[n]);
+#pragma omp for schedule(static)
+		for (uint32_t y = 0; y < own->height; y++)
+			merge_row(part, omp_get_num_threads(), y);
+#pragma omp for schedule(static)
+		for (uint32_t down = 0; down < whole->tiles_down; down++)
+			tiles_from(part[0], whole, down);
+#pragma omp for schedule(dynamic, 4) reduction(+ : hidden)
+		for (uint32_t n = half; n < count; n++)
+			if (mask_hides(whole, &views[n]))
+				hidden++;
+			else
+				draw(f, &t, &views[n]);
 #pragma omp for schedule(static)
 		for (uint32_t y = 0; y < own->height; y++)
 			merge_row(part, omp_get_num_threads(), y);
 #pragma omp for schedule(static)
 		for (int y = 0; y < (int)own->height; y++)
-			(wide ? fill_avx2 : fill_portable)(part[0], part[threads], y);
+			(wide ? fill_avx2 : fill_portable)(part[0], whole, y);
+#pragma omp for schedule(static)
+		for (uint32_t down = 0; down < whole->tiles_down; down++)
+			tiles_from(whole, whole, down);
 	}
+	whole->chunks_hidden = hidden;
 	for (int n = 0; n < threads; n++)
 		visibility_mask_free(part[n]);
-	return part[threads];
+	return whole;
 }

@@ -22,12 +22,21 @@ struct visibility_mask {
 	uint32_t width, height, pitch;
 	int32_t *key; /* of pixel 0 0 */
 	int32_t *memory;
+	/* How deep the deepest pixel of each tile is: what is behind that everywhere needs not be looked at. */
+	uint32_t tiles_across, tiles_down;
+	float *deepest_m;
+	uint32_t chunks_hidden; /* that were not drawn, because what was there hid them */
 };
-/* Draws it. Uses a picture of keys for each thread. */
+/* Draws it: the nearer half of the points, then of the other half those chunks that are not hidden by it. Uses a picture of keys for
+ * each thread. views: from near to far. The same with and without what is left out. */
 visibility_mask *visibility_mask_new(
 	const frame *f, const struct chunk_view *views, uint32_t count);
 void visibility_mask_free(visibility_mask *m); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(visibility_mask, visibility_mask_free)
+
+#define MASK_TILE 16 /* pixels a side */
+/* Whether nothing of the chunk can be seen: conservative. */
+bool mask_hides(const visibility_mask *m, const struct chunk_view *v);
 
 static inline int32_t mask_key(const visibility_mask *m, int32_t x, int32_t y)
 {

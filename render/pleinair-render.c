@@ -132,6 +132,8 @@ static bool draw_one(struct work *w, uint32_t number, struct picture_buffer *lar
 	w->sum.all_s += t.all_s;
 	w->sum.strokes += t.strokes;
 	w->sum.points_in_view += t.points_in_view;
+	w->sum.chunks_in_view += t.chunks_in_view;
+	w->sum.chunks_hidden += t.chunks_hidden;
 	struct picture_buffer small =
 		supersample > 1 ? picture_buffer_reduced(large, (uint32_t)supersample) : *large;
 	bool good = picture_buffer_save(&small, file, error);
@@ -186,8 +188,10 @@ static void print_times(const struct work *w)
 		{ "all", w->sum.all_s } };
 	for (size_t n = 0; n < G_N_ELEMENTS(row); n++)
 		printf("%-8s %8.1f ms\n", row[n].name, 1e3 * row[n].s / w->frames);
-	printf("%.2f million points in view, %.3f million strokes drawn\n",
-		1e-6 * w->sum.points_in_view / w->frames, 1e-6 * w->sum.strokes / w->frames);
+	printf("%.2f million points in view, in %u chunks, %u of them hidden; %.3f million strokes "
+	       "drawn\n",
+		1e-6 * w->sum.points_in_view / w->frames, w->sum.chunks_in_view / w->frames,
+		w->sum.chunks_hidden / w->frames, 1e-6 * w->sum.strokes / w->frames);
 }
 
 static void say_as_json(const struct work *w, const char *file)

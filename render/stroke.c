@@ -468,7 +468,9 @@ struct task {
 static void run_task(const frame *f, const visibility_mask *m, const struct chunk_view *views,
 	uint32_t count, struct task *t)
 {
-	for (uint32_t n = 0; n < count; n++)
+	for (uint32_t n = 0; n < count; n++) {
+		if (m && mask_hides(m, &views[n]))
+			continue;
 		for (uint32_t l = 0; l < f->layers; l++) {
 			if (f->layer[l].pipeline != views[n].pipeline)
 				continue;
@@ -477,6 +479,7 @@ static void run_task(const frame *f, const visibility_mask *m, const struct chun
 				t->of_layer[l] = g_array_new(FALSE, FALSE, sizeof(struct stroke));
 			choose_kinds(&b, t->of_layer[l]);
 		}
+	}
 }
 
 static void join(const struct task *task, uint32_t tasks, uint32_t layer, stroke_list *ret)

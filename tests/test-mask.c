@@ -8,6 +8,7 @@
 #define DISC_CROWD        5.
 #define DISC_RADIUS_LEAST 0.72
 #define DISC_RADIUS_MOST  48.
+#define DISC_STEEPEST     40.
 
 #define POINTS_ONLY MADE_SITE("{\"step\":\"points\"}")
 
@@ -57,7 +58,9 @@ static void tilt(const struct reference *r, const int16_t packed[2], struct big_
 	double flat = DISC_RADIUS_LEAST / d->radius;
 	double cosine2 = CLAMP(fmax(along * along / dot3(ray, ray), flat * flat), 1e-3, 1);
 	double squash = sqrt((1 / cosine2 - 1) / aside2);
-	double slope = d->depth_m / fmax(fabs(along) * c->focal_px, sqrt(aside2) * d->radius * 3);
+	double slope = d->depth_m /
+		       fmax(fabs(along) * c->focal_px,
+			       sqrt(aside2) * fmax(d->radius * 3, c->focal_px / DISC_STEEPEST));
 	for (int k = 0; k < 2; k++) {
 		d->squash[k] = squash * n[k];
 		d->tilt[k] = (along >= 0 ? -slope : slope) * n[k];
@@ -478,6 +481,31 @@ static void test_hides(gconstpointer data)
 		}
 }
 
+/* Chunks that are hidden are left out, and nothing else is another picture. */
+static void test_culls(void)
+{
+	g_auto(made) m = plane_made(MADE_REGULAR, 0.6);
+	g_autoptr(drawing) d = made_drawing(POINTS_ONLY);
+	uint32_t hidden = 0;
+	for (size_t n = 0; n < G_N_ELEMENTS(slants_deg); n++) {
+		struct camera c = slanted(slants_deg[n], 1.2, 400, 300);
+		g_autoptr(frame) f = made_frame(m.scene, d, &c);
+		uint32_t count;
+		g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+		g_autoptr(visibility_mask) culled = visibility_mask_new(f, views, count);
+		for (uint32_t k = 0; k < count; k++)
+			views[k].nearest_m = 0; /* nothing is behind anything */
+		g_autoptr(visibility_mask) whole = visibility_mask_new(f, views, count);
+		hidden += culled->chunks_hidden;
+		g_assert_cmpuint(whole->chunks_hidden, ==, 0);
+		for (int y = 0; y < 300; y++)
+			g_assert_cmpmem(culled->key + y * (int)culled->pitch, 4 * 400,
+				whole->key + y * (int)whole->pitch, 4 * 400);
+	}
+	g_test_message("%u chunks left out", hidden);
+	g_assert_cmpuint(hidden, >, 0);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -494,5 +522,6 @@ int main(int argc, char **argv)
 	}
 	g_test_add_data_func("/mask/hides/regular", GINT_TO_POINTER(1), test_hides);
 	g_test_add_data_func("/mask/hides/jittered-large", NULL, test_hides);
+	g_test_add_func("/mask/culls", test_culls);
 	return g_test_run();
 }
