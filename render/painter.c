@@ -71,6 +71,11 @@ const char *painter_why(const painter *p)
 	return p->choice.why;
 }
 
+const char *painter_name(const painter *p)
+{
+	return p->ops->name;
+}
+
 bool painter_draw(painter *p, const frame *f, struct picture_buffer *to,
 	struct draw_times *ret_times, GError **error)
 {

@@ -25,6 +25,8 @@ void painter_free(painter *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(painter, painter_free)
 /* One line on who draws, and why; another one after gles has failed. */
 const char *painter_why(const painter *p);
+/* Of the backend that draws: "cpu", "gles". */
+const char *painter_name(const painter *p);
 /* Into a picture of the camera's size. ret_times may be NULL. */
 bool painter_draw(painter *p, const frame *f, struct picture_buffer *to,
 	struct draw_times *ret_times, GError **error);
