@@ -202,7 +202,7 @@ static bool copy_site(const char *from, const char *to, GError **error)
 	       files_write(own_about, text, length, error);
 }
 
-static bool scan_scene(
+bool bench_scene_scan(
 	const struct bench_scene *s, const char *path, const struct preset *preset, GError **error)
 {
 	g_autoptr(GPtrArray) devices = g_ptr_array_new_with_free_func(g_free);
@@ -222,7 +222,7 @@ static bool measure_scene(
 	g_autofree char *scans = g_build_filename(all->keep ? all->keep : work, name, NULL);
 	g_autofree char *copy = g_build_filename(work, "copy", NULL);
 	struct bench_scene s = { scene, all->seed, copy, work };
-	if (!scan_scene(&s, scans, preset, error) || !copy_site(scans, copy, error))
+	if (!bench_scene_scan(&s, scans, preset, error) || !copy_site(scans, copy, error))
 		return false;
 	bool good = all->measure(&s, all->user_data, error);
 	return files_remove_tree(copy, good ? error : NULL) && good;

@@ -41,6 +41,9 @@ struct bench_scene {
 };
 /* "court?seed=7&station=2"; caller frees. */
 char *bench_scene_station(const struct bench_scene *s, uint32_t station);
+/* Scans what the site at this path does not have yet; of the scene, name and seed count. */
+bool bench_scene_scan(
+	const struct bench_scene *s, const char *path, const struct preset *preset, GError **error);
 
 struct bench_scenes {
 	uint64_t seed;      /* of all */
