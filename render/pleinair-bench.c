@@ -7,6 +7,7 @@
 #include "process/bench-process.h"
 #include "process/bench-register.h"
 #include "process/bench-segments.h"
+#include "render/bench-render.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -16,31 +17,28 @@ static gboolean json;
 static double seconds = 60, million_points = 20, memory_mib = 1024;
 static int beams = 1081, repeats = 5, trials = 1000;
 static gint64 seed = 1;
-static char *site_path, *preset, *keep, *folder;
+static char *site_folder, *preset, *keep, *folder, *size_text;
 
 static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
 		"acquire: how long the lidar streams (default 60)", "S" },
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
-	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_path,
-		"process, segments: a site to take scans from (default: simulated)", "SITE" },
+	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_folder,
+		"process, segments, render: a site (default: simulated)", "SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
-		"process: how often each is measured; the least time counts (default 5)", "N" },
+		"process, render: how often each is measured; the least time counts (default 5)",
+		"N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
-		"process, register, segments, features: how finely is scanned (default fine, then "
-		"standard)",
+		"how finely is scanned (default fine; register, segments, features: standard)",
 		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
-		"register, segments, features: of the first sites; another one gives others "
-		"(default "
-		"1)",
-		"S" },
+		"of simulated sites; another one gives others (default 1)", "S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
-		"register, segments, features: where the scans stay, and are taken from the next "
-		"time",
-		"FOLDER" },
+		"where simulated scans stay, and are taken from the next time", "FOLDER" },
+	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text, "render: of pictures (default 1600x1200)",
+		"WxH" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
 		"model: that the scanners measured (default 20)", "N" },
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
@@ -68,7 +66,7 @@ static int run_process(void)
 {
 	g_autoptr(GError) error = NULL;
 	struct bench_process_options options = {
-		.site = site_path, .preset = preset, .repeats = (uint32_t)repeats, .json = json
+		.site = site_folder, .preset = preset, .repeats = (uint32_t)repeats, .json = json
 	};
 	if (repeats < 1 || repeats > 1000)
 		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
@@ -122,7 +120,7 @@ static int run_register(void)
 static int run_segments(void)
 {
 	g_autoptr(GError) error = NULL;
-	struct bench_segments_options options = { .site = site_path,
+	struct bench_segments_options options = { .site = site_folder,
 		.preset = preset,
 		.seed = (uint64_t)seed,
 		.keep = keep,
@@ -143,6 +141,41 @@ static int run_features(void)
 	return bench_features(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+/* ---- pictures ---- */
+
+static bool read_size(const char *text, uint32_t *ret_width, uint32_t *ret_height)
+{
+	unsigned width, height;
+	char rest;
+	if (sscanf(text, "%5ux%5u%c", &width, &height, &rest) != 2 || width < 64 || height < 64 ||
+		width > 8192 || height > 8192)
+		return false;
+	*ret_width = width;
+	*ret_height = height;
+	return true;
+}
+
+static struct bench_place_options place_options(void)
+{
+	return (struct bench_place_options){
+		.site = site_folder, .preset = preset, .seed = (uint64_t)seed, .keep = keep
+	};
+}
+
+static int run_render(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_render_options options = {
+		.place = place_options(), .repeats = (uint32_t)repeats, .json = json
+	};
+	if (!read_size(size_text ? size_text : "1600x1200", &options.width, &options.height) ||
+		repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND,
+			"sizes go from 64x64 to 8192x8192, repeats from 1 to 1000, seeds from 0 "
+			"to 1000000000");
+	return bench_render(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static const struct part {
 	const char *name;
 	int (*run)(void);
@@ -153,6 +186,7 @@ static const struct part {
 	{ "model", run_model },
 	{ "segments", run_segments },
 	{ "features", run_features },
+	{ "render", run_render },
 	{ NULL },
 };
 
@@ -167,7 +201,9 @@ static const struct part *find_part(const char *name)
 int main(int argc, char **argv)
 {
 	int status;
-	if (!cli_parse(COMMAND, "[acquire | process | register | model | segments | features]",
+	if (!cli_parse(COMMAND,
+		    "[acquire | process | register | model | segments | features | render | "
+		    "coherence]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
 		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
@@ -179,14 +215,16 @@ int main(int argc, char **argv)
 		    "segments: tells apart what stands in simulated sites, or in one whose points "
 		    "have classes, and counts what is right.\n"
 		    "features: finds features in simulated scenes, and counts what was found and "
-		    "what is none.\n",
+		    "what is none.\n"
+		    "render: draws scenes as large as a paper's, and VTK does, where it is "
+		    "installed.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
 		return cli_misuse(COMMAND,
 			"there is no bench '%s': acquire, process, register, model, segments, "
-			"features",
+			"features, render",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(

@@ -1,0 +1,20 @@
+#include "render/bench-discs.h"
+#include "render/chunk-view.h"
+#include "render/disc-lanes.h"
+
+uint64_t bench_count_discs(const frame *f)
+{
+	uint32_t count;
+	uint64_t discs = 0;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	for (uint32_t n = 0; n < count; n++) {
+		const struct pipeline *line =
+			&g_array_index(f->drawing->pipelines, struct pipeline, views[n].pipeline);
+		struct disc_pass p = disc_pass_of(f, line->mask.disc, DISC_RADIUS_LEAST);
+		uint32_t end = disc_prefix(&p, &views[n]);
+		for (uint32_t i = 0; i < end; i += LANES)
+			discs += (unsigned)__builtin_popcount(
+				disc_lanes_of(f->scene, &p, &views[n], i, end).drawn);
+	}
+	return discs;
+}

@@ -1,0 +1,35 @@
+#ifndef RENDER_BENCH_PLACE_H
+#define RENDER_BENCH_PLACE_H
+/* What benches of drawing draw: a person's site, or a simulated courtyard, scanned from BENCH_STATIONS places and processed. */
+#include "process/segments.h"
+#include "render/style.h"
+#include "render/view-find.h"
+
+struct bench_place_options {
+	const char *site;   /* NULL: simulated */
+	const char *preset; /* NULL: fine */
+	uint64_t seed;
+	/* Folder where the simulated site stays, and is taken from the next time; NULL: a temporary one. */
+	const char *keep;
+};
+
+typedef struct bench_place bench_place;
+struct bench_place {
+	char *path;
+	char *work; /* a folder for files on the way; removed with all that is in it */
+	site *site;
+	model *model;
+	segments *tree; /* NULL: there are none */
+	GArray *stations;
+	struct view_sources sources;
+};
+/* aspect: width by height of the pictures. Errors of scanning, pleinair process, opening. */
+bench_place *bench_place_new(
+	const struct bench_place_options *options, double aspect, GError **error);
+void bench_place_free(bench_place *p); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(bench_place, bench_place_free)
+
+/* How a style of this name draws it. */
+drawing *bench_place_drawing(const bench_place *p, const char *style_name, GError **error);
+
+#endif
