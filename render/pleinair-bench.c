@@ -7,6 +7,7 @@
 #include "process/bench-process.h"
 #include "process/bench-register.h"
 #include "process/bench-segments.h"
+#include "render/bench-coherence.h"
 #include "render/bench-render.h"
 #include <stdio.h>
 #include <string.h>
@@ -17,7 +18,9 @@ static gboolean json;
 static double seconds = 60, million_points = 20, memory_mib = 1024;
 static int beams = 1081, repeats = 5, trials = 1000;
 static gint64 seed = 1;
-static char *site_folder, *preset, *keep, *folder, *size_text;
+static int pairs = 8;
+static char *site_folder, *preset, *keep, *folder, *size_text, *view_name;
+static char **style_list;
 
 static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
@@ -25,7 +28,7 @@ static const GOptionEntry entries[] = {
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_folder,
-		"process, segments, render: a site (default: simulated)", "SITE" },
+		"process, segments, render, coherence: a site (default: simulated)", "SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
 		"process, render: how often each is measured; the least time counts (default 5)",
 		"N" },
@@ -37,8 +40,16 @@ static const GOptionEntry entries[] = {
 		"of simulated sites; another one gives others (default 1)", "S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
 		"where simulated scans stay, and are taken from the next time", "FOLDER" },
-	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text, "render: of pictures (default 1600x1200)",
-		"WxH" },
+	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text,
+		"of pictures (default: render 1600x1200, coherence 1920x1080)", "WxH" },
+	{ "style", 0, 0, G_OPTION_ARG_STRING_ARRAY, &style_list,
+		"coherence: a style; may be given again (default: those of the paper's figures)",
+		"STYLE" },
+	{ "view", 0, 0, G_OPTION_ARG_STRING, &view_name,
+		"coherence: where the paths begin (default walk)", "VIEW" },
+	{ "frames", 0, 0, G_OPTION_ARG_INT, &pairs,
+		"coherence: pairs of neighbouring frames of each path, at most 39 (default 8)",
+		"N" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
 		"model: that the scanners measured (default 20)", "N" },
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
@@ -176,6 +187,24 @@ static int run_render(void)
 	return bench_render(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_coherence(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_coherence_options options = { .place = place_options(),
+		.styles = style_list,
+		.view = view_name,
+		.pairs = (uint32_t)pairs,
+		.json = json };
+	if (!read_size(size_text ? size_text : "1920x1080", &options.width, &options.height) ||
+		pairs < 1 || pairs > (int)BENCH_COHERENCE_PAIRS_MAX || seed < 0 ||
+		seed > 1000000000)
+		return cli_misuse(COMMAND,
+			"sizes go from 64x64 to 8192x8192, frames from 1 to %u, seeds from 0 to "
+			"1000000000",
+			BENCH_COHERENCE_PAIRS_MAX);
+	return bench_coherence(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static const struct part {
 	const char *name;
 	int (*run)(void);
@@ -187,6 +216,7 @@ static const struct part {
 	{ "segments", run_segments },
 	{ "features", run_features },
 	{ "render", run_render },
+	{ "coherence", run_coherence },
 	{ NULL },
 };
 
@@ -217,14 +247,15 @@ int main(int argc, char **argv)
 		    "features: finds features in simulated scenes, and counts what was found and "
 		    "what is none.\n"
 		    "render: draws scenes as large as a paper's, and VTK does, where it is "
-		    "installed.\n",
+		    "installed.\n"
+		    "coherence: how calm drawings are when the camera moves, and how dark.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
 		return cli_misuse(COMMAND,
 			"there is no bench '%s': acquire, process, register, model, segments, "
-			"features, render",
+			"features, render, coherence",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(

@@ -1,7 +1,94 @@
-/* What pleinair bench render measures with: parts of models. */
+/* What pleinair bench render and bench coherence measure with: places reprojected, parts of models, known numbers. */
 #include "firmware-io/crc32c.h"
 #include "firmware-io/files.h"
+#include "render/bench-coherence-private.h"
 #include "render/bench-subset.h"
+#include <math.h>
+
+#define WIDTH  160u
+#define HEIGHT 120u
+
+static struct camera camera_at(double x_m, double heading_rad)
+{
+	const double eye_m[3] = { x_m, 0, 0 };
+	return camera_towards(eye_m, heading_rad, 0, 60, WIDTH, HEIGHT);
+}
+
+static visibility_mask *mask_of_depth(float depth_m)
+{
+	visibility_mask *m = g_new0(visibility_mask, 1);
+	m->width = m->pitch = WIDTH;
+	m->height = HEIGHT;
+	m->key = m->memory = g_aligned_alloc(WIDTH * HEIGHT, sizeof *m->memory, 64);
+	union {
+		float depth_m;
+		int32_t bits;
+	} u = { depth_m };
+	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++)
+		m->key[i] = u.bits & ~255;
+	return m;
+}
+
+static void test_there_and_back(void)
+{
+	for (int n = 0; n < 100; n++) {
+		struct camera a = camera_at(g_test_rand_double_range(-1, 1), 0),
+			      b = camera_at(g_test_rand_double_range(-1, 1), 0.2);
+		double px[2] = { g_test_rand_double_range(0, WIDTH),
+			g_test_rand_double_range(0, HEIGHT) };
+		double depth_m = g_test_rand_double_range(3, 50), there[2], there_m, back[2],
+		       back_m;
+		g_assert_true(reproject_place(&a, px, depth_m, &b, there, &there_m));
+		g_assert_true(reproject_place(&b, there, there_m, &a, back, &back_m));
+		g_assert_cmpfloat_with_epsilon(back_m, depth_m, 1e-9);
+		for (int k = 0; k < 2; k++)
+			g_assert_cmpfloat_with_epsilon(back[k], px[k], 1e-8);
+	}
+}
+
+static void test_shows(void)
+{
+	struct camera c = camera_at(0, 0);
+	g_autoptr(visibility_mask) m = mask_of_depth(5);
+	/* y is ahead */
+	g_assert_true(reproject_shows(&c, m, (double[]){ 0, 4.9, 0 }));
+	g_assert_false(reproject_shows(&c, m, (double[]){ 0, 5.1, 0 }));
+	g_assert_false(reproject_shows(&c, m, (double[]){ 0, -4.9, 0 }));
+	g_assert_false(reproject_shows(&c, m, (double[]){ 9, 4.9, 0 }));
+}
+
+/* A wall with a ramp of light, and the camera a little aside: nothing changed. */
+static void test_error(void)
+{
+	const float depth_m = 5;
+	struct camera before = camera_at(0, 0), now = camera_at(0.25, 0);
+	float shift = (float)(0.25 * now.focal_px / depth_m);
+	g_autoptr(visibility_mask) m = mask_of_depth(depth_m);
+	g_autoptr(reprojection) r = reprojection_new(&now, m, &before, m);
+	g_autofree float *was = g_new(float, WIDTH *HEIGHT), *is = g_new(float, WIDTH *HEIGHT);
+	uint64_t pixels = 0;
+	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+		was[i] = (float)(i % WIDTH) / WIDTH;
+		is[i] = was[i] + shift / WIDTH;
+	}
+	g_assert_cmpfloat(reprojection_error(r, is, was, &pixels) / (double)pixels, <, 1e-10);
+	g_assert_cmpuint(pixels, <, WIDTH * HEIGHT);
+	g_assert_cmpuint(pixels, >, (uint64_t)((float)WIDTH - shift - 3) * (HEIGHT - 2));
+	pixels = 0;
+	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++)
+		is[i] += 0.5f;
+	g_assert_cmpfloat_with_epsilon(
+		reprojection_error(r, is, was, &pixels) / (double)pixels, 0.25, 1e-5);
+}
+
+static void test_variation(void)
+{
+	const double value[] = { 2, 4, 4, 4, 5, 5, 7, 9 };
+	g_assert_cmpfloat_with_epsilon(coefficient_of_variation(value, 8), 2 / 5.0, 1e-12);
+	g_assert_true(isnan(coefficient_of_variation(value, 1)));
+}
+
+/* ---- a part of a model ---- */
 
 #define POINTS 4196u
 
@@ -56,6 +143,10 @@ static void test_subset(void)
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/bench-render/there-and-back", test_there_and_back);
+	g_test_add_func("/bench-render/shows", test_shows);
+	g_test_add_func("/bench-render/error", test_error);
+	g_test_add_func("/bench-render/variation", test_variation);
 	g_test_add_func("/bench-render/subset", test_subset);
 	return g_test_run();
 }

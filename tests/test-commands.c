@@ -36,6 +36,7 @@ static const struct usage {
 	{ "bench-unknown", { "bench", "everything" }, 2, "'everything'" },
 	{ "bench-seconds", { "bench", "acquire", "--seconds=-3" }, 2, "seconds" },
 	{ "bench-size", { "bench", "render", "--size=1600" }, 2, "sizes" },
+	{ "bench-frames", { "bench", "coherence", "--frames=40" }, 2, "frames" },
 	{ "scan-scheme", { "scan", "x", "--device", "warp:9" }, 1, "'warp:9'" },
 	{ "scan-no-scheme", { "scan", "x", "--device", "court" }, 1, "'court'" },
 	{ "scan-no-backend", { "scan", "x", "--device", "tim:" }, 1, "no USB" },

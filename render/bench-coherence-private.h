@@ -1,0 +1,91 @@
+#ifndef RENDER_BENCH_COHERENCE_PRIVATE_H
+#define RENDER_BENCH_COHERENCE_PRIVATE_H
+/* The measures of pleinair bench coherence (bench-coherence.h tells what they are). */
+#include "render/bench-coherence.h"
+#include "render/bench-reproject.h"
+#include "render/draw.h"
+
+#define CELL_PX 32u
+#define TILE_PX 64u
+#define SOFT_PX 9u
+
+enum { PATH_DOLLY, PATH_ORBIT, PATH_PAN, PATHS };
+
+/* ---- a frame of one style, as it was drawn ---- */
+
+struct shot {
+	struct camera camera;
+	const visibility_mask *mask;
+	visibility_mask *own_mask; /* NULL: that of another shot */
+	struct chunk_view *views;
+	uint32_t view_count;
+	stroke_list *lists; /* NULL: there is no shot */
+	uint32_t layers;
+	float *luminance;   /* of each pixel, in linear light */
+	float *soft;        /* the same, each the mean of SOFT_PX x SOFT_PX around */
+	uint8_t *lightness; /* of each pixel, as layers take it of a colour */
+};
+/* f is moved to the camera. shared NULL: it makes a mask of its own, else that one must live as long. */
+bool shot_take(struct shot *ret, frame *f, const struct camera *c, const visibility_mask *shared,
+	struct picture_buffer *picture, GError **error);
+void shot_clear(struct shot *s);
+
+/* ---- strokes of two frames ---- */
+
+struct stroke_tally {
+	uint64_t shown,
+		kept; /* strokes of the first one that are shown in the second; drawn there */
+	uint64_t compared, jumped; /* of both; by more than STEP_MOST */
+	float step_most;
+};
+#define STEP_MOST 0.15f
+/* Adds one layer. scratch: two planes of a float for each point, all 0, and so again afterwards. */
+void stroke_tally_add(struct stroke_tally *t, const scene *s, const struct shot *before,
+	const struct shot *now, uint32_t layer, float *const scratch[2]);
+
+/* ---- density ---- */
+
+bool density_has(const struct frame_layer *l); /* whether it covers areas */
+
+struct density {
+	double relative;      /* to what is wanted; NAN: nowhere enough data */
+	double limited_share; /* of the covered area */
+	double cv, cv_all;    /* NAN: too few tiles */
+};
+/* lightness: of plain coloured points. */
+struct density density_of(
+	const frame *f, const struct shot *s, uint32_t layer, const uint8_t *lightness);
+
+/* ---- tone ---- */
+
+/* Only the layers with the tone of the colour, on paper without grain. NULL: there are none; d is taken. */
+drawing *tone_drawing(drawing *d);
+
+struct tone_sums {
+	double curve2, reach2; /* squared differences to the curve, and to what it can reach */
+	double light, wanted;
+	uint64_t tiles;
+};
+/* Draws f, of a tone_drawing, with the camera of the shot, whose mask is of the drawing with all layers. */
+bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t *lightness,
+	struct picture_buffer *picture, GError **error);
+
+/* ---- what comes out ---- */
+
+struct coherence_row {
+	const char *style, *path; /* style: its file's name without .json */
+	/* NAN where the style has nothing of the kind. */
+	double kept_least, kept, step_most, jumped_share;
+	double density_least, density_most, limited_share, cv, cv_all;
+	double warp, warp_soft, tone, tone_reach, tone_drift;
+	bool is_static;
+};
+void coherence_print_heading(const struct bench_coherence_options *o);
+/* Adds how many bars there are, and how many of them are missed. */
+void coherence_print(const struct coherence_row *r, uint32_t *bars, uint32_t *missed);
+JsonObject *coherence_to_json(const struct coherence_row *r);
+
+/* Standard deviation by mean; NAN of fewer than two. */
+double coefficient_of_variation(const double *value, uint32_t count);
+
+#endif

@@ -1,0 +1,218 @@
+#include "render/bench-coherence-style.h"
+#include <math.h>
+#include <string.h>
+
+/* ---- opened ---- */
+
+/* One mask does for both: the same discs, and no pipelines to tell apart. */
+static bool shares_mask(const drawing *a, const drawing *b)
+{
+	const struct pipeline *x = &g_array_index(a->pipelines, struct pipeline, 0),
+			      *y = &g_array_index(b->pipelines, struct pipeline, 0);
+	return a->pipelines->len == 1 && b->pipelines->len == 1 &&
+	       memcmp(&x->mask, &y->mask, sizeof x->mask) == 0;
+}
+
+static char *title_of(const char *name)
+{
+	char *title = g_path_get_basename(name);
+	if (g_str_has_suffix(title, ".json"))
+		title[strlen(title) - strlen(".json")] = 0;
+	return title;
+}
+
+bool styled_open(struct styled *s, const char *name, const bench_place *p, const scene *points,
+	const struct camera *c, const struct styled *baseline, GError **error)
+{
+	s->title = title_of(name);
+	s->drawing = bench_place_drawing(p, name, error);
+	drawing *again = s->drawing ? bench_place_drawing(p, name, error) : NULL;
+	if (!again)
+		return false;
+	s->toned = tone_drawing(again);
+	s->frame = frame_new(points, s->drawing, c, error);
+	if (s->frame && s->toned)
+		s->toned_frame = frame_new(points, s->toned, c, error);
+	s->shares_mask = baseline && shares_mask(s->drawing, baseline->drawing);
+	return s->frame && (!s->toned || s->toned_frame);
+}
+
+void styled_close(struct styled *s)
+{
+	shot_clear(&s->before);
+	shot_clear(&s->now);
+	g_free(s->title);
+	frame_free(s->frame);
+	frame_free(s->toned_frame);
+	drawing_free(s->drawing);
+	drawing_free(s->toned);
+}
+
+static bool draw_at(
+	frame *f, const struct camera *c, struct picture_buffer *picture, GError **error)
+{
+	if (!frame_move(f, c, error))
+		return false;
+	draw_frame(f, picture, NULL);
+	return true;
+}
+
+bool styled_try_static(
+	struct styled *s, const struct camera *c, struct picture_buffer *picture, GError **error)
+{
+	size_t bytes = (size_t)picture->width * picture->height * sizeof *picture->rgba;
+	struct camera other = camera_turned(c, 0.1);
+	if (!draw_at(s->frame, c, picture, error))
+		return false;
+	g_autofree void *first = g_memdup2(picture->rgba, bytes);
+	if (!draw_at(s->frame, &other, picture, error) || !draw_at(s->frame, c, picture, error))
+		return false;
+	s->is_static = memcmp(first, picture->rgba, bytes) == 0;
+	return true;
+}
+
+/* ---- frames ---- */
+
+void styled_begin_path(struct styled *s)
+{
+	shot_clear(&s->before);
+	shot_clear(&s->now);
+	s->tally = (struct stroke_tally){ 0 };
+	s->tone = (struct tone_sums){ 0 };
+	s->kept_least = s->density_least = s->tone_mean_least = INFINITY;
+	s->density_most = s->tone_mean_most = -INFINITY;
+	s->limited = s->cv = s->cv_all = s->error2 = s->soft_error2 = 0;
+	s->densities = s->cvs = s->cvs_all = 0;
+}
+
+void styled_step(struct styled *s)
+{
+	shot_clear(&s->before);
+	s->before = s->now;
+	s->now = (struct shot){ 0 };
+}
+
+bool styled_take(struct styled *s, const struct camera *c, const struct styled *baseline,
+	struct picture_buffer *picture, GError **error)
+{
+	shot_clear(&s->now);
+	return shot_take(
+		&s->now, s->frame, c, s->shares_mask ? baseline->now.mask : NULL, picture, error);
+}
+
+/* ---- two of them ---- */
+
+static void tally_strokes(struct styled *s, float *const scratch[2])
+{
+	struct stroke_tally t = { 0 };
+	for (uint32_t l = 0; l < s->frame->layers; l++)
+		stroke_tally_add(&t, s->frame->scene, &s->before, &s->now, l, scratch);
+	s->tally.shown += t.shown;
+	s->tally.kept += t.kept;
+	s->tally.compared += t.compared;
+	s->tally.jumped += t.jumped;
+	s->tally.step_most = fmaxf(s->tally.step_most, t.step_most);
+	if (t.shown)
+		s->kept_least = fmin(s->kept_least, (double)t.kept / (double)t.shown);
+}
+
+uint64_t styled_measure_pair(struct styled *s, const reprojection *r, float *const scratch[2])
+{
+	uint64_t pixels = 0, again = 0;
+	s->error2 += reprojection_error(r, s->now.luminance, s->before.luminance, &pixels);
+	s->soft_error2 += reprojection_error(r, s->now.soft, s->before.soft, &again);
+	tally_strokes(s, scratch);
+	return pixels;
+}
+
+/* ---- one of them ---- */
+
+static void add_variation(double cv, double *sum, uint32_t *count)
+{
+	if (isnan(cv))
+		return;
+	*sum += cv;
+	++*count;
+}
+
+static void measure_density(struct styled *s, const uint8_t *lightness)
+{
+	struct density worst = { NAN, 0, NAN, NAN };
+	bool has = false;
+	for (uint32_t l = 0; l < s->frame->layers; l++) {
+		if (!density_has(&s->frame->layer[l]))
+			continue;
+		struct density d = density_of(s->frame, &s->now, l, lightness);
+		has = true;
+		/* fmin and fmax pass over what is no number */
+		s->density_least = fmin(s->density_least, d.relative);
+		s->density_most = fmax(s->density_most, d.relative);
+		worst.limited_share = fmax(worst.limited_share, d.limited_share);
+		worst.cv = fmax(worst.cv, d.cv);
+		worst.cv_all = fmax(worst.cv_all, d.cv_all);
+	}
+	if (!has)
+		return;
+	s->limited += worst.limited_share;
+	s->densities++;
+	add_variation(worst.cv, &s->cv, &s->cvs);
+	add_variation(worst.cv_all, &s->cv_all, &s->cvs_all);
+}
+
+static bool measure_tone(
+	struct styled *s, const uint8_t *lightness, struct picture_buffer *picture, GError **error)
+{
+	struct tone_sums t = { 0 };
+	if (!tone_add(&t, s->toned_frame, &s->now, lightness, picture, error))
+		return false;
+	s->tone.curve2 += t.curve2;
+	s->tone.reach2 += t.reach2;
+	s->tone.tiles += t.tiles;
+	if (!t.tiles)
+		return true;
+	double off = (t.light - t.wanted) / (double)t.tiles;
+	s->tone_mean_least = fmin(s->tone_mean_least, off);
+	s->tone_mean_most = fmax(s->tone_mean_most, off);
+	return true;
+}
+
+bool styled_measure_frame(
+	struct styled *s, const uint8_t *lightness, struct picture_buffer *picture, GError **error)
+{
+	measure_density(s, lightness);
+	return !s->toned || measure_tone(s, lightness, picture, error);
+}
+
+/* ---- what comes out ---- */
+
+static double by(double sum, double count)
+{
+	return count > 0 ? sum / count : NAN;
+}
+
+/* The baseline is what it is compared with. */
+static double warp_of(bool is_baseline, double error2, double baseline)
+{
+	return is_baseline ? NAN : by(error2, baseline);
+}
+
+struct coherence_row styled_row(
+	const struct styled *s, const char *path, const struct styled *baseline)
+{
+	const struct stroke_tally *t = &s->tally;
+	bool has_density = isfinite(s->density_least);
+	return (struct coherence_row){ s->title, path, .kept_least = t->shown ? s->kept_least : NAN,
+		.kept = by((double)t->kept, (double)t->shown),
+		.step_most = t->compared ? t->step_most : NAN,
+		.jumped_share = by((double)t->jumped, (double)t->compared),
+		.density_least = has_density ? s->density_least : NAN,
+		.density_most = has_density ? s->density_most : NAN,
+		.limited_share = by(s->limited, s->densities), .cv = by(s->cv, s->cvs),
+		.cv_all = by(s->cv_all, s->cvs_all),
+		.warp = warp_of(s == baseline, s->error2, baseline->error2),
+		.warp_soft = warp_of(s == baseline, s->soft_error2, baseline->soft_error2),
+		.tone = sqrt(by(s->tone.curve2, (double)s->tone.tiles)),
+		.tone_reach = sqrt(by(s->tone.reach2, (double)s->tone.tiles)),
+		.tone_drift = s->tone.tiles ? s->tone_mean_most - s->tone_mean_least : NAN,
+		.is_static = s->is_static };
+}

@@ -1,0 +1,45 @@
+#ifndef RENDER_BENCH_COHERENCE_STYLE_H
+#define RENDER_BENCH_COHERENCE_STYLE_H
+/* One style on its way along a path: two frames of it, and the sums of what was measured so far. */
+#include "render/bench-coherence-private.h"
+
+struct styled {
+	char *title;              /* its file's name without .json */
+	drawing *drawing, *toned; /* toned NULL: it has no tones */
+	frame *frame, *toned_frame;
+	bool shares_mask; /* with the baseline */
+	bool is_static;
+	struct shot before, now;
+	/* Of the path so far. */
+	struct stroke_tally tally;
+	double kept_least, density_least, density_most, limited, cv, cv_all;
+	uint32_t densities, cvs, cvs_all;
+	struct tone_sums tone;
+	double tone_mean_least, tone_mean_most;
+	double error2, soft_error2; /* of luminance */
+};
+
+/* baseline NULL: it is one. */
+bool styled_open(struct styled *s, const char *name, const bench_place *p, const scene *points,
+	const struct camera *c, const struct styled *baseline, GError **error);
+void styled_close(struct styled *s); /* what is all 0 is fine */
+
+/* Whether it draws the same bytes again, with another camera in between. */
+bool styled_try_static(
+	struct styled *s, const struct camera *c, struct picture_buffer *picture, GError **error);
+
+void styled_begin_path(struct styled *s);
+/* What was now is before. */
+void styled_step(struct styled *s);
+/* A frame as now; with the mask of the baseline, which must have taken its own, where it does for both. */
+bool styled_take(struct styled *s, const struct camera *c, const struct styled *baseline,
+	struct picture_buffer *picture, GError **error);
+/* Of before and now. r: of the baseline. Returns how many pixels were compared. */
+uint64_t styled_measure_pair(struct styled *s, const reprojection *r, float *const scratch[2]);
+/* Of now: density and tone. */
+bool styled_measure_frame(
+	struct styled *s, const uint8_t *lightness, struct picture_buffer *picture, GError **error);
+struct coherence_row styled_row(
+	const struct styled *s, const char *path, const struct styled *baseline);
+
+#endif

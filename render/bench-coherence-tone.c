@@ -1,0 +1,137 @@
+#include "render/bench-coherence-private.h"
+#include "render/light.h"
+#include <math.h>
+#include <stdlib.h>
+
+#define TILE_COVERED 0.99
+
+/* ---- toned layers alone ---- */
+
+static bool is_toned(const struct step *s)
+{
+	return (s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
+		       s->kind == step_kind_find("strokes")) &&
+	       s->ink.tone == TONE_COLOUR;
+}
+
+drawing *tone_drawing(drawing *d)
+{
+	uint32_t toned = 0;
+	for (guint p = 0; p < d->pipelines->len; p++) {
+		struct pipeline *line = &g_array_index(d->pipelines, struct pipeline, p);
+		uint32_t kept = 0;
+		for (uint32_t n = 0; n < line->layers; n++)
+			if (is_toned(&line->steps[n]))
+				line->steps[kept++] = line->steps[n];
+		line->layers = kept;
+		line->filters = 0;
+		toned += kept;
+	}
+	d->paper.grain = 0;
+	if (toned)
+		return d;
+	drawing_free(d);
+	return NULL;
+}
+
+/* ---- what light there should be ---- */
+
+/* By pipeline and lightness: of the paper's light. */
+struct targets {
+	float curve[256], reach[256];
+};
+
+static float curve_at(const struct ink_step *ink, float lightness)
+{
+	float dark = fmaxf(ink->tone_white - lightness, 0) / fmaxf(ink->tone_white, 1e-3f);
+	return light_of_srgb(1 - ink->tone_strength * powf(dark, ink->tone_gamma));
+}
+
+/* Of strokes that fall anywhere. */
+static float reach_at(const struct frame_layer *l, int lightness)
+{
+	float ink = light_luminance(l->ink_linear),
+	      strokes = l->wanted_per_px[lightness] * STROKE_FADE_MEAN;
+	return ink + (1 - ink) * expf(-strokes * l->stroke_area_px);
+}
+
+static struct targets *targets_of(const frame *f)
+{
+	struct targets *t = g_new(struct targets, 1 << MASK_PIPELINE_BITS);
+	for (int p = 0; p < 1 << MASK_PIPELINE_BITS; p++)
+		for (int n = 0; n < 256; n++)
+			t[p].curve[n] = t[p].reach[n] = NAN;
+	for (uint32_t l = 0; l < f->layers; l++) {
+		struct targets *of = &t[f->layer[l].pipeline];
+		for (int n = 0; n < 256; n++) {
+			bool first = isnan(of->curve[n]);
+			float curve = curve_at(&f->layer[l].ink, (float)n / 255),
+			      reach = reach_at(&f->layer[l], n);
+			of->curve[n] = first ? curve : of->curve[n] * curve;
+			of->reach[n] = first ? reach : of->reach[n] * reach;
+		}
+	}
+	return t;
+}
+
+/* ---- tiles ---- */
+
+struct tile {
+	double light, curve, reach;
+	uint32_t covered;
+};
+
+static struct tile tile_of(const struct targets *t, const struct shot *s,
+	const struct picture_buffer *p, const uint8_t *lightness, uint32_t x0, uint32_t y0)
+{
+	struct tile sum = { 0 };
+	const float *light = light_of_bytes();
+	for (uint32_t y = y0; y < y0 + TILE_PX; y++)
+		for (uint32_t x = x0; x < x0 + TILE_PX; x++) {
+			size_t at = (size_t)y * p->width + x;
+			int32_t key = mask_key(s->mask, (int32_t)x, (int32_t)y);
+			const struct targets *here = &t[key & ((1 << MASK_PIPELINE_BITS) - 1)];
+			float rgb[3];
+			if (key == MASK_EMPTY || isnan(here->curve[lightness[at]]))
+				continue;
+			for (int k = 0; k < 3; k++)
+				rgb[k] = light[p->rgba[at][k]];
+			sum.light += light_luminance(rgb);
+			sum.curve += here->curve[lightness[at]];
+			sum.reach += here->reach[lightness[at]];
+			sum.covered++;
+		}
+	return sum;
+}
+
+static float paper_light(const frame *f)
+{
+	float rgb[3];
+	for (int k = 0; k < 3; k++)
+		rgb[k] = light_of_srgb((float)f->drawing->paper.colour[k] / 255);
+	return light_luminance(rgb);
+}
+
+bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t *lightness,
+	struct picture_buffer *picture, GError **error)
+{
+	if (!frame_move(f, &s->camera, error))
+		return false;
+	draw_frame(f, picture, NULL);
+	g_autofree struct targets *targets = targets_of(f);
+	double paper = paper_light(f);
+	for (uint32_t y = 0; y + TILE_PX <= picture->height; y += TILE_PX)
+		for (uint32_t x = 0; x + TILE_PX <= picture->width; x += TILE_PX) {
+			struct tile one = tile_of(targets, s, picture, lightness, x, y);
+			if (one.covered < TILE_COVERED * TILE_PX * TILE_PX)
+				continue;
+			double light = one.light / paper / one.covered,
+			       curve = one.curve / one.covered, reach = one.reach / one.covered;
+			t->curve2 += (light - curve) * (light - curve);
+			t->reach2 += (light - reach) * (light - reach);
+			t->light += light;
+			t->wanted += curve;
+			t->tiles++;
+		}
+	return true;
+}

@@ -1,0 +1,125 @@
+#include "render/bench-reproject.h"
+#include <math.h>
+
+/* Depths that agree: part of the depth, and metres. */
+#define AGREE_PART 0.02
+#define AGREE_M    0.02
+/* Of a depth: what rounding may do. */
+#define ROUNDING 1e-5
+
+bool reproject_place(const struct camera *from, const double px[2], double depth_m,
+	const struct camera *to, double ret_px[2], double *ret_depth_m)
+{
+	double right = (px[0] - from->width / 2.0) / from->focal_px,
+	       down = (px[1] - from->height / 2.0) / from->focal_px, point_m[3];
+	for (int k = 0; k < 3; k++)
+		point_m[k] = from->eye_m[k] + depth_m * (from->forward[k] + right * from->right[k] +
+								down * from->down[k]);
+	return camera_project(to, point_m, ret_px, ret_depth_m);
+}
+
+/* The left upper one of the four nearest pixels. */
+static bool corner_of(const visibility_mask *m, const double px[2], int32_t ret[2])
+{
+	double x = floor(px[0] - 0.5), y = floor(px[1] - 0.5);
+	if (!(x >= 0 && y >= 0 && x < (double)m->width - 1 && y < (double)m->height - 1))
+		return false;
+	ret[0] = (int32_t)x;
+	ret[1] = (int32_t)y;
+	return true;
+}
+
+bool reproject_shows(const struct camera *c, const visibility_mask *m, const double point_m[3])
+{
+	double px[2] = { 0 }, depth_m = 0;
+	int32_t at[2];
+	if (!camera_project(c, point_m, px, &depth_m) || !corner_of(m, px, at))
+		return false;
+	for (int n = 0; n < 4; n++)
+		if (depth_m * (1 + ROUNDING) >
+			mask_depth(mask_key(m, at[0] + (n & 1), at[1] + (n >> 1))))
+			return false;
+	return true;
+}
+
+static bool agrees(const visibility_mask *m, const double px[2], double depth_m)
+{
+	int32_t at[2];
+	if (!corner_of(m, px, at))
+		return false;
+	for (int n = 0; n < 4; n++) {
+		int32_t key = mask_key(m, at[0] + (n & 1), at[1] + (n >> 1));
+		if (key == MASK_EMPTY ||
+			fabs(mask_depth(key) - depth_m) > AGREE_PART * depth_m + AGREE_M)
+			return false;
+	}
+	return true;
+}
+
+static void find_row(reprojection *r, uint32_t y, const struct camera *now,
+	const visibility_mask *mask_now, const struct camera *before,
+	const visibility_mask *mask_before)
+{
+	float(*to)[2] = r->before_px + (size_t)y * r->width;
+	for (uint32_t x = 0; x < r->width; x++) {
+		int32_t key = mask_key(mask_now, (int32_t)x, (int32_t)y);
+		double px[2] = { x + 0.5, y + 0.5 }, was_px[2] = { 0 }, was_m = 0;
+		bool seen = key != MASK_EMPTY &&
+			    reproject_place(now, px, mask_depth(key), before, was_px, &was_m) &&
+			    agrees(mask_before, was_px, was_m);
+		for (int k = 0; k < 2; k++)
+			to[x][k] = seen ? (float)was_px[k] : NAN;
+	}
+}
+
+reprojection *reprojection_new(const struct camera *now, const visibility_mask *mask_now,
+	const struct camera *before, const visibility_mask *mask_before)
+{
+	reprojection *r = g_new0(reprojection, 1);
+	r->width = mask_now->width;
+	r->height = mask_now->height;
+	r->before_px = g_malloc((size_t)r->width * r->height * sizeof *r->before_px);
+#pragma omp parallel for schedule(dynamic, 16)
+	for (uint32_t y = 0; y < r->height; y++)
+		find_row(r, y, now, mask_now, before, mask_before);
+	return r;
+}
+
+void reprojection_free(reprojection *r)
+{
+	if (!r)
+		return;
+	g_free(r->before_px);
+	g_free(r);
+}
+
+/* px[] is amid four pixels, or at most a rounding beyond them. */
+static float between(const float *plane, const reprojection *r, const float px[2])
+{
+	float x = px[0] - 0.5f, y = px[1] - 0.5f;
+	uint32_t column = (uint32_t)CLAMP(x, 0, (float)(r->width - 2)),
+		 row = (uint32_t)CLAMP(y, 0, (float)(r->height - 2));
+	float u = x - (float)column, v = y - (float)row;
+	const float *a = plane + (size_t)row * r->width + column, *below = a + r->width;
+	float upper = a[0] + u * (a[1] - a[0]), lower = below[0] + u * (below[1] - below[0]);
+	return upper + v * (lower - upper);
+}
+
+double reprojection_error(
+	const reprojection *r, const float *now, const float *before, uint64_t *add_pixels)
+{
+	double sum = 0;
+	uint64_t pixels = 0;
+#pragma omp parallel for schedule(static) reduction(+ : sum, pixels)
+	for (uint32_t y = 0; y < r->height; y++)
+		for (uint32_t x = 0; x < r->width; x++) {
+			size_t at = (size_t)y * r->width + x;
+			if (isnan(r->before_px[at][0]))
+				continue;
+			float off = now[at] - between(before, r, r->before_px[at]);
+			sum += (double)off * off;
+			pixels++;
+		}
+	*add_pixels += pixels;
+	return sum;
+}
