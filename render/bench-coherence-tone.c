@@ -41,12 +41,6 @@ struct targets {
 	float curve[256], reach[256];
 };
 
-static float curve_at(const struct ink_step *ink, float lightness)
-{
-	float dark = fmaxf(ink->tone_white - lightness, 0) / fmaxf(ink->tone_white, 1e-3f);
-	return light_of_srgb(1 - ink->tone_strength * powf(dark, ink->tone_gamma));
-}
-
 /* Of strokes that fall anywhere. */
 static float reach_at(const struct frame_layer *l, int lightness)
 {
@@ -65,7 +59,8 @@ static struct targets *targets_of(const frame *f)
 		struct targets *of = &t[f->layer[l].pipeline];
 		for (int n = 0; n < 256; n++) {
 			bool first = isnan(of->curve[n]);
-			float curve = curve_at(&f->layer[l].ink, (float)n / 255),
+			float curve = frame_wanted_light(
+				      &f->layer[l].ink, f->scene, (float)n / 255),
 			      reach = reach_at(&f->layer[l], n);
 			of->curve[n] = first ? curve : of->curve[n] * curve;
 			of->reach[n] = first ? reach : of->reach[n] * reach;

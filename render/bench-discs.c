@@ -10,7 +10,8 @@ uint64_t bench_count_discs(const frame *f)
 	for (uint32_t n = 0; n < count; n++) {
 		const struct pipeline *line =
 			&g_array_index(f->drawing->pipelines, struct pipeline, views[n].pipeline);
-		struct disc_pass p = disc_pass_of(f, line->mask.disc, DISC_RADIUS_LEAST);
+		struct disc_pass p = disc_pass_of(
+			f, line->mask.disc, DISC_RADIUS_LEAST, line->mask.backs == BACKS_HIDDEN);
 		uint32_t end = disc_prefix(&p, &views[n]);
 		for (uint32_t i = 0; i < end; i += LANES)
 			discs += (unsigned)__builtin_popcount(

@@ -27,8 +27,7 @@ static uint32_t kinds_of(const struct ink_step *ink)
 
 /* ---- tone ---- */
 
-/* What a square of paper should let through where points have this lightness (0..1). */
-static float wanted_light(const struct ink_step *ink, const scene *s, float lightness)
+float frame_wanted_light(const struct ink_step *ink, const scene *s, float lightness)
 {
 	float stretched = (lightness - s->darkest) / (s->lightest - s->darkest);
 	lightness += ink->tone_levels * (CLAMP(stretched, 0, 1) - lightness);
@@ -50,7 +49,7 @@ static void want(struct frame_layer *l, const scene *s)
 	float even = 1 / (l->ink.spacing_px * l->ink.spacing_px);
 	for (int n = 0; n < 256; n++) {
 		float number = l->ink.tone == TONE_COLOUR
-				       ? per_px(l, wanted_light(&l->ink, s, (float)n / 255))
+				       ? per_px(l, frame_wanted_light(&l->ink, s, (float)n / 255))
 				       : even;
 		l->dithering_per_m2[n] =
 			fmaxf(s->dither_per_m2 * powf(1 - (float)n / 255, s->tone_exponent), 1e-3f);

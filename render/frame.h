@@ -50,6 +50,9 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
 /* Another camera with a picture of the same size; the layers stay. */
 bool frame_move(frame *f, const struct camera *c, GError **error);
 
+/* What a layer of TONE_COLOUR should let through of the paper's light where points have this lightness (0..1). */
+float frame_wanted_light(const struct ink_step *ink, const scene *s, float lightness);
+
 static inline const struct pipeline *frame_pipeline(const frame *f, uint32_t pipeline)
 {
 	return &g_array_index(f->drawing->pipelines, struct pipeline, pipeline);
