@@ -221,6 +221,7 @@ bool frame_move(frame *f, const struct camera *c, GError **error)
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error)
 {
 	g_autoptr(frame) f = g_new0(frame, 1);
+	f->serial = scene_serial();
 	f->scene = s;
 	f->drawing = d;
 	f->px = (float)(c->height / FRAME_STYLE_HEIGHT);

@@ -32,6 +32,7 @@ struct frame_layer {
 
 typedef struct frame frame;
 struct frame {
+	uint64_t serial; /* scene_serial(): of all but the camera */
 	const scene *scene;
 	const drawing *drawing;
 	struct camera camera;

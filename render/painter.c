@@ -19,7 +19,7 @@ static bool cpu_draw(void *state, const frame *f, struct picture_buffer *to,
 static void *cpu_open(const backend_choice *choice, GError **error)
 {
 	(void)error;
-	return (void *)choice;
+	return (void *)choice; /* anything but NULL */
 }
 
 static void cpu_close(void *state)
@@ -47,6 +47,8 @@ painter *painter_new(enum backend_wish wish, GError **error)
 	p->ops = &painter_cpu;
 	if (!backend_choose_here(wish, &p->choice, error))
 		return NULL;
+	if (p->choice.backend == BACKEND_GLES)
+		p->ops = &painter_gles;
 	p->state = p->ops->open(&p->choice, &none);
 	if (!p->state && wish == BACKEND_WISH_GLES) {
 		g_propagate_error(error, g_steal_pointer(&none));

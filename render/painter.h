@@ -16,7 +16,7 @@ struct painter_ops {
 		struct draw_times *ret_times, GError **error);
 	void (*close)(void *state); /* NULL is fine */
 };
-extern const struct painter_ops painter_cpu;
+extern const struct painter_ops painter_cpu, painter_gles;
 
 typedef struct painter painter;
 /* Fails only when gles was asked for by name and is not there. */

@@ -59,6 +59,12 @@ static void allocate(scene *s)
 	s->list_spacing = g_new(uint16_t, n);
 }
 
+uint64_t scene_serial(void)
+{
+	static uint64_t last;
+	return __atomic_add_fetch(&last, 1, __ATOMIC_RELAXED);
+}
+
 size_t scene_bytes(const scene *s)
 {
 	size_t point = 5 * sizeof(uint16_t) + sizeof *s->normal + sizeof *s->direction +
@@ -268,6 +274,7 @@ scene *scene_new(const model *m, GError **error)
 		return NULL;
 	}
 	scene *s = g_new0(scene, 1);
+	s->serial = scene_serial();
 	s->count = (uint32_t)model_count(m);
 	s->chunks = (uint32_t)chunks;
 	struct features_options defaults = features_defaults(NULL);

@@ -23,6 +23,7 @@ struct scene_chunk {
 
 typedef struct scene scene;
 struct scene {
+	uint64_t serial; /* scene_serial(): what is kept of it elsewhere is known by it */
 	double origin_m[3];
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
@@ -46,6 +47,8 @@ scene *scene_new(const model *m, GError **error);
 void scene_free(scene *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scene, scene_free)
 size_t scene_bytes(const scene *s); /* of memory */
+/* Another number at each call, never 0; any thread. */
+uint64_t scene_serial(void);
 
 /* Of a point's colour, as the eye weighs it; without one 128. */
 static inline uint8_t scene_lightness(const uint8_t rgba[4])

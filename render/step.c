@@ -238,17 +238,17 @@ static float no_radius_px(const void *step)
 
 const struct step_kind step_kinds[] = {
 	{ "mask", "Visibility mask", "what is hidden by what; there is one in every pipeline",
-		STEP_MASK, sizeof(struct mask_step), mask_parameters, no_radius_px },
+		STEP_MASK, sizeof(struct mask_step), mask_parameters, no_radius_px, "mask" },
 	{ "points", "Points", "all points in their colours", STEP_LAYER, sizeof(struct points_step),
-		point_parameters, point_radius_px },
+		point_parameters, point_radius_px, "points" },
 	{ "sprites", "Dots", "round dots of one size on the screen", STEP_LAYER,
-		sizeof(struct ink_step), sprite_parameters, ink_radius_px },
+		sizeof(struct ink_step), sprite_parameters, ink_radius_px, "sprites" },
 	{ "lines", "Lines", "thin straight lines", STEP_LAYER, sizeof(struct ink_step),
-		line_parameters, ink_radius_px },
+		line_parameters, ink_radius_px, "lines" },
 	{ "strokes", "Strokes", "strokes with a texture", STEP_LAYER, sizeof(struct ink_step),
-		stroke_parameters, ink_radius_px },
+		stroke_parameters, ink_radius_px, "strokes" },
 	{ "edl", "Eye-dome lighting", "darkens what lies deeper than what is beside it",
-		STEP_FILTER, sizeof(struct edl_step), edl_parameters, edl_radius_px },
+		STEP_FILTER, sizeof(struct edl_step), edl_parameters, edl_radius_px, "edl" },
 	{ NULL },
 };
 

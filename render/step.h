@@ -119,6 +119,8 @@ struct step_kind {
 	const struct step_parameter *parameters; /* ends with a row without a name */
 	/* How far around a pixel it looks or draws; points as large as they come by distance are not counted. */
 	float (*radius_px)(const void *step);
+	const char *
+		glsl; /* what runs it on gles: shaders/GLSL.glsl; on cpu it is what draw.h leads to */
 };
 extern const struct step_kind step_kinds
 	[]; /* "mask", "points", "sprites", "lines", "strokes", "edl"; ends with a row without a name */

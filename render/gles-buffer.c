@@ -1,0 +1,27 @@
+#include "render/gles-buffer.h"
+
+bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t bytes,
+	const char *what, GError **error)
+{
+	if (b->name && b->bytes >= bytes)
+		return true;
+	if (bytes > c->about.limits.storage_block_bytes) {
+		g_set_error(error, GLES_ERROR, GLES_ERROR_LIMIT,
+			"%s need %.0f MB at once, and the GPU has %.0f", what, (double)bytes / 1e6,
+			(double)c->about.limits.storage_block_bytes / 1e6);
+		return false;
+	}
+	gles_buffer_clear(c, b);
+	c->gl.GenBuffers(1, &b->name);
+	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
+	c->gl.BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
+	b->bytes = bytes;
+	return gles_context_check(c, what, error);
+}
+
+void gles_buffer_clear(const gles_context *c, struct gles_buffer *b)
+{
+	c->gl.DeleteBuffers(1, &b->name);
+	b->name = 0;
+	b->bytes = 0;
+}

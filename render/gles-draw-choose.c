@@ -1,0 +1,124 @@
+#include "render/gles-draw-private.h"
+
+/* Strokes of a layer that there is room for at first. */
+#define STROKES_LEAST (1u << 16)
+
+static uint32_t capacity_of(const struct gles_buffer *b)
+{
+	return (uint32_t)(b->bytes / (4 * GLES_STROKE_WORDS));
+}
+
+static bool reserve(gles_draw *d, uint32_t layer, int64_t strokes, GError **error)
+{
+	return gles_buffer_reserve(d->c, &d->strokes[layer], strokes * 4 * GLES_STROKE_WORDS,
+		"the strokes of a layer", error);
+}
+
+/* Views of a layer: runs of its pipeline stand together. */
+struct choice {
+	uint32_t layer, capacity;
+	guint run, run_end;
+	uint32_t view, count;
+};
+
+static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t layer)
+{
+	struct choice c = { .layer = layer, .capacity = capacity_of(&d->strokes[layer]) };
+	const GArray *runs = d->views.runs;
+	while (c.run < runs->len && gles_draw_run(d, c.run)->pipeline != f->layer[layer].pipeline)
+		c.run++;
+	c.view = c.run < runs->len ? gles_draw_run(d, c.run)->first : 0;
+	for (c.run_end = c.run; c.run_end < runs->len &&
+				gles_draw_run(d, c.run_end)->pipeline == f->layer[layer].pipeline;
+		c.run_end++)
+		c.count += gles_draw_run(d, c.run_end)->count;
+	return c;
+}
+
+static void go_through(gles_draw *d, const struct choice *c, enum gles_use use)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->UseProgram(d->program[use]);
+	gl->Uniform1ui(1, c->view);
+	if (use == GLES_WRITE)
+		gl->Uniform1ui(2, c->capacity);
+	for (guint k = c->run; k < c->run_end; k++) {
+		const struct gles_run *r = gles_draw_run(d, k);
+		const struct gles_slab *slab = &d->scene.slab[r->slab];
+		gles_draw_bind_storage(d, 0, slab->points);
+		gles_draw_bind_storage(d, 3, slab->looks);
+		gles_draw_bind_storage(d, 4, slab->lists);
+		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
+			gl->Uniform1ui(0, r->first + n);
+			gl->DispatchCompute(MIN(r->count - n, GLES_GROUPS_MAX), 1, 1);
+		}
+	}
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+static void number(gles_draw *d, const struct choice *c)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->UseProgram(d->program[GLES_SCAN]);
+	gl->Uniform1ui(0, c->count);
+	gl->Uniform1ui(1, c->layer);
+	gl->Uniform1ui(2, c->capacity);
+	gles_draw_bind_storage(d, 6, d->commands.name);
+	gl->DispatchCompute(1, 1, 1);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+static void choose(gles_draw *d, const struct choice *c)
+{
+	gles_layers_bind(d->c, &d->layers, c->layer);
+	gles_draw_bind_storage(d, 1, d->views.buffer.name);
+	gles_draw_bind_storage(d, 5, d->marks.name);
+	go_through(d, c, GLES_COUNT);
+	number(d, c);
+	gles_draw_bind_storage(d, 6, d->strokes[c->layer].name);
+	go_through(d, c, GLES_WRITE);
+}
+
+bool gles_draw_choose(gles_draw *d, const frame *f, GError **error)
+{
+	int64_t marks = ((int64_t)d->views.count + 1) * GLES_MARKS * 4;
+	if (!gles_buffer_reserve(d->c, &d->marks, marks, "the chunks in view", error) ||
+		!gles_buffer_reserve(
+			d->c, &d->commands, sizeof(struct gles_commands), "the layers", error))
+		return false;
+	for (uint32_t n = 0; n < f->layers; n++) {
+		if (!d->strokes[n].name && !reserve(d, n, STROKES_LEAST, error))
+			return false;
+		struct choice c = choice_of(d, f, n);
+		choose(d, &c);
+	}
+	d->c->gl.MemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
+			       GL_BUFFER_UPDATE_BARRIER_BIT);
+	return true;
+}
+
+bool gles_draw_strokes(
+	gles_draw *d, uint32_t layers, uint32_t *ret_count, bool *ret_whole, GError **error)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	*ret_count = 0;
+	*ret_whole = true;
+	if (!layers)
+		return true;
+	gl->BindBuffer(GL_COPY_READ_BUFFER, d->commands.name);
+	const struct gles_commands *mapped =
+		gl->MapBufferRange(GL_COPY_READ_BUFFER, 0, sizeof *mapped, GL_MAP_READ_BIT);
+	if (!mapped)
+		return gles_context_check(d->c, "counting the strokes", error);
+	struct gles_commands all = *mapped;
+	gl->UnmapBuffer(GL_COPY_READ_BUFFER);
+	for (uint32_t n = 0; n < layers; n++) {
+		*ret_count += all.total[n];
+		if (all.total[n] <= capacity_of(&d->strokes[n]))
+			continue;
+		*ret_whole = false;
+		if (!reserve(d, n, all.total[n] + (int64_t)all.total[n] / 4, error))
+			return false;
+	}
+	return true;
+}

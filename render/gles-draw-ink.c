@@ -1,0 +1,99 @@
+#include "render/gles-draw-private.h"
+#include <stddef.h>
+
+static enum gles_use program_of(const struct frame_layer *l)
+{
+	if (l->texture)
+		return GLES_STROKES;
+	return l->step->kind == step_kind_find("sprites") ? GLES_SPRITES : GLES_LINES;
+}
+
+static void set_attribute(const struct gles_functions *gl, GLuint n, GLint numbers, size_t word)
+{
+	gl->EnableVertexAttribArray(n);
+	gl->VertexAttribPointer(
+		n, numbers, GL_FLOAT, GL_FALSE, 4 * GLES_STROKE_WORDS, GSIZE_TO_POINTER(4 * word));
+	gl->VertexAttribDivisor(n, 1);
+}
+
+/* As choose-write.glsl wrote them. */
+static void set_strokes(const struct gles_functions *gl, GLuint strokes)
+{
+	gl->BindBuffer(GL_ARRAY_BUFFER, strokes);
+	set_attribute(gl, 0, 4, 0);
+	set_attribute(gl, 1, 4, 4);
+	set_attribute(gl, 2, 1, 8);
+	gl->EnableVertexAttribArray(3);
+	gl->VertexAttribIPointer(
+		3, 1, GL_UNSIGNED_INT, 4 * GLES_STROKE_WORDS, GSIZE_TO_POINTER(4 * 9));
+	gl->VertexAttribDivisor(3, 1);
+}
+
+static void draw_strokes(gles_draw *d, const struct frame_layer *l, uint32_t n)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->UseProgram(d->program[program_of(l)]);
+	if (l->texture)
+		gles_draw_bind_texture(d, 1, GL_TEXTURE_2D_ARRAY, d->layers.texture[n]);
+	gl->Enable(GL_BLEND);
+	if (band_blend_of(l) == BAND_PAINTED)
+		gl->BlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_SRC_ALPHA);
+	else
+		gl->BlendFunc(GL_ZERO, GL_SRC_COLOR);
+	set_strokes(gl, d->strokes[n].name);
+	gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, d->commands.name);
+	gl->DrawArraysIndirect(GL_TRIANGLE_STRIP, GSIZE_TO_POINTER(sizeof(uint32_t[4]) * n));
+}
+
+static void clear(gles_draw *d, enum band_blend blend)
+{
+	static const GLfloat ones[] = { 1, 1, 1, 1 }, no_paint[] = { 0, 0, 0, 1 }, zero[4] = { 0 };
+	const struct gles_functions *gl = &d->c->gl;
+	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.ink[blend].frame);
+	gl->ClearBufferfv(GL_COLOR, 0, blend == BAND_PAINTED ? no_paint : ones);
+	if (blend == BAND_PAINTED)
+		gl->ClearBufferfv(GL_COLOR, 1, zero);
+}
+
+static void combine(gles_draw *d, enum band_blend blend)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	const struct gles_target *ink = &d->targets.ink[blend];
+	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);
+	gl->UseProgram(d->program[GLES_COMBINE]);
+	gles_draw_bind_texture(d, 3, GL_TEXTURE_2D, ink->plane[0]);
+	gles_draw_bind_texture(d, 4, GL_TEXTURE_2D, ink->plane[1]);
+	if (blend == BAND_PAINTED)
+		gl->BlendFunc(GL_ONE, GL_SRC_ALPHA);
+	else
+		gl->BlendFunc(GL_ZERO, GL_SRC_COLOR);
+	gl->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void gles_draw_ink(gles_draw *d, const frame *f)
+{
+	for (uint32_t n = 0; n < f->layers; n++) {
+		const struct frame_layer *l = &f->layer[n];
+		enum band_blend blend = band_blend_of(l);
+		bool is_direct = gles_layer_is_direct(l);
+		gles_layers_bind(d->c, &d->layers, n);
+		if (is_direct)
+			d->c->gl.BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);
+		else
+			clear(d, blend);
+		draw_strokes(d, l, n);
+		if (!is_direct)
+			combine(d, blend);
+		d->c->gl.Disable(GL_BLEND);
+	}
+}
+
+void gles_draw_out(gles_draw *d)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.picture.frame);
+	gl->UseProgram(d->program[GLES_OUT]);
+	gles_draw_bind_texture(d, 3, GL_TEXTURE_2D, d->targets.canvas.plane[0]);
+	gles_draw_bind_texture(d, 5, GL_TEXTURE_2D, d->srgb);
+	gl->DrawArrays(GL_TRIANGLES, 0, 3);
+}

@@ -1,0 +1,95 @@
+#include "render/gles-draw-private.h"
+
+/* Points are drawn in groups: 16 slices of 256 are a whole chunk. */
+#define SLICES 16u
+
+static void draw_run(gles_draw *d, const struct gles_run *r)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gles_draw_bind_storage(d, 0, d->scene.slab[r->slab].points);
+	for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
+		gl->Uniform1ui(0, r->first + n);
+		gl->DispatchCompute(SLICES, MIN(r->count - n, GLES_GROUPS_MAX), 1);
+	}
+}
+
+/* From the buffer into a texture, which strokes look it up in. */
+static void copy_keys(gles_draw *d)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->MemoryBarrier(GL_PIXEL_BUFFER_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
+	gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, d->keys.name);
+	gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+	gles_draw_bind_texture(d, 0, GL_TEXTURE_2D, d->targets.keys);
+	gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)d->targets.width,
+		(GLsizei)d->targets.height, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+	gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+}
+
+bool gles_draw_mask(gles_draw *d, GError **error)
+{
+	int64_t pixels = (int64_t)d->targets.width * d->targets.height;
+	if (!gles_buffer_reserve(d->c, &d->keys, pixels * 4, "the depths of such a picture", error))
+		return false;
+	gles_draw_fill(d, &d->keys, (uint32_t)pixels, MASK_EMPTY);
+	d->c->gl.UseProgram(d->program[GLES_MASK]);
+	gles_draw_bind_storage(d, 1, d->views.buffer.name);
+	gles_draw_bind_storage(d, 2, d->keys.name);
+	for (guint n = 0; n < d->views.runs->len; n++)
+		draw_run(d, gles_draw_run(d, n));
+	copy_keys(d);
+	return true;
+}
+
+/* ---- coloured points, and what lies around them ---- */
+
+static void add_points(gles_draw *d, uint32_t from, uint32_t end)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gles_draw_fill(d, &d->sums, (end - from) * d->targets.width * 4, 0);
+	gl->UseProgram(d->program[GLES_POINTS]);
+	gl->Uniform2i(1, (GLint)from, (GLint)end);
+	gles_draw_bind_storage(d, 1, d->views.buffer.name);
+	gles_draw_bind_storage(d, 2, d->sums.name);
+	for (guint n = 0; n < d->views.runs->len; n++) {
+		const struct gles_run *r = gles_draw_run(d, n);
+		if (!r->has_points)
+			continue;
+		gles_draw_bind_storage(d, 3, d->scene.slab[r->slab].looks);
+		draw_run(d, r);
+	}
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+static void draw_strip(gles_draw *d, uint32_t from, uint32_t end)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	if (d->layers.has_points)
+		add_points(d, from, end);
+	gl->UseProgram(d->program[GLES_GROUND]);
+	gl->Uniform2i(1, (GLint)from, (GLint)end);
+	gl->Uniform1ui(2, d->layers.has_points);
+	gles_draw_bind_storage(d, 2, d->layers.has_points ? d->sums.name : d->keys.name);
+	gl->Scissor(0, (GLint)from, (GLsizei)d->targets.width, (GLsizei)(end - from));
+	gl->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+bool gles_draw_ground(gles_draw *d, GError **error)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	int64_t row = (int64_t)d->targets.width * 16,
+		most = MIN(d->c->about.limits.storage_block_bytes, GLES_BLOCK_BYTES);
+	uint32_t rows = (uint32_t)CLAMP(most / row, 1, d->targets.height);
+	if (!d->layers.has_points)
+		rows = d->targets.height;
+	else if (!gles_buffer_reserve(d->c, &d->sums, row * rows, "sums of points", error))
+		return false;
+	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);
+	gles_layers_bind_pipelines(d->c, &d->layers);
+	gles_draw_bind_texture(d, 2, GL_TEXTURE_2D, d->layers.paper);
+	gl->Enable(GL_SCISSOR_TEST);
+	for (uint32_t from = 0; from < d->targets.height; from += rows)
+		draw_strip(d, from, MIN(from + rows, d->targets.height));
+	gl->Disable(GL_SCISSOR_TEST);
+	return true;
+}

@@ -1,0 +1,54 @@
+#ifndef RENDER_GLES_DRAW_PRIVATE_H
+#define RENDER_GLES_DRAW_PRIVATE_H
+/* The stages of gles_draw_frame, in their order. Each leaves barriers behind for what comes next. */
+#include "render/gles-buffer.h"
+#include "render/gles-draw.h"
+#include "render/gles-layers.h"
+#include "render/gles-programs.h"
+#include "render/gles-scene.h"
+#include "render/gles-targets.h"
+#include "render/gles-views.h"
+
+/* Words of a stroke in its buffer (choose-write.glsl), of a view's marks (choose.glsl). */
+#define GLES_STROKE_WORDS 10
+#define GLES_MARKS        257
+/* Groups of one dispatch. */
+#define GLES_GROUPS_MAX 65535u
+
+/* Commands of choose-scan.glsl. */
+struct gles_commands {
+	uint32_t command[FRAME_LAYERS_MAX][4], total[FRAME_LAYERS_MAX];
+};
+_Static_assert(FRAME_LAYERS_MAX == 64, "as choose-scan.glsl has it");
+
+struct gles_draw {
+	const gles_context *c;
+	GLuint program[GLES_USES];
+	gles_scene scene;
+	gles_layers layers;
+	gles_views views;
+	gles_targets targets;
+	struct gles_buffer keys, sums, marks, commands, strokes[FRAME_LAYERS_MAX];
+	GLuint camera, vertices, srgb;
+};
+
+static inline const struct gles_run *gles_draw_run(const gles_draw *d, guint n)
+{
+	return &g_array_index(d->views.runs, struct gles_run, n);
+}
+/* All words of a buffer. */
+void gles_draw_fill(gles_draw *d, const struct gles_buffer *b, uint32_t words, uint32_t value);
+void gles_draw_bind_storage(const gles_draw *d, GLuint binding, GLuint name);
+void gles_draw_bind_texture(const gles_draw *d, GLuint unit, GLenum target, GLuint name);
+
+bool gles_draw_mask(gles_draw *d, GError **error);
+bool gles_draw_choose(gles_draw *d, const frame *f, GError **error);
+/* Draws the canvas's paper, points and shading; ink over it; and the picture of it. */
+bool gles_draw_ground(gles_draw *d, GError **error);
+void gles_draw_ink(gles_draw *d, const frame *f);
+void gles_draw_out(gles_draw *d);
+/* How many strokes there were; false: a layer had more than its buffer holds, which is larger now. */
+bool gles_draw_strokes(
+	gles_draw *d, uint32_t layers, uint32_t *ret_count, bool *ret_whole, GError **error);
+
+#endif

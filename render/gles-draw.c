@@ -1,0 +1,210 @@
+#include "render/gles-draw-private.h"
+#include "render/light.h"
+#include <string.h>
+
+/* Camera of common.glsl. */
+struct camera_block {
+	float lens[4], turn[3][4], size[4], paper[4], paper_step[4], light[256];
+};
+
+/* ---- open, close ---- */
+
+static GLuint srgb_table(const struct gles_functions *gl)
+{
+	GLuint name;
+	_Static_assert(LIGHT_STEPS == 64 * 64, "as out.frag.glsl has it");
+	gl->GenTextures(1, &name);
+	gl->BindTexture(GL_TEXTURE_2D, name);
+	gl->TexStorage2D(GL_TEXTURE_2D, 1, GL_R8, 64, 64);
+	gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+	gl->TexSubImage2D(
+		GL_TEXTURE_2D, 0, 0, 0, 64, 64, GL_RED, GL_UNSIGNED_BYTE, light_srgb_bytes());
+	gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	return name;
+}
+
+gles_draw *gles_draw_new(const gles_context *c, GError **error)
+{
+	g_autoptr(gles_draw) d = g_new0(gles_draw, 1);
+	d->c = c;
+	if (!gles_programs_make(c, d->program, error))
+		return NULL;
+	d->srgb = srgb_table(&c->gl);
+	c->gl.GenBuffers(1, &d->camera);
+	c->gl.GenVertexArrays(1, &d->vertices);
+	return gles_context_check(c, "making ready to draw", error) ? g_steal_pointer(&d) : NULL;
+}
+
+void gles_draw_free(gles_draw *d)
+{
+	if (!d)
+		return;
+	struct gles_buffer *buffers[] = { &d->keys, &d->sums, &d->marks, &d->commands };
+	for (size_t n = 0; n < G_N_ELEMENTS(buffers); n++)
+		gles_buffer_clear(d->c, buffers[n]);
+	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
+		gles_buffer_clear(d->c, &d->strokes[n]);
+	gles_programs_clear(d->c, d->program);
+	gles_scene_clear(d->c, &d->scene);
+	gles_layers_clear(d->c, &d->layers);
+	gles_views_clear(d->c, &d->views);
+	gles_targets_clear(d->c, &d->targets);
+	d->c->gl.DeleteBuffers(1, &d->camera);
+	d->c->gl.DeleteVertexArrays(1, &d->vertices);
+	d->c->gl.DeleteTextures(1, &d->srgb);
+	g_free(d);
+}
+
+/* ---- small things of all stages ---- */
+
+void gles_draw_bind_storage(const gles_draw *d, GLuint binding, GLuint name)
+{
+	d->c->gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name);
+}
+
+void gles_draw_bind_texture(const gles_draw *d, GLuint unit, GLenum target, GLuint name)
+{
+	d->c->gl.ActiveTexture(GL_TEXTURE0 + unit);
+	d->c->gl.BindTexture(target, name);
+}
+
+void gles_draw_fill(gles_draw *d, const struct gles_buffer *b, uint32_t words, uint32_t value)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->UseProgram(d->program[GLES_CLEAR]);
+	gl->Uniform1ui(0, value);
+	gl->Uniform1ui(1, words);
+	gles_draw_bind_storage(d, 2, b->name);
+	gl->DispatchCompute(MIN((words + 255) / 256, 4096), 1, 1);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+/* ---- a frame ---- */
+
+static void set_camera(gles_draw *d, const frame *f)
+{
+	const struct camera *c = &f->camera;
+	const struct style_paper *paper = &f->drawing->paper;
+	struct camera_block b = { .lens = { (float)c->focal_px, (float)c->width / 2,
+					  (float)c->height / 2, (float)c->near_m },
+		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m },
+		.paper_step = { 1 / (f->px * paper->scale), (float)f->paper->side } };
+	const double *row[3] = { c->right, c->down, c->forward };
+	for (int k = 0; k < 3; k++)
+		for (int n = 0; n < 3; n++)
+			b.turn[k][n] = (float)row[k][n];
+	for (int k = 0; k < 3; k++)
+		b.paper[k] = light_of_srgb((float)paper->colour[k] / 255);
+	b.paper[3] = paper->grain;
+	memcpy(b.light, light_of_bytes(), sizeof b.light);
+	d->c->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d->camera);
+	d->c->gl.BufferData(GL_UNIFORM_BUFFER, sizeof b, &b, GL_STREAM_DRAW);
+}
+
+static void read_back(gles_draw *d, struct picture_buffer *to)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
+	gl->ReadPixels(
+		0, 0, (GLsizei)to->width, (GLsizei)to->height, GL_RGBA, GL_UNSIGNED_BYTE, to->rgba);
+}
+
+/* Since the last one; what was asked for is done then. */
+static double lap(const gles_draw *d, bool is_timed, int64_t *since_us)
+{
+	if (!is_timed)
+		return 0;
+	d->c->gl.Finish();
+	int64_t now_us = g_get_monotonic_time();
+	double s = (double)(now_us - *since_us) * 1e-6;
+	*since_us = now_us;
+	return s;
+}
+
+/* All that is made when it is first wanted, for it takes the places of what shaders read. */
+static bool hold(gles_draw *d, const frame *f, GError **error)
+{
+	bool good = gles_scene_hold(d->c, &d->scene, f->scene, error) &&
+		    gles_layers_hold(d->c, &d->layers, f, error) &&
+		    gles_targets_hold(d->c, &d->targets, f->camera.width, f->camera.height, error);
+	for (uint32_t n = 0; good && n < f->layers; n++)
+		if (!gles_layer_is_direct(&f->layer[n]))
+			good = gles_targets_hold_ink(
+				d->c, &d->targets, band_blend_of(&f->layer[n]), error);
+	return good;
+}
+
+static void set_up(gles_draw *d)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->Viewport(0, 0, (GLsizei)d->targets.width, (GLsizei)d->targets.height);
+	gl->BindVertexArray(d->vertices);
+	gl->Disable(GL_BLEND);
+	gl->Disable(GL_DITHER);
+	gl->Disable(GL_CULL_FACE);
+	gl->Disable(GL_DEPTH_TEST);
+}
+
+static bool draw_canvas(
+	gles_draw *d, const frame *f, struct draw_times *t, bool is_timed, GError **error)
+{
+	int64_t since_us = g_get_monotonic_time();
+	set_camera(d, f);
+	if (!gles_views_fill(d->c, &d->views, f, &d->scene, error))
+		return false;
+	t->cull_s += lap(d, is_timed, &since_us);
+	if (!gles_draw_mask(d, error))
+		return false;
+	t->mask_s += lap(d, is_timed, &since_us);
+	if (!gles_draw_choose(d, f, error))
+		return false;
+	t->choose_s += lap(d, is_timed, &since_us);
+	if (!gles_draw_ground(d, error))
+		return false;
+	gles_draw_ink(d, f);
+	gles_draw_out(d);
+	t->draw_s += lap(d, is_timed, &since_us);
+	return true;
+}
+
+/* Again where a buffer of strokes was too small. */
+static bool draw_whole(
+	gles_draw *d, const frame *f, struct draw_times *t, bool is_timed, GError **error)
+{
+	bool is_whole = false;
+	for (int n = 0; n < 3 && !is_whole; n++)
+		if (!draw_canvas(d, f, t, is_timed, error) ||
+			!gles_draw_strokes(d, f->layers, &t->strokes, &is_whole, error))
+			return false;
+	return true;
+}
+
+static bool check_all(const gles_draw *d, GError **error)
+{
+	if (!gles_context_is_lost(d->c))
+		return gles_context_check(d->c, "drawing", error);
+	g_set_error(error, GLES_ERROR, GLES_ERROR_DRIVER, "the GPU was reset while drawing");
+	return false;
+}
+
+bool gles_draw_frame(gles_draw *d, const frame *f, struct picture_buffer *to,
+	struct draw_times *ret_times, GError **error)
+{
+	struct draw_times t = { 0 };
+	int64_t begin_us = g_get_monotonic_time();
+	g_assert(to->width == f->camera.width && to->height == f->camera.height);
+	if (!hold(d, f, error))
+		return false;
+	set_up(d);
+	if (!draw_whole(d, f, &t, ret_times != NULL, error))
+		return false;
+	int64_t drawn_us = g_get_monotonic_time();
+	read_back(d, to);
+	t.draw_s += (double)(g_get_monotonic_time() - drawn_us) * 1e-6;
+	t.points_in_view = d->views.points;
+	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
+	if (ret_times)
+		*ret_times = t;
+	return check_all(d, error);
+}

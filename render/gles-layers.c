@@ -1,0 +1,198 @@
+#include "render/gles-layers.h"
+#include "render/edl.h"
+#include "render/splat.h"
+#include <string.h>
+
+/* Layer of layer.glsl. */
+struct layer_block {
+	float wanted_per_px[256], dithering_per_m2[256];
+	float shape[4], angle[4], opacity[4], wanted_most[4], ink_linear[4], texels[4];
+	uint32_t which[4], colour[4];
+};
+/* Pipelines of ground.frag.glsl. */
+struct pipelines_block {
+	float points[256][4], edl[256][4];
+};
+
+bool gles_layer_is_direct(const struct frame_layer *l)
+{
+	enum band_blend blend = band_blend_of(l);
+	bool is_black = l->ink_linear[0] == 0 && l->ink_linear[1] == 0 && l->ink_linear[2] == 0;
+	return l->ink.tooth <= 0 && (blend == BAND_COLOURED || (blend == BAND_INKED && is_black));
+}
+
+/* ---- a layer's numbers ---- */
+
+static bool is_toned_dithering(const struct frame_layer *l)
+{
+	return l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
+}
+
+/* As stroke.c's. */
+static float wanted_most(const struct frame_layer *l, const scene *s, int kind)
+{
+	float most = 0;
+	for (int n = 0; n < 256; n++) {
+		float here = l->wanted_per_px[n];
+		if (is_toned_dithering(l) && kind == FEATURE_DITHER)
+			here *= s->dither_per_m2 / l->dithering_per_m2[n];
+		most = MAX(most, here);
+	}
+	return most;
+}
+
+static void describe(const struct frame_layer *l, const scene *s, struct layer_block *ret)
+{
+	const struct ink_step *ink = &l->ink;
+	*ret = (struct layer_block){
+		.shape = { ink->length_px, ink->width_px, ink->spacing_px, ink->length_variation },
+		.angle = { ink->angle_deg, ink->angle_variation_deg, ink->saturation, ink->tooth },
+		.opacity = { ink->opacity, ink->opacity_variation, ink->degree, ink->fade_m },
+		.texels = { 1, 1, 1 },
+		.which = { l->kinds, is_toned_dithering(l), ink->direction == DIRECTION_EDGE,
+			ink->colour == COLOUR_POINT },
+		.colour = { 0, band_blend_of(l) },
+	};
+	memcpy(ret->wanted_per_px, l->wanted_per_px, sizeof ret->wanted_per_px);
+	memcpy(ret->dithering_per_m2, l->dithering_per_m2, sizeof ret->dithering_per_m2);
+	memcpy(ret->ink_linear, l->ink_linear, sizeof l->ink_linear);
+	memcpy(ret->colour, ink->ink, sizeof ink->ink);
+	for (int kind = 0; kind < FEATURE_KINDS; kind++)
+		ret->wanted_most[kind] = wanted_most(l, s, kind);
+	if (l->texture) {
+		ret->texels[0] = (float)l->texture->length;
+		ret->texels[1] = (float)l->texture->width;
+		ret->texels[2] = (float)l->texture->variants;
+	}
+}
+
+static const struct edl_step *edl_of(const struct pipeline *p)
+{
+	for (uint32_t n = p->layers; n < p->layers + p->filters; n++)
+		if (p->steps[n].kind == step_kind_find("edl"))
+			return &p->steps[n].edl;
+	return NULL;
+}
+
+static void describe_pipelines(const frame *f, struct pipelines_block *ret, bool *ret_has_points)
+{
+	*ret_has_points = false;
+	memset(ret, 0, sizeof *ret);
+	for (guint n = 0; n < f->drawing->pipelines->len; n++) {
+		const struct points_step *points = splat_step(f, (uint8_t)n);
+		const struct edl_step *edl =
+			edl_of(&g_array_index(f->drawing->pipelines, struct pipeline, n));
+		if (points)
+			memcpy(ret->points[n],
+				(float[4]){ points->brightness, points->contrast,
+					points->saturation, 1 },
+				sizeof ret->points[n]);
+		if (edl) {
+			ret->edl[n][0] = edl->strength;
+			ret->edl[n][1] = fmaxf(edl->radius_px * f->px, 1);
+		}
+		*ret_has_points |= points != NULL;
+	}
+}
+
+static void upload_numbers(const gles_context *c, gles_layers *g, const frame *f)
+{
+	const struct gles_functions *gl = &c->gl;
+	GLintptr unit = MAX(c->about.limits.uniform_alignment, 16);
+	g->layer_bytes = ((GLintptr)sizeof(struct layer_block) + unit - 1) / unit * unit;
+	size_t bytes = (size_t)g->layer_bytes * f->layers + sizeof(struct pipelines_block);
+	g_autofree char *all = g_malloc0(bytes);
+	for (uint32_t n = 0; n < f->layers; n++) {
+		struct layer_block block;
+		describe(&f->layer[n], f->scene, &block);
+		memcpy(all + (size_t)g->layer_bytes * n, &block, sizeof block);
+	}
+	g_autofree struct pipelines_block *pipelines = g_new(struct pipelines_block, 1);
+	describe_pipelines(f, pipelines, &g->has_points);
+	memcpy(all + (size_t)g->layer_bytes * f->layers, pipelines, sizeof *pipelines);
+	gl->GenBuffers(1, &g->numbers);
+	gl->BindBuffer(GL_UNIFORM_BUFFER, g->numbers);
+	gl->BufferData(GL_UNIFORM_BUFFER, (GLsizeiptr)bytes, all, GL_STATIC_DRAW);
+}
+
+/* ---- textures ---- */
+
+static void sample(const struct gles_functions *gl, GLenum target, GLint wrap)
+{
+	gl->TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+	gl->TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+	gl->TexParameteri(target, GL_TEXTURE_WRAP_S, wrap);
+	gl->TexParameteri(target, GL_TEXTURE_WRAP_T, wrap);
+}
+
+/* With a border of 0 around each variant. */
+static GLuint upload_texture(const struct gles_functions *gl, const stroke_texture *t)
+{
+	GLuint name;
+	GLsizei length = (GLsizei)t->length + 2, width = (GLsizei)t->width + 2;
+	size_t texels = (size_t)length * (size_t)width * t->variants;
+	g_autofree uint8_t *all = g_malloc0(texels);
+	for (uint32_t v = 0; v < t->variants; v++)
+		for (uint32_t y = 0; y < t->width; y++)
+			memcpy(all + ((size_t)v * (t->width + 2) + y + 1) * (t->length + 2) + 1,
+				stroke_texture_variant(t, v) + (size_t)y * t->length, t->length);
+	gl->GenTextures(1, &name);
+	gl->BindTexture(GL_TEXTURE_2D_ARRAY, name);
+	gl->TexStorage3D(GL_TEXTURE_2D_ARRAY, 1, GL_R8, length, width, (GLsizei)t->variants);
+	gl->TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, length, width, (GLsizei)t->variants,
+		GL_RED, GL_UNSIGNED_BYTE, all);
+	sample(gl, GL_TEXTURE_2D_ARRAY, GL_CLAMP_TO_EDGE);
+	return name;
+}
+
+static GLuint upload_paper(const struct gles_functions *gl, const paper_texture *p)
+{
+	GLuint name;
+	GLsizei side = (GLsizei)p->side;
+	gl->GenTextures(1, &name);
+	gl->BindTexture(GL_TEXTURE_2D, name);
+	gl->TexStorage2D(GL_TEXTURE_2D, 1, GL_R8, side, side);
+	gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, side, side, GL_RED, GL_UNSIGNED_BYTE, p->height);
+	sample(gl, GL_TEXTURE_2D, GL_REPEAT);
+	return name;
+}
+
+/* ---- all ---- */
+
+void gles_layers_clear(const gles_context *c, gles_layers *g)
+{
+	c->gl.DeleteBuffers(1, &g->numbers);
+	c->gl.DeleteTextures(FRAME_LAYERS_MAX, g->texture);
+	c->gl.DeleteTextures(1, &g->paper);
+	memset(g, 0, sizeof *g);
+}
+
+bool gles_layers_hold(const gles_context *c, gles_layers *g, const frame *f, GError **error)
+{
+	if (g->serial == f->serial)
+		return true;
+	gles_layers_clear(c, g);
+	c->gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+	upload_numbers(c, g, f);
+	for (uint32_t n = 0; n < f->layers; n++)
+		if (f->layer[n].texture)
+			g->texture[n] = upload_texture(&c->gl, f->layer[n].texture);
+	g->paper = upload_paper(&c->gl, f->paper);
+	g->layers = f->layers;
+	if (!gles_context_check(c, "copying the style to the GPU", error))
+		return false;
+	g->serial = f->serial;
+	return true;
+}
+
+void gles_layers_bind(const gles_context *c, const gles_layers *g, uint32_t layer)
+{
+	c->gl.BindBufferRange(GL_UNIFORM_BUFFER, 1, g->numbers, g->layer_bytes * (GLintptr)layer,
+		sizeof(struct layer_block));
+}
+
+void gles_layers_bind_pipelines(const gles_context *c, const gles_layers *g)
+{
+	c->gl.BindBufferRange(GL_UNIFORM_BUFFER, 1, g->numbers,
+		g->layer_bytes * (GLintptr)g->layers, sizeof(struct pipelines_block));
+}

@@ -1,0 +1,70 @@
+#include "render/gles-programs.h"
+#include "render/gles-program.h"
+#include "render/gles-shaders.h"
+#include "render/step.h"
+#include <string.h>
+
+/* What a program is put together of. A part that begins with a dot is the shader of the step of that name. */
+static const struct row {
+	const char *name;
+	const char *common[6];
+	const char *vertex, *fragment, *compute;
+} rows[GLES_USES] = {
+	[GLES_CLEAR] = { "clear", { NULL }, .compute = "clear" },
+	[GLES_MASK] = { "mask", { "common", "chunks", "discs" }, .compute = ".mask" },
+	[GLES_POINTS] = { "points", { "common", "chunks", "discs" }, .compute = ".points" },
+	[GLES_COUNT] = { "choose-count", { "common", "chunks", "layer", "choose" },
+		.compute = "choose-count" },
+	[GLES_SCAN] = { "choose-scan", { NULL }, .compute = "choose-scan" },
+	[GLES_WRITE] = { "choose-write", { "common", "chunks", "layer", "choose" },
+		.compute = "choose-write" },
+	[GLES_SPRITES] = { "sprites", { "common", "layer", ".sprites" }, "stroke.vert",
+		"stroke.frag" },
+	[GLES_LINES] = { "lines", { "common", "layer", ".lines" }, "stroke.vert", "stroke.frag" },
+	[GLES_STROKES] = { "strokes", { "common", "layer", ".strokes" }, "stroke.vert",
+		"stroke.frag" },
+	[GLES_GROUND] = { "ground", { "common", "relief", ".edl" }, "picture.vert", "ground.frag" },
+	[GLES_COMBINE] = { "combine", { "common", "layer", "relief" }, "picture.vert",
+		"combine.frag" },
+	[GLES_OUT] = { "out", { "common" }, "picture.vert", "out.frag" },
+};
+
+static const char *name_of(const char *part)
+{
+	return part && *part == '.' ? step_kind_find(part + 1)->glsl : part;
+}
+
+static const char *text_of(const char *part)
+{
+	return part ? gles_shader_find(name_of(part)) : NULL;
+}
+
+static GLuint make(const gles_context *c, const struct row *row, GError **error)
+{
+	const char *names[G_N_ELEMENTS(row->common) + 1] = { NULL };
+	for (size_t n = 0; n < G_N_ELEMENTS(row->common); n++)
+		names[n] = name_of(row->common[n]);
+	g_autofree char *common = gles_shaders_join(names);
+	return gles_program_new(c,
+		&(struct gles_program_desc){ .name = row->name,
+			.common = *common ? common : NULL,
+			.vertex = text_of(row->vertex),
+			.fragment = text_of(row->fragment),
+			.compute = text_of(row->compute) },
+		error);
+}
+
+bool gles_programs_make(const gles_context *c, GLuint ret[GLES_USES], GError **error)
+{
+	memset(ret, 0, GLES_USES * sizeof *ret);
+	for (int n = 0; n < GLES_USES; n++)
+		if (!(ret[n] = make(c, &rows[n], error)))
+			return false;
+	return true;
+}
+
+void gles_programs_clear(const gles_context *c, GLuint programs[GLES_USES])
+{
+	for (int n = 0; n < GLES_USES; n++)
+		c->gl.DeleteProgram(programs[n]);
+}

@@ -1,0 +1,29 @@
+#ifndef RENDER_GLES_SCENE_H
+#define RENDER_GLES_SCENE_H
+/* The points of a scene in the memory of a GPU, in slabs: ranges of whole chunks whose buffers are small enough for any board. */
+#include "render/gles-context.h"
+#include "render/scene.h"
+
+/* What a storage block takes at least, wherever there are any worth the name. */
+#define GLES_BLOCK_BYTES ((int64_t)128 << 20)
+
+struct gles_slab {
+	GLuint points; /* 16 bytes each: q0 q1, q2 spacing, disc degree kind, normal */
+	GLuint looks;  /* 8: rgba, direction */
+	GLuint lists;  /* 4: list, list_spacing */
+	uint32_t first_chunk, chunks, first, count; /* of chunks, of points */
+};
+
+typedef struct gles_scene gles_scene;
+struct gles_scene {
+	uint64_t serial; /* of the scene; 0: none */
+	struct gles_slab *slab;
+	uint32_t slabs;
+};
+/* Nothing is done when it is there already. */
+bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GError **error);
+void gles_scene_clear(const gles_context *c, gles_scene *g);
+/* Of a chunk. */
+uint32_t gles_scene_slab(const gles_scene *g, uint32_t chunk);
+
+#endif

@@ -1,0 +1,103 @@
+#include "render/gles-views.h"
+#include "render/disc-lanes.h"
+#include "render/splat.h"
+#include <string.h>
+
+/* chunk_view of chunks.glsl. */
+struct view_block {
+	float base[4], axis[3][4], mask[4], splat[4], spacing_most_m[4];
+	uint32_t kind_end[4], at[4], pipeline[4];
+};
+_Static_assert(FEATURE_KINDS == 4, "one in each place of a vector");
+
+struct place {
+	uint32_t key, view; /* pipeline and slab; of the views from near to far */
+};
+
+static int by_key(const void *a, const void *b)
+{
+	const struct place *x = a, *y = b;
+	return x->key != y->key ? (x->key < y->key ? -1 : 1)
+				: (x->view > y->view) - (x->view < y->view);
+}
+
+static struct place *sort(
+	const frame *f, const gles_scene *g, const struct chunk_view *views, uint32_t count)
+{
+	struct place *p = g_new(struct place, count + 1);
+	for (uint32_t n = 0; n < count; n++) {
+		uint32_t slab = gles_scene_slab(g, (uint32_t)(views[n].chunk - f->scene->chunk));
+		p[n] = (struct place){ views[n].pipeline * g->slabs + slab, n };
+	}
+	qsort(p, count, sizeof *p, by_key);
+	return p;
+}
+
+static void describe(const frame *f, const struct gles_slab *slab, const struct chunk_view *v,
+	struct view_block *ret)
+{
+	const struct scene_chunk *c = v->chunk;
+	const struct pipeline *p =
+		&g_array_index(f->drawing->pipelines, struct pipeline, v->pipeline);
+	const struct points_step *points = splat_step(f, v->pipeline);
+	struct disc_pass pass = disc_pass_of(f, 0, 0);
+	*ret = (struct view_block){ .mask = { p->mask.disc, p->mask.offset_m,
+					    p->mask.offset_relative },
+		.at = { c->first - slab->first, c->first, c->count, disc_prefix(&pass, v) },
+		.pipeline = { v->pipeline } };
+	memcpy(ret->base, v->base, sizeof v->base);
+	ret->base[3] = v->near_m;
+	for (int k = 0; k < 3; k++)
+		memcpy(ret->axis[k], v->axis[k], sizeof v->axis[k]);
+	memcpy(ret->spacing_most_m, c->list_spacing_most_m, sizeof ret->spacing_most_m);
+	memcpy(ret->kind_end, c->kind_end, sizeof ret->kind_end);
+	if (points) {
+		ret->splat[0] = points->size;
+		ret->splat[1] = fmaxf(points->least_px * f->px / 2, DISC_RADIUS_LEAST);
+	}
+}
+
+static void add_to_runs(gles_views *v, const frame *f, uint32_t at, uint32_t slab, uint8_t pipeline)
+{
+	struct gles_run *last =
+		v->runs->len ? &g_array_index(v->runs, struct gles_run, v->runs->len - 1) : NULL;
+	if (last && last->slab == slab && last->pipeline == pipeline) {
+		last->count++;
+		return;
+	}
+	struct gles_run next = { slab, at, 1, pipeline, splat_step(f, pipeline) != NULL };
+	g_array_append_val(v->runs, next);
+}
+
+bool gles_views_fill(
+	const gles_context *c, gles_views *v, const frame *f, const gles_scene *g, GError **error)
+{
+	g_autofree struct chunk_view *views = chunk_views_new(f, &v->count);
+	g_autofree struct place *place = sort(f, g, views, v->count);
+	g_autofree struct view_block *block = g_new(struct view_block, v->count + 1);
+	if (!v->runs)
+		v->runs = g_array_new(FALSE, FALSE, sizeof(struct gles_run));
+	g_array_set_size(v->runs, 0);
+	v->points = 0;
+	for (uint32_t n = 0; n < v->count; n++) {
+		const struct chunk_view *view = &views[place[n].view];
+		uint32_t slab = place[n].key % g->slabs;
+		describe(f, &g->slab[slab], view, &block[n]);
+		add_to_runs(v, f, n, slab, view->pipeline);
+		v->points += view->chunk->count;
+	}
+	GLsizeiptr bytes = (GLsizeiptr)(v->count * sizeof *block);
+	if (!gles_buffer_reserve(c, &v->buffer, MAX(bytes, 4096), "the chunks in view", error))
+		return false;
+	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, v->buffer.name);
+	c->gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, bytes, block);
+	return true;
+}
+
+void gles_views_clear(const gles_context *c, gles_views *v)
+{
+	gles_buffer_clear(c, &v->buffer);
+	if (v->runs)
+		g_array_unref(v->runs);
+	v->runs = NULL;
+}

@@ -1,0 +1,25 @@
+#ifndef RENDER_GLES_VIEWS_H
+#define RENDER_GLES_VIEWS_H
+/* The chunks of a frame that are in view (chunk-view.h), as shaders read them: by pipelines, then by slabs, then from near to far. */
+#include "render/frame.h"
+#include "render/gles-buffer.h"
+#include "render/gles-scene.h"
+
+/* Views of one pipeline in one slab. */
+struct gles_run {
+	uint32_t slab, first, count;
+	uint8_t pipeline;
+	bool has_points; /* its pipeline shows coloured points */
+};
+
+typedef struct gles_views gles_views;
+struct gles_views {
+	struct gles_buffer buffer;
+	GArray *runs; /* of struct gles_run */
+	uint32_t count, points;
+};
+bool gles_views_fill(
+	const gles_context *c, gles_views *v, const frame *f, const gles_scene *g, GError **error);
+void gles_views_clear(const gles_context *c, gles_views *v);
+
+#endif

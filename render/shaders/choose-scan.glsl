@@ -1,0 +1,52 @@
+#version 310 es
+/* Where the strokes of each view begin, so that they have one order whatever was done first; and the command that draws them. One
+ * group in all. */
+precision highp int;
+layout(local_size_x = 256) in;
+layout(std430, binding = 5) buffer Marks {
+	uint marks[];
+};
+layout(std430, binding = 6) writeonly buffer Commands {
+	uvec4 commands[64]; /* of each layer */
+	uint totals[64];
+};
+layout(location = 0) uniform uint count; /* of views */
+layout(location = 1) uniform uint layer;
+layout(location = 2) uniform uint capacity; /* of the buffer of strokes */
+shared uint sums[256];
+const uint THREADS = 256u, MARKS = 257u;
+
+uint before(uint thread)
+{
+	for (uint far = 1u; far < THREADS; far *= 2u) {
+		uint add = thread >= far ? sums[thread - far] : 0u;
+		memoryBarrierShared();
+		barrier();
+		sums[thread] += add;
+		memoryBarrierShared();
+		barrier();
+	}
+	return thread == 0u ? 0u : sums[thread - 1u];
+}
+
+void main()
+{
+	uint thread = gl_LocalInvocationIndex, share = (count + THREADS - 1u) / THREADS;
+	uint from = min(thread * share, count), end = min(from + share, count), sum = 0u;
+	for (uint n = from; n < end; n++)
+		sum += marks[n * MARKS + THREADS];
+	sums[thread] = sum;
+	memoryBarrierShared();
+	barrier();
+	uint at = before(thread);
+	for (uint n = from; n < end; n++) {
+		uint own = marks[n * MARKS + THREADS];
+		marks[n * MARKS + THREADS] = at;
+		at += own;
+	}
+	if (thread != THREADS - 1u)
+		return;
+	marks[count * MARKS + THREADS] = at;
+	commands[layer] = uvec4(4u, min(at, capacity), 0u, 0u);
+	totals[layer] = at;
+}

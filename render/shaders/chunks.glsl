@@ -1,0 +1,41 @@
+/* Points of the scene, and the chunks that are in view: a run of them that have one pipeline (gles-views.h). */
+struct chunk_view {
+	vec4 base, axis[3];  /* camera coordinates of a point: base + q . axis; base.w: near_m of its box */
+	vec4 mask;           /* disc, offset_m, offset_relative */
+	vec4 splat;          /* size, radius_least; size 0: shows no points */
+	vec4 spacing_most_m; /* of each kind's list */
+	uvec4 kind_end;
+	uvec4 at; /* first point in the slab and in the scene, count, how many of the first may stand for all */
+	uvec4 pipeline;
+};
+layout(std430, binding = 0) readonly buffer Points {
+	uvec4 points[]; /* q0 q1, q2 spacing, disc degree kind, normal */
+};
+layout(std430, binding = 1) readonly buffer Views {
+	chunk_view views[];
+};
+layout(location = 0) uniform uint first_view;
+
+const float UNIT_M = 1e-4;
+
+/* Camera coordinates. */
+vec3 place_of(uint n, uvec4 p)
+{
+	return views[n].base.xyz + float(p.x & 0xffffu) * views[n].axis[0].xyz +
+	       float(p.x >> 16) * views[n].axis[1].xyz + float(p.y & 0xffffu) * views[n].axis[2].xyz;
+}
+
+/* Of a packed normal, in the camera's frame; 0 0 0 where there is none. */
+vec3 turned(uint bits)
+{
+	int first = int(bits << 16) >> 16, second = int(bits) >> 16;
+	if (first == -32768)
+		return vec3(0.0);
+	vec3 v = vec3(float(first), float(second), 0.0) * (1.0 / 32767.0);
+	v.z = 1.0 - abs(v.x) - abs(v.y);
+	float over = max(-v.z, 0.0);
+	v.x += v.x >= 0.0 ? -over : over;
+	v.y += v.y >= 0.0 ? -over : over;
+	v = v / sqrt(dot(v, v));
+	return vec3(dot(turn[0].xyz, v), dot(turn[1].xyz, v), dot(turn[2].xyz, v));
+}

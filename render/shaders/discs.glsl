@@ -1,0 +1,58 @@
+/* Points as discs of their own projected size: the rules of disc-lanes.h. */
+const float DISC_CROWD = 3.0;
+const float DISC_RADIUS_MOST = 48.0;
+
+struct disc {
+	vec2 at;
+	float radius, depth_m, rank;
+	vec2 squash, tilt;
+	ivec4 box; /* of pixels: left, top, right, bottom */
+};
+
+void tilt_disc(uvec4 p, float radius_least, inout disc d)
+{
+	vec3 n = turned(p.w);
+	vec2 ray = (d.at - lens.yz) * (1.0 / lens.x);
+	float aside2 = dot(n.xy, n.xy);
+	d.squash = vec2(0.0);
+	d.tilt = vec2(0.0);
+	if (!(aside2 > 1e-6))
+		return;
+	float along = dot(n.xy, ray) + n.z;
+	float cosine2 = along * along / (dot(ray, ray) + 1.0);
+	float flat2 = radius_least * radius_least / (d.radius * d.radius);
+	cosine2 = min(max(max(cosine2, flat2), 1e-3), 1.0);
+	d.squash = sqrt((1.0 / cosine2 - 1.0) / aside2) * n.xy;
+	float steep = max(abs(along) * lens.x, sqrt(aside2) * d.radius * 3.0);
+	d.tilt = (along >= 0.0 ? -1.0 : 1.0) * d.depth_m / steep * n.xy;
+}
+
+/* Point i of view n, if it is drawn here. */
+bool disc_of(uint n, uint i, float factor, float radius_least, out disc d)
+{
+	uvec4 p = points[views[n].at.x + i];
+	vec3 at = place_of(n, p);
+	float scale = lens.x / at.z;
+	float spacing_px = float(p.y >> 16) * (UNIT_M * lens.x) / at.z;
+	float disc_px = float(p.z & 0xffffu) * (UNIT_M * lens.x) / at.z;
+	float rank = (float(i) + 0.5) * (1.0 / float(views[n].at.z));
+	float part = min(spacing_px * spacing_px * DISC_CROWD, 1.0);
+	d.at = lens.yz + at.xy * scale;
+	d.depth_m = at.z;
+	d.rank = rank / part;
+	d.radius = clamp(0.5 * factor * disc_px / sqrt(part), radius_least, DISC_RADIUS_MOST);
+	if (!(at.z > lens.w && rank < part && all(greaterThan(d.at, vec2(-d.radius))) &&
+		    all(lessThan(d.at, size.xy + d.radius))))
+		return false;
+	tilt_disc(p, radius_least, d);
+	d.box.xy = max(ivec2(floor(d.at - d.radius)), ivec2(0));
+	d.box.zw = min(ivec2(floor(d.at + d.radius)), ivec2(size.xy) - 1);
+	return true;
+}
+
+/* Squared distance from the disc's middle, as it would be met straight; from is the middle to the place. */
+float disc_away2(disc d, vec2 from)
+{
+	float across = dot(d.squash, from);
+	return dot(from, from) + across * across;
+}
