@@ -54,6 +54,9 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		p.texels_across = (float)t->width / (2 * p.half_width);
 		p.texel_ends[0] = (float)t->length;
 		p.texel_ends[1] = (float)t->width;
+		/* Half a texel: from the last one to nothing. */
+		p.reach_along += 0.5f / p.texels_along;
+		p.reach_across += 0.5f / p.texels_across;
 	}
 	return p;
 }
