@@ -1,0 +1,141 @@
+#ifndef TESTS_PARITY_MADE_H
+#define TESTS_PARITY_MADE_H
+/* A small scene to draw, made of points of chance with a seed: ground, a wall with edges, a tree, a lamp; some points without normals,
+ * directions, colours. Each thing is a segment's class. */
+#include "process/segments.h"
+#include "render/scene.h"
+#include <math.h>
+
+#define CHUNK 4096u
+
+enum { GROUND, WALL, TREE, LAMP, THINGS };
+static const struct made_thing {
+	int class;
+	uint32_t points;
+	float centre_m[3], half_m[3];
+	uint8_t rgb[3];
+	float spacing_m;
+} things[THINGS] = {
+	[GROUND] = { CLASS_TERRAIN, 4 * CHUNK, { 0, 0, 0 }, { 6, 6, 0.02f }, { 140, 130, 110 },
+		0.1f },
+	[WALL] = { CLASS_BUILDING, 3 * CHUNK + 77, { 0, 4, 1.5f }, { 4, 0.01f, 1.5f },
+		{ 190, 170, 150 }, 0.045f },
+	[TREE] = { CLASS_VEGETATION, 2 * CHUNK, { -2, 0, 1.5f }, { 1, 1, 1 }, { 60, 110, 40 },
+		0.06f },
+	[LAMP] = { CLASS_STRUCTURE, 500, { 1.5f, -1, 1 }, { 0.05f, 0.05f, 1 }, { 40, 40, 50 },
+		0.02f },
+};
+
+static uint16_t place(GRand *r)
+{
+	return (uint16_t)g_rand_int_range(r, 0, 65536);
+}
+
+static uint8_t kind_of(GRand *r, int thing, const uint16_t q[3])
+{
+	static const uint8_t kinds[] = { FEATURE_NONE, FEATURE_NONE, FEATURE_DITHER,
+		FEATURE_UNDIRECTED };
+	if (thing == WALL && (q[2] > 60000 || q[0] < 3000 || q[0] % 16000 < 900))
+		return FEATURE_DIRECTED;
+	return kinds[g_rand_int_range(r, 0, thing == TREE || thing == LAMP ? 4 : 3)];
+}
+
+static void turn_point(scene *s, uint32_t at, int thing, const uint16_t q[3])
+{
+	float up[3] = { 0, 0, 1 }, wall[3] = { 0, -1, 0 }, along[3] = { 1, 0, 0 }, leaf[3];
+	float length = 1e-3f;
+	for (int k = 0; k < 3; k++) {
+		leaf[k] = (float)q[k] / 32768 - 1;
+		length += leaf[k] * leaf[k];
+	}
+	for (int k = 0; k < 3; k++)
+		leaf[k] /= sqrtf(length);
+	const float *const normals[] = { up, wall, leaf, leaf };
+	s->normal[at][0] = s->normal[at][1] = MODEL_NORMAL_NONE;
+	s->direction[at][0] = s->direction[at][1] = MODEL_NORMAL_NONE;
+	if (thing != TREE || at % 3 == 0)
+		model_pack_normal(normals[thing], s->normal[at]);
+	if (s->kind[at] == FEATURE_DIRECTED && at % 50)
+		model_pack_normal(q[2] > 60000 ? along : up, s->direction[at]);
+}
+
+static void make_point(scene *s, GRand *r, uint32_t at, int thing)
+{
+	const struct made_thing *t = &things[thing];
+	uint16_t q[3] = { place(r), place(r), place(r) };
+	for (int k = 0; k < 3; k++)
+		s->q[k][at] = q[k];
+	s->kind[at] = kind_of(r, thing, q);
+	turn_point(s, at, thing, q);
+	s->spacing[at] = (uint16_t)(t->spacing_m * 1e4f);
+	s->disc[at] = (uint16_t)(s->spacing[at] * (at % 7 == 0 ? 2 : 1));
+	s->degree[at] = (uint8_t)g_rand_int_range(r, 0, 256);
+	for (int k = 0; k < 3; k++)
+		s->rgba[at][k] = (uint8_t)(t->rgb[k] * (q[(k + 1) % 3] / 8192 % 2 ? 1 : 0.6));
+	s->rgba[at][3] = at % 40 ? 255 : 0;
+}
+
+static void list_points(scene *s, struct scene_chunk *c)
+{
+	uint32_t at = c->first;
+	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
+		for (uint32_t i = 0; i < c->count; i++)
+			if (s->kind[c->first + i] == kind) {
+				s->list_spacing[at] = s->spacing[c->first + i];
+				s->list[at++] = (uint16_t)i;
+			}
+		c->kind_end[kind] = at - c->first;
+		c->list_spacing_most_m[kind] = c->spacing_most_m;
+	}
+}
+
+static void make_chunk(scene *s, GRand *r, int thing, uint32_t count)
+{
+	const struct made_thing *t = &things[thing];
+	struct scene_chunk *c = &s->chunk[s->chunks++];
+	*c = (struct scene_chunk){ .first = s->count,
+		.count = count,
+		.leaf = segment_of_class(t->class),
+		.spacing_least_m = t->spacing_m,
+		.spacing_most_m = t->spacing_m,
+		.disc_most_m = 2 * t->spacing_m };
+	for (int k = 0; k < 3; k++) {
+		c->centre_m[k] = t->centre_m[k];
+		c->half_m[k] = t->half_m[k];
+		c->step_m[k] = 2 * t->half_m[k] / 65535;
+	}
+	for (uint32_t i = 0; i < count; i++)
+		make_point(s, r, s->count + i, thing);
+	list_points(s, c);
+	s->count += count;
+}
+
+static inline scene *make_scene(void)
+{
+	size_t most = 16 * CHUNK + 16;
+	scene *s = g_new0(scene, 1);
+	GRand *r = g_rand_new_with_seed(7);
+	s->serial = scene_serial();
+	s->origin_m[0] = 1000;
+	s->dither_per_m2 = 400;
+	s->tone_exponent = 2;
+	s->chunk = g_new0(struct scene_chunk, 17);
+	for (int k = 0; k < 3; k++)
+		s->q[k] = g_new0(uint16_t, most);
+	s->spacing = g_new0(uint16_t, most);
+	s->disc = g_new0(uint16_t, most);
+	s->normal = g_malloc0(most * sizeof *s->normal);
+	s->direction = g_malloc0(most * sizeof *s->direction);
+	s->rgba = g_malloc0(most * sizeof *s->rgba);
+	s->kind = g_new0(uint8_t, most);
+	s->degree = g_new0(uint8_t, most);
+	s->list = g_new0(uint16_t, most);
+	s->list_spacing = g_new0(uint16_t, most);
+	for (int thing = 0; thing < THINGS; thing++)
+		for (uint32_t done = 0; done < things[thing].points; done += CHUNK)
+			make_chunk(s, r, thing, MIN(CHUNK, things[thing].points - done));
+	g_rand_free(r);
+	return s;
+}
+
+#endif

@@ -1,0 +1,417 @@
+/* One picture, two backends: a small scene by every kind of step and every shipped style, on the processor and by whatever OpenGL ES
+ * there is. And the same frame twice by gles: the same bytes. */
+#include "render/gles-draw.h"
+#include "render/gles-probe.h"
+#include "render/gles-shaders.h"
+#include "render/painter.h"
+#include "tests/pictures-differ.h"
+#include "tests/parity-made.h"
+#include <string.h>
+
+#define WIDTH  320u
+#define HEIGHT 240u
+/* Of 255, mean over channels; how many pixels are not far off. */
+#define MEAN_MOST   2.0
+#define WITHIN_PART 0.999
+
+static struct camera make_camera(double back_m, uint32_t width, uint32_t height)
+{
+	double eye[3] = { 1000.5, -back_m, 1.7 }, target[3] = { 1000, 2, 1.2 };
+	return camera_look_at(eye, target, 60, width, height);
+}
+
+/* ---- styles ---- */
+
+static style *style_of(const char *text)
+{
+	g_autoptr(GError) error = NULL;
+	style *s = style_parse(text, -1, "made.json", &error);
+	g_assert_no_error(error);
+	return s;
+}
+
+static frame *frame_of(
+	const scene *s, const style *how, const struct camera *c, drawing **ret_drawing)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(segments) tree = segments_new();
+	*ret_drawing = drawing_new(how, tree, NULL, &error);
+	g_assert_no_error(error);
+	frame *f = frame_new(s, *ret_drawing, c, &error);
+	g_assert_no_error(error);
+	return f;
+}
+
+/* ---- backends ---- */
+
+static gles_context *context;
+
+/* NULL: the test is skipped. */
+static gles_context *open_here(void)
+{
+	static struct gles_about found;
+	static char *why;
+	g_autoptr(GError) error = NULL;
+	if (!why) {
+		if (gles_context_probe(NULL, &found, &error)) {
+			context = gles_context_open(&found, &error);
+			g_assert_no_error(error);
+		}
+		why = g_strdup(error ? error->message : "");
+	}
+	if (!context)
+		g_test_skip(why);
+	return context;
+}
+
+static struct picture_buffer draw_gles(gles_draw *d, const frame *f)
+{
+	g_autoptr(GError) error = NULL;
+	struct picture_buffer p = picture_buffer_new(f->camera.width, f->camera.height);
+	gles_draw_frame(d, f, &p, NULL, &error);
+	g_assert_no_error(error);
+	return p;
+}
+
+static struct picture_buffer draw_cpu(const frame *f)
+{
+	struct picture_buffer p = picture_buffer_new(f->camera.width, f->camera.height);
+	draw_frame(f, &p, NULL);
+	return p;
+}
+
+/* ---- comparing ---- */
+
+static void assert_alike(
+	const struct picture_buffer *cpu, const struct picture_buffer *gles, const char *name)
+{
+	struct difference d = differ(cpu, gles);
+	g_test_message("%s: mean %.3f, %.3f %% within %d, at most %d", name, d.mean, 100 * d.within,
+		FAR, d.most);
+	if (d.mean > MEAN_MOST || d.within < WITHIN_PART)
+		save_all(cpu, gles, name);
+	g_assert_cmpfloat(d.mean, <=, MEAN_MOST);
+	g_assert_cmpfloat(d.within, >=, WITHIN_PART);
+}
+
+/* From two places, the second one amid the points. */
+static void compare(gles_draw *d, const char *name, const style *how)
+{
+	scene *s = make_scene();
+	for (int n = 0; n < 2; n++) {
+		struct camera c = make_camera(n ? 2.5 : 7, WIDTH, HEIGHT);
+		drawing *drawn;
+		frame *f = frame_of(s, how, &c, &drawn);
+		struct picture_buffer cpu = draw_cpu(f), gles = draw_gles(d, f);
+		assert_alike(&cpu, &gles, name);
+		picture_buffer_clear(&cpu);
+		picture_buffer_clear(&gles);
+		frame_free(f);
+		drawing_free(drawn);
+	}
+	scene_free(s);
+}
+
+static void compare_text(gles_draw *d, const char *name, const char *steps)
+{
+	g_autofree char *text = g_strdup_printf(
+		"{\"schema\":1,\"paper\":{\"grain\":0.3,\"colour\":\"#f4ecd8\"},\"segments\":{%s}}",
+		steps);
+	g_autoptr(style) how = style_of(text);
+	compare(d, name, how);
+}
+
+static gles_draw *open_draw(void)
+{
+	g_autoptr(GError) error = NULL;
+	gles_context *c = open_here();
+	gles_draw *d = c ? gles_draw_new(c, &error) : NULL;
+	g_assert_no_error(error);
+	return d;
+}
+
+/* ---- tests ---- */
+
+/* Every row as its fallbacks have it; what only changes others, upon points. */
+static void test_step(gconstpointer data)
+{
+	const struct step_kind *kind = data;
+	g_assert_nonnull(gles_shader_find(kind->glsl));
+	g_autoptr(gles_draw) d = open_draw();
+	if (!d)
+		return;
+	g_autofree char *steps = g_strdup_printf("\"site\":{\"steps\":[%s{\"step\":\"%s\"}]}",
+		kind->stage == STEP_LAYER ? "" : "{\"step\":\"points\"},", kind->name);
+	compare_text(d, kind->name, steps);
+}
+
+static const struct look {
+	const char *name, *steps;
+} looks[] = {
+	{ "coloured", "{\"step\":\"strokes\",\"points\":\"all\",\"colour\":\"point\",\"tooth\":0,"
+		      "\"opacity\":0.7,\"spacing_px\":12}" },
+	{ "coloured-tooth",
+		"{\"step\":\"sprites\",\"points\":\"surface\",\"colour\":\"point\",\"tooth\":0.8,"
+		"\"saturation\":2,\"spacing_px\":5,\"length_px\":9}" },
+	{ "painted", "{\"step\":\"strokes\",\"points\":\"surface\",\"colour\":\"point\",\"blend\":"
+		     "\"paint\","
+		     "\"texture\":\"brush\",\"spacing_px\":7,\"length_px\":40,\"width_px\":12}" },
+	{ "painted-over",
+		"{\"step\":\"lines\",\"id\":\"a\",\"points\":\"all\",\"tone\":\"colour\"},"
+		"{\"step\":\"sprites\",\"id\":\"b\",\"points\":\"all\",\"blend\":\"paint\","
+		"\"ink\":\"#c04020\",\"tooth\":0.5}" },
+	{ "red-ink",
+		"{\"step\":\"lines\",\"points\":\"features\",\"ink\":\"#c01010\",\"tooth\":0,"
+		"\"direction\":\"edge\",\"fade_m\":5,\"degree\":0.7,\"opacity_variation\":0.8}" },
+	{ "adjusted",
+		"{\"step\":\"points\",\"brightness\":1.2,\"contrast\":1.4,\"saturation\":0.3,"
+		"\"size\":2,\"least_px\":4},{\"step\":\"edl\",\"strength\":2,\"radius_px\":3}" },
+	{ "no-layers", "" },
+};
+
+static void test_look(gconstpointer data)
+{
+	const struct look *l = data;
+	g_autoptr(gles_draw) d = open_draw();
+	if (!d)
+		return;
+	g_autofree char *steps = g_strdup_printf("\"site\":{\"steps\":[%s]}", l->steps);
+	compare_text(d, l->name, steps);
+}
+
+static void test_style(gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(gles_draw) d = open_draw();
+	if (!d)
+		return;
+	g_autoptr(style) how = style_load(data, &error);
+	g_assert_no_error(error);
+	compare(d, how->name, how);
+}
+
+static void assert_refuses_paint(gles_draw *d)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(style) how =
+		style_of("{\"schema\":1,\"segments\":{\"site\":{\"steps\":[{\"step\":"
+			 "\"lines\",\"blend\":\"paint\"}]}}}");
+	scene *s = make_scene();
+	struct camera c = make_camera(7, WIDTH, HEIGHT);
+	drawing *drawn;
+	frame *f = frame_of(s, how, &c, &drawn);
+	struct picture_buffer p = picture_buffer_new(WIDTH, HEIGHT);
+	g_assert_false(gles_draw_frame(d, f, &p, NULL, &error));
+	g_assert_error(error, GLES_ERROR, GLES_ERROR_LIMIT);
+	picture_buffer_clear(&p);
+	frame_free(f);
+	drawing_free(drawn);
+	scene_free(s);
+}
+
+/* Without half floats, pictures are kept in bytes; they are coarser, and the same. Paint is refused. */
+static void test_bytes(void)
+{
+	gles_context *c = open_here();
+	if (!c)
+		return;
+	struct gles_about about = c->about;
+	c->about.has_half_float_colour = c->about.has_float_blend = false;
+	g_autoptr(gles_draw) d = open_draw();
+	assert_refuses_paint(d);
+	compare_text(d, "bytes",
+		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"lines\"},{\"step\":"
+		"\"sprites\"}]}");
+	c->about = about;
+}
+
+static void assert_same(gles_draw *d, const frame *f, const struct picture_buffer *before)
+{
+	struct picture_buffer p = draw_gles(d, f);
+	g_assert_cmpmem(
+		p.rgba, (size_t)WIDTH * HEIGHT * 4, before->rgba, (size_t)WIDTH * HEIGHT * 4);
+	picture_buffer_clear(&p);
+}
+
+/* Also where another frame was drawn between, and with buffers of its own. */
+static void test_same_bytes(void)
+{
+	g_autoptr(gles_draw) d = open_draw();
+	if (!d)
+		return;
+	g_autoptr(gles_draw) other = open_draw();
+	g_autoptr(style) how =
+		style_of("{\"schema\":1,\"segments\":{\"site\":{\"steps\":[{\"step\":\"points\"},{"
+			 "\"step\":\"strokes\","
+			 "\"points\":\"all\",\"colour\":\"point\",\"spacing_px\":2},{\"step\":"
+			 "\"sprites\",\"points\":\"all\","
+			 "\"blend\":\"paint\",\"spacing_px\":3,\"length_px\":9}]}}}");
+	scene *s = make_scene();
+	struct camera c = make_camera(7, WIDTH, HEIGHT), near = make_camera(2, WIDTH, HEIGHT);
+	drawing *drawn;
+	frame *f = frame_of(s, how, &c, &drawn);
+	struct picture_buffer first = draw_gles(d, f);
+	assert_same(d, f, &first);
+	g_assert_true(frame_move(f, &near, NULL));
+	struct picture_buffer moved = draw_gles(d, f);
+	picture_buffer_clear(&moved);
+	g_assert_true(frame_move(f, &c, NULL));
+	assert_same(d, f, &first);
+	assert_same(other, f, &first);
+	picture_buffer_clear(&first);
+	frame_free(f);
+	drawing_free(drawn);
+	scene_free(s);
+}
+
+/* More strokes than a layer has room for at first, and points in several strips and slabs. */
+static void test_limits(void)
+{
+	gles_context *c = open_here();
+	if (!c)
+		return;
+	struct gles_about about = c->about;
+	c->about.limits.storage_block_bytes = 160 * 1024 * 16;
+	g_autoptr(gles_draw) d = open_draw();
+	c->about.limits.storage_block_bytes = WIDTH * HEIGHT * 4;
+	compare_text(d, "small-blocks", "\"site\":{\"steps\":[{\"step\":\"points\"}]}");
+	c->about = about;
+	compare_text(d, "many",
+		"\"site\":{\"steps\":[{\"step\":\"sprites\",\"points\":\"all\",\"spacing_px\":0.5,"
+		"\"length_px\":1}]}");
+}
+
+/* It says what is too much, and draws the next frame as if nothing had been. */
+static void test_too_large(void)
+{
+	gles_context *c = open_here();
+	g_autoptr(gles_draw) d = open_draw();
+	if (!d)
+		return;
+	struct gles_about about = c->about;
+	g_autoptr(GError) error = NULL;
+	g_autoptr(style) how = style_of(
+		"{\"schema\":1,\"segments\":{\"site\":{\"steps\":[{\"step\":\"points\"}]}}}");
+	scene *s = make_scene();
+	struct camera camera = make_camera(7, WIDTH, HEIGHT);
+	drawing *drawn;
+	frame *f = frame_of(s, how, &camera, &drawn);
+	struct picture_buffer p = picture_buffer_new(WIDTH, HEIGHT);
+	c->about.limits.texture_size = 300;
+	g_assert_false(gles_draw_frame(d, f, &p, NULL, &error));
+	g_assert_error(error, GLES_ERROR, GLES_ERROR_LIMIT);
+	g_assert_cmpstr(error->message, ==,
+		"a picture of 320 x 240 pixels is larger than the GPU draws, 300 a side");
+	g_clear_error(&error);
+	c->about = about;
+	c->about.limits.storage_block_bytes = 1000;
+	g_assert_false(gles_draw_frame(d, f, &p, NULL, &error));
+	g_assert_error(error, GLES_ERROR, GLES_ERROR_LIMIT);
+	c->about = about;
+	picture_buffer_clear(&p);
+	p = draw_gles(d, f);
+	struct picture_buffer cpu = draw_cpu(f);
+	assert_alike(&cpu, &p, "after-errors");
+	picture_buffer_clear(&cpu);
+	picture_buffer_clear(&p);
+	frame_free(f);
+	drawing_free(drawn);
+	scene_free(s);
+}
+
+/* ---- the painter ---- */
+
+/* In a process of its own, for EGL is asked before the first context is opened. */
+static bool is_child(void)
+{
+	if (g_test_subprocess())
+		return true;
+	g_test_trap_subprocess(NULL, 0, G_TEST_SUBPROCESS_INHERIT_STDERR);
+	g_test_trap_assert_passed();
+	return false;
+}
+
+static void test_none(void)
+{
+	if (!is_child())
+		return;
+	g_autoptr(GError) error = NULL;
+	g_setenv("PLEINAIR_EGL", "none", TRUE);
+	g_autoptr(painter) p = painter_new(BACKEND_WISH_AUTO, &error);
+	g_assert_no_error(error);
+	g_assert_true(g_str_has_prefix(painter_why(p), "cpu: "));
+	g_assert_null(strchr(painter_why(p), '\n'));
+	g_assert_null(painter_new(BACKEND_WISH_GLES, &error));
+	g_assert_error(error, GLES_ERROR, GLES_ERROR_NONE);
+}
+
+static void draw_by(painter *p, const frame *f)
+{
+	g_autoptr(GError) error = NULL;
+	struct picture_buffer gles = picture_buffer_new(WIDTH, HEIGHT), cpu = draw_cpu(f);
+	struct draw_times t;
+	g_assert_true(painter_draw(p, f, &gles, &t, &error));
+	g_assert_no_error(error);
+	g_assert_true(g_str_has_prefix(painter_why(p), "gles: "));
+	g_assert_cmpuint(t.strokes, >, 100);
+	g_assert_cmpuint(t.points_in_view, >, 10000);
+	g_assert_cmpfloat(t.all_s, >=, t.cull_s + t.mask_s + t.choose_s);
+	assert_alike(&cpu, &gles, "painter");
+	picture_buffer_clear(&cpu);
+	picture_buffer_clear(&gles);
+}
+
+static void test_painter(void)
+{
+	if (!is_child())
+		return;
+	g_autoptr(GError) error = NULL;
+	g_autoptr(painter) p = painter_new(BACKEND_WISH_GLES, &error);
+	if (!p) /* which /painter/none is about */
+		return;
+	g_autoptr(style) how = style_of(
+		"{\"schema\":1,\"segments\":{\"site\":{\"steps\":[{\"step\":\"lines\"}]}}}");
+	scene *s = make_scene();
+	struct camera camera = make_camera(7, WIDTH, HEIGHT);
+	drawing *drawn;
+	frame *f = frame_of(s, how, &camera, &drawn);
+	draw_by(p, f);
+	frame_free(f);
+	drawing_free(drawn);
+	scene_free(s);
+}
+
+static void add_styles(void)
+{
+	const char *source = g_getenv("PLEINAIR_SOURCE");
+	g_autofree char *folder = g_build_filename(source ? source : ".", "render", "styles", NULL);
+	g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
+	for (const char *name; dir && (name = g_dir_read_name(dir));) {
+		g_autofree char *test = g_strdup_printf("/parity/style/%s", name);
+		g_test_add_data_func_full(
+			test, g_build_filename(folder, name, NULL), test_style, g_free);
+	}
+}
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	for (const struct step_kind *k = step_kinds; k->name; k++) {
+		g_autofree char *test = g_strdup_printf("/parity/step/%s", k->name);
+		g_test_add_data_func(test, k, test_step);
+	}
+	for (size_t n = 0; n < G_N_ELEMENTS(looks); n++) {
+		g_autofree char *test = g_strdup_printf("/parity/look/%s", looks[n].name);
+		g_test_add_data_func(test, &looks[n], test_look);
+	}
+	add_styles();
+	g_test_add_func("/parity/bytes", test_bytes);
+	g_test_add_func("/parity/same-bytes", test_same_bytes);
+	g_test_add_func("/parity/limits", test_limits);
+	g_test_add_func("/parity/too-large", test_too_large);
+	g_test_add_func("/painter/none", test_none);
+	g_test_add_func("/painter/gles", test_painter);
+	int status = g_test_run();
+	gles_context_free(context);
+	return status;
+}
