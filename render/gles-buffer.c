@@ -16,7 +16,11 @@ bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t b
 	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
 	c->gl.BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
 	b->bytes = bytes;
-	return gles_context_check(c, what, error);
+	g_autofree char *making = g_strdup_printf("making room for %s", what);
+	if (gles_context_check(c, making, error))
+		return true;
+	gles_buffer_clear(c, b);
+	return false;
 }
 
 void gles_buffer_clear(const gles_context *c, struct gles_buffer *b)

@@ -108,8 +108,12 @@ bool gles_draw_strokes(
 	gl->BindBuffer(GL_COPY_READ_BUFFER, d->commands.name);
 	const struct gles_commands *mapped =
 		gl->MapBufferRange(GL_COPY_READ_BUFFER, 0, sizeof *mapped, GL_MAP_READ_BIT);
-	if (!mapped)
-		return gles_context_check(d->c, "counting the strokes", error);
+	if (!mapped) {
+		if (gles_context_check(d->c, "counting the strokes", error))
+			g_set_error(error, GLES_ERROR, GLES_ERROR_DRIVER,
+				"the GPU does not tell how many strokes it drew");
+		return false;
+	}
 	struct gles_commands all = *mapped;
 	gl->UnmapBuffer(GL_COPY_READ_BUFFER);
 	for (uint32_t n = 0; n < layers; n++) {

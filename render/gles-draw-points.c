@@ -46,6 +46,7 @@ bool gles_draw_mask(gles_draw *d, GError **error)
 static void add_points(gles_draw *d, uint32_t from, uint32_t end)
 {
 	const struct gles_functions *gl = &d->c->gl;
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* the strip before has been read */
 	gles_draw_fill(d, &d->sums, (end - from) * d->targets.width * 4, 0);
 	gl->UseProgram(d->program[GLES_POINTS]);
 	gl->Uniform2i(1, (GLint)from, (GLint)end);
