@@ -13,17 +13,16 @@ static void draw_run(gles_draw *d, const struct gles_run *r)
 	}
 }
 
-/* From the buffer into a texture, which strokes look it up in. */
-static void copy_keys(gles_draw *d)
+/* From the buffer into a texture, which all that comes later looks it up in. */
+static void fill_holes(gles_draw *d)
 {
 	const struct gles_functions *gl = &d->c->gl;
-	gl->MemoryBarrier(GL_PIXEL_BUFFER_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
-	gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, d->keys.name);
-	gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-	gles_draw_bind_texture(d, 0, GL_TEXTURE_2D, d->targets.keys);
-	gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, (GLsizei)d->targets.width,
-		(GLsizei)d->targets.height, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
-	gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.keys.frame);
+	gl->UseProgram(d->program[GLES_HOLES]);
+	gl->DrawArrays(GL_TRIANGLES, 0, 3);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+	gles_draw_bind_texture(d, 0, GL_TEXTURE_2D, d->targets.keys.plane[0]);
 }
 
 bool gles_draw_mask(gles_draw *d, GError **error)
@@ -37,7 +36,7 @@ bool gles_draw_mask(gles_draw *d, GError **error)
 	gles_draw_bind_storage(d, 2, d->keys.name);
 	for (guint n = 0; n < d->views.runs->len; n++)
 		draw_run(d, gles_draw_run(d, n));
-	copy_keys(d);
+	fill_holes(d);
 	return true;
 }
 
@@ -83,11 +82,14 @@ bool gles_draw_ground(gles_draw *d, GError **error)
 	uint32_t rows = (uint32_t)CLAMP(most / row, 1, d->targets.height);
 	if (!d->layers.has_points)
 		rows = d->targets.height;
-	else if (!gles_buffer_reserve(d->c, &d->sums, row * rows, "sums of points", error))
+	else if (rows > BAND_ROWS) /* whole bands, for holes are filled inside of them */
+		rows -= rows % BAND_ROWS;
+	if (d->layers.has_points &&
+		!gles_buffer_reserve(d->c, &d->sums, row * rows, "sums of points", error))
 		return false;
 	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);
 	gles_layers_bind_pipelines(d->c, &d->layers);
-	gles_draw_bind_texture(d, 2, GL_TEXTURE_2D, d->layers.paper);
+	gles_draw_bind_texture(d, 2, GL_TEXTURE_2D, d->layers.relief);
 	gl->Enable(GL_SCISSOR_TEST);
 	for (uint32_t from = 0; from < d->targets.height; from += rows)
 		draw_strip(d, from, MIN(from + rows, d->targets.height));

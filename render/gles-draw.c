@@ -4,7 +4,7 @@
 
 /* Camera of common.glsl. */
 struct camera_block {
-	float lens[4], turn[3][4], size[4], paper[4], paper_step[4], light[256];
+	float lens[4], turn[3][4], size[4], paper[4], light[256];
 };
 
 /* ---- open, close ---- */
@@ -88,8 +88,7 @@ static void set_camera(gles_draw *d, const frame *f)
 	const struct style_paper *paper = &f->drawing->paper;
 	struct camera_block b = { .lens = { (float)c->focal_px, (float)c->width / 2,
 					  (float)c->height / 2, (float)c->near_m },
-		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m },
-		.paper_step = { 1 / (f->px * paper->scale), (float)f->paper->side } };
+		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m } };
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
@@ -125,9 +124,10 @@ static double lap(const gles_draw *d, bool is_timed, int64_t *since_us)
 /* All that is made when it is first wanted, for it takes the places of what shaders read. */
 static bool hold(gles_draw *d, const frame *f, GError **error)
 {
-	bool good = gles_scene_hold(d->c, &d->scene, f->scene, error) &&
-		    gles_layers_hold(d->c, &d->layers, f, error) &&
-		    gles_targets_hold(d->c, &d->targets, f->camera.width, f->camera.height, error);
+	bool good =
+		gles_scene_hold(d->c, &d->scene, f->scene, error) &&
+		gles_targets_hold(d->c, &d->targets, f->camera.width, f->camera.height, error) &&
+		gles_layers_hold(d->c, &d->layers, f, error);
 	for (uint32_t n = 0; good && n < f->layers; n++)
 		if (!gles_layer_is_direct(&f->layer[n]))
 			good = gles_targets_hold_ink(

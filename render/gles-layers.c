@@ -6,7 +6,8 @@
 /* Layer of layer.glsl. */
 struct layer_block {
 	float wanted_per_px[256], dithering_per_m2[256];
-	float shape[4], angle[4], opacity[4], wanted_most[4], ink_linear[4], texels[4];
+	float shape[4], look[4], opacity[4], wanted_most[4], ink_linear[4], own_way[4],
+		turn[256][2], texels[4];
 	uint32_t which[4], colour[4];
 };
 /* Pipelines of ground.frag.glsl. */
@@ -28,7 +29,17 @@ static bool is_toned_dithering(const struct frame_layer *l)
 	return l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
 }
 
-/* As stroke.c's. */
+/* Those whose strokes go along their lines. */
+static uint32_t kinds_along(const struct ink_step *ink)
+{
+	switch (ink->direction) {
+	case DIRECTION_LINE: return ~0u;
+	case DIRECTION_EDGE: return 1u << FEATURE_DIRECTED;
+	default: return 0;
+	}
+}
+
+/* As stroke.c's, but for the length of rays. */
 static float wanted_most(const struct frame_layer *l, const scene *s, int kind)
 {
 	float most = 0;
@@ -46,15 +57,17 @@ static void describe(const struct frame_layer *l, const scene *s, struct layer_b
 	const struct ink_step *ink = &l->ink;
 	*ret = (struct layer_block){
 		.shape = { ink->length_px, ink->width_px, ink->spacing_px, ink->length_variation },
-		.angle = { ink->angle_deg, ink->angle_variation_deg, ink->saturation, ink->tooth },
+		.look = { ink->grow, ink->scatter, ink->saturation, ink->tooth },
 		.opacity = { ink->opacity, ink->opacity_variation, ink->degree, ink->fade_m },
 		.texels = { 1, 1, 1 },
-		.which = { l->kinds, is_toned_dithering(l), ink->direction == DIRECTION_EDGE,
+		.which = { l->kinds, is_toned_dithering(l), kinds_along(ink),
 			ink->colour == COLOUR_POINT },
 		.colour = { 0, band_blend_of(l) },
 	};
 	memcpy(ret->wanted_per_px, l->wanted_per_px, sizeof ret->wanted_per_px);
 	memcpy(ret->dithering_per_m2, l->dithering_per_m2, sizeof ret->dithering_per_m2);
+	memcpy(ret->own_way, l->own_way, sizeof l->own_way);
+	memcpy(ret->turn, l->turn, sizeof ret->turn);
 	memcpy(ret->ink_linear, l->ink_linear, sizeof l->ink_linear);
 	memcpy(ret->colour, ink->ink, sizeof ink->ink);
 	for (int kind = 0; kind < FEATURE_KINDS; kind++)
@@ -117,14 +130,6 @@ static void upload_numbers(const gles_context *c, gles_layers *g, const frame *f
 
 /* ---- textures ---- */
 
-static void sample(const struct gles_functions *gl, GLenum target, GLint wrap)
-{
-	gl->TexParameteri(target, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-	gl->TexParameteri(target, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-	gl->TexParameteri(target, GL_TEXTURE_WRAP_S, wrap);
-	gl->TexParameteri(target, GL_TEXTURE_WRAP_T, wrap);
-}
-
 /* With a border of 0 around each variant. */
 static GLuint upload_texture(const struct gles_functions *gl, const stroke_texture *t)
 {
@@ -141,19 +146,25 @@ static GLuint upload_texture(const struct gles_functions *gl, const stroke_textu
 	gl->TexStorage3D(GL_TEXTURE_2D_ARRAY, 1, GL_R8, length, width, (GLsizei)t->variants);
 	gl->TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, length, width, (GLsizei)t->variants,
 		GL_RED, GL_UNSIGNED_BYTE, all);
-	sample(gl, GL_TEXTURE_2D_ARRAY, GL_CLAMP_TO_EDGE);
+	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 	return name;
 }
 
-static GLuint upload_paper(const struct gles_functions *gl, const paper_texture *p)
+/* A texel to a pixel. */
+static GLuint upload_relief(const struct gles_functions *gl, const frame *f)
 {
 	GLuint name;
-	GLsizei side = (GLsizei)p->side;
+	GLsizei width = (GLsizei)f->relief_width, height = (GLsizei)f->relief_height;
 	gl->GenTextures(1, &name);
 	gl->BindTexture(GL_TEXTURE_2D, name);
-	gl->TexStorage2D(GL_TEXTURE_2D, 1, GL_R8, side, side);
-	gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, side, side, GL_RED, GL_UNSIGNED_BYTE, p->height);
-	sample(gl, GL_TEXTURE_2D, GL_REPEAT);
+	gl->TexStorage2D(GL_TEXTURE_2D, 1, GL_R8, width, height);
+	gl->TexSubImage2D(
+		GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RED, GL_UNSIGNED_BYTE, f->relief);
+	gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 	return name;
 }
 
@@ -163,7 +174,7 @@ void gles_layers_clear(const gles_context *c, gles_layers *g)
 {
 	c->gl.DeleteBuffers(1, &g->numbers);
 	c->gl.DeleteTextures(FRAME_LAYERS_MAX, g->texture);
-	c->gl.DeleteTextures(1, &g->paper);
+	c->gl.DeleteTextures(1, &g->relief);
 	memset(g, 0, sizeof *g);
 }
 
@@ -177,7 +188,7 @@ bool gles_layers_hold(const gles_context *c, gles_layers *g, const frame *f, GEr
 	for (uint32_t n = 0; n < f->layers; n++)
 		if (f->layer[n].texture)
 			g->texture[n] = upload_texture(&c->gl, f->layer[n].texture);
-	g->paper = upload_paper(&c->gl, f->paper);
+	g->relief = upload_relief(&c->gl, f);
 	g->layers = f->layers;
 	if (!gles_context_check(c, "copying the style to the GPU", error))
 		return false;

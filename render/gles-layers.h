@@ -10,7 +10,7 @@ struct gles_layers {
 	GLuint numbers; /* the blocks Layer of layer.glsl, and last the block Pipelines of ground.frag.glsl */
 	GLintptr layer_bytes;             /* from one to the next */
 	GLuint texture[FRAME_LAYERS_MAX]; /* 0: none */
-	GLuint paper;
+	GLuint relief;                    /* of the paper */
 	uint32_t layers;
 	bool has_points; /* any of the pipelines */
 };

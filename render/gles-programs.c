@@ -12,6 +12,7 @@ static const struct row {
 } rows[GLES_USES] = {
 	[GLES_CLEAR] = { "clear", { NULL }, .compute = "clear" },
 	[GLES_MASK] = { "mask", { "common", "chunks", "discs" }, .compute = ".mask" },
+	[GLES_HOLES] = { "holes", { "common" }, "picture.vert", "holes.frag" },
 	[GLES_POINTS] = { "points", { "common", "chunks", "discs" }, .compute = ".points" },
 	[GLES_COUNT] = { "choose-count", { "common", "chunks", "layer", "choose" },
 		.compute = "choose-count" },

@@ -6,6 +6,7 @@
 enum gles_use {
 	GLES_CLEAR,
 	GLES_MASK,
+	GLES_HOLES,
 	GLES_POINTS,
 	GLES_COUNT, /* choosing strokes */
 	GLES_SCAN,

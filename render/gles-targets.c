@@ -44,7 +44,7 @@ static void clear(const gles_context *c, struct gles_target *t)
 
 void gles_targets_clear(const gles_context *c, gles_targets *t)
 {
-	c->gl.DeleteTextures(1, &t->keys);
+	clear(c, &t->keys);
 	clear(c, &t->canvas);
 	clear(c, &t->picture);
 	for (size_t n = 0; n < G_N_ELEMENTS(t->ink); n++)
@@ -73,9 +73,9 @@ bool gles_targets_hold(
 	if (!check_size(c, width, height, error))
 		return false;
 	*t = (gles_targets){ .width = width, .height = height };
-	t->keys = plane(&c->gl, GL_R32UI, t);
 	GLenum light = c->about.has_half_float_colour ? GL_RGBA16F : GL_SRGB8_ALPHA8;
-	if (make(c, t, light, 0, &t->canvas, error) && make(c, t, GL_RGBA8, 0, &t->picture, error))
+	if (make(c, t, GL_R32UI, 0, &t->keys, error) && make(c, t, light, 0, &t->canvas, error) &&
+		make(c, t, GL_RGBA8, 0, &t->picture, error))
 		return true;
 	gles_targets_clear(c, t);
 	return false;

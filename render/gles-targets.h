@@ -12,7 +12,7 @@ struct gles_target {
 typedef struct gles_targets gles_targets;
 struct gles_targets {
 	uint32_t width, height;
-	GLuint keys; /* the mask, as a texture of integers */
+	struct gles_target keys; /* the mask, of integers */
 	struct gles_target canvas, picture;
 	struct gles_target ink[3]; /* of enum band_blend; made when a layer first wants it */
 };

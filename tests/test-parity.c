@@ -4,8 +4,8 @@
 #include "render/gles-probe.h"
 #include "render/gles-shaders.h"
 #include "render/painter.h"
-#include "tests/pictures-differ.h"
 #include "tests/parity-made.h"
+#include "tests/pictures-differ.h"
 #include <string.h>
 
 #define WIDTH  320u

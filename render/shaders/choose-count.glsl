@@ -13,9 +13,7 @@ void main()
 	barrier();
 	for (uint slice = 0u; slice * THREADS < count; slice++) {
 		candidate c;
-		line edge;
-		vec3 normal;
-		if (candidate_of(n, slice * THREADS + thread, c) && alpha_of(c, edge, normal) > 0.0)
+		if (candidate_of(n, slice * THREADS + thread, c) && choice_of(c).alpha > 0.0)
 			mark |= 1u << slice;
 	}
 	marks[row + thread] = mark;

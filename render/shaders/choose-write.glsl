@@ -24,16 +24,12 @@ uint before(uint thread, uint own)
 	return sums[thread] - own;
 }
 
-float around_zero(uint point, uint salt)
+vec2 turned_along(vec2 along, float half_px, uint point)
 {
-	return 2.0 * chance(point, salt) - 1.0;
-}
-
-/* y is down, angles are counterclockwise */
-vec2 turned_along(vec2 along, float half_px, float angle_deg)
-{
-	float a = angle_deg * (3.14159265 / 180.0), cosine = cos(a), sine = sin(a);
-	return half_px * vec2(along.x * cosine + along.y * sine, along.y * cosine - along.x * sine);
+	int n = int(chance(point, 2u) * 256.0);
+	vec2 turn_by = (n & 1) == 0 ? turns[n >> 1].xy : turns[n >> 1].zw;
+	return half_px * vec2(along.x * turn_by.x - along.y * turn_by.y,
+				 along.x * turn_by.y + along.y * turn_by.x);
 }
 
 uint colour_of(candidate c)
@@ -43,7 +39,7 @@ uint colour_of(candidate c)
 		return colour.x & 0xffffffu;
 	float grey = float(lightness_of(rgba));
 	vec3 own = vec3(uvec3(rgba, rgba >> 8, rgba >> 16) & 255u);
-	uvec3 b = uvec3(clamp(grey + angle.z * (own - grey) + 0.5, 0.0, 255.0));
+	uvec3 b = uvec3(clamp(grey + look.z * (own - grey) + 0.5, 0.0, 255.0));
 	return b.x | b.y << 8 | b.z << 16;
 }
 
@@ -54,22 +50,20 @@ vec2 plane_slope(candidate c, vec3 normal, float around_px)
 	return abs(away) > 1e-6 ? clamp(normal.xy / away, -steepest, steepest) : vec2(0.0);
 }
 
-void write_stroke(uint at, candidate c, float alpha, line edge, vec3 normal)
+void write_stroke(uint at, candidate c, choice one)
 {
 	vec2 slope = vec2(0.0), along;
-	float half_px = shape.x / 2.0 * (1.0 + shape.w * around_zero(c.point, 1u));
-	float off = angle.y * around_zero(c.point, 2u);
-	if (edge.is_there && which.z != 0u) {
-		half_px *= clamp(2.0 * edge.px_per_m * c.depth_m / lens.x, FORESHORTENED, 1.0);
-		along = turned_along(edge.along, half_px, off);
-		slope = edge.slope * edge.along;
+	float half_px = one.growth * shape.x / 2.0 * (1.0 + shape.w * around_zero(c.point, 1u));
+	if (one.edge.is_there) {
+		half_px *= clamp(2.0 * one.edge.px_per_m * c.depth_m / lens.x, FORESHORTENED, 1.0);
+		along = turned_along(one.edge.along, half_px, c.point);
+		slope = one.edge.slope * one.edge.along;
 	} else {
-		along = turned_along(vec2(1.0, 0.0), half_px, angle.x + off);
-		if (c.kind != UNDIRECTED && normal != vec3(0.0))
-			slope = plane_slope(c, normal, half_px);
+		along = turned_along(own_way.xy, half_px, c.point);
+		slope = plane_slope(c, one.normal, half_px);
 	}
-	float word[9] = float[9](c.at.x, c.at.y, along.x, along.y, shape.y / 2.0, alpha, 1.0 / c.depth_m,
-		slope.x, slope.y);
+	float word[9] = float[9](c.at.x, c.at.y, along.x, along.y, one.growth * shape.y / 2.0, one.alpha,
+		1.0 / c.depth_m, slope.x, slope.y);
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
 	uint variant = uint(chance(c.point, 4u) * texels.z);
@@ -86,10 +80,8 @@ void main()
 	uint at = from + before(thread, uint(bitCount(mark)));
 	for (; mark != 0u && at < capacity; mark &= mark - 1u) {
 		candidate c;
-		line edge;
-		vec3 normal;
 		candidate_of(n, uint(findLSB(mark)) * THREADS + thread, c);
-		float alpha = alpha_of(c, edge, normal);
-		write_stroke(at++, c, alpha, edge, normal);
+		choice one = choice_of(c);
+		write_stroke(at++, c, one);
 	}
 }

@@ -19,7 +19,7 @@ const float ALPHA_LEAST = 1.0 / 255.0, FADE_MEAN = 0.7213;
 const uint NO_DIRECTION = 0x8000u;
 
 struct candidate {
-	uint kind, index, point; /* in the slab, in the scene */
+	uint view, kind, index, point; /* in the slab, in the scene */
 	float rank, spacing_m;
 	vec2 at;
 	float depth_m;
@@ -29,6 +29,13 @@ struct line {
 	bool is_there;
 	vec2 along;
 	float px_per_m, slope;
+};
+
+/* What becomes of a candidate; alpha 0: nothing. normal 0 0 0: all of one depth. */
+struct choice {
+	float alpha, growth;
+	line edge;
+	vec3 normal;
 };
 
 float chance(uint point, uint salt)
@@ -42,6 +49,11 @@ float chance(uint point, uint salt)
 	return float(x >> 8) * (1.0 / 16777216.0);
 }
 
+float around_zero(uint point, uint salt)
+{
+	return 2.0 * chance(point, salt) - 1.0;
+}
+
 vec3 ray_of(candidate c)
 {
 	return vec3((c.at - lens.yz) / lens.x, 1.0);
@@ -51,8 +63,7 @@ float cosine_of(candidate c, vec3 normal)
 {
 	if (normal == vec3(0.0))
 		return COSINE_UNKNOWN;
-	vec3 ray = ray_of(c);
-	return max(abs(dot(normal, ray)) / length(ray), COSINE_LEAST);
+	return max(abs(dot(normal, ray_of(c))), COSINE_LEAST);
 }
 
 line line_of(candidate c)
@@ -78,18 +89,73 @@ uint lightness_of(uint rgba)
 	return rgba >> 24 != 0u ? sum >> 8 : 128u;
 }
 
-/* Strokes wanted over points that there are. */
+bool is_on_edge(uint kind)
+{
+	return kind == DIRECTED && which.y == 0u;
+}
+
+/* Comes after the dithering points, as dense as all points are. */
+bool shares_queue(uint kind)
+{
+	return kind != DITHER && which.y != 0u;
+}
+
+/* Of the longest ray of depth 1. */
+float ray_most()
+{
+	return length(vec3((lens.yz + shape.x / 2.0) / lens.x, 1.0));
+}
+
+/* Strokes wanted to a square metre of its surface. */
 float need_on_surface(candidate c, float cosine)
 {
 	uint n = lightness_of(looks[c.index].x);
 	float px_per_m = lens.x / c.depth_m;
-	float wanted_per_m2 = wanted_per_px[n >> 2][n & 3u] * px_per_m * px_per_m * cosine;
-	float there = dithering_per_m2[n >> 2][n & 3u];
-	if (which.y != 0u && c.kind == DITHER)
-		return wanted_per_m2 / there;
-	if (which.y != 0u)
-		wanted_per_m2 = max(wanted_per_m2 - there, 0.0);
-	return wanted_per_m2 * c.spacing_m * c.spacing_m;
+	return wanted_per_px[n >> 2][n & 3u] * px_per_m * px_per_m * cosine;
+}
+
+float need_along(candidate c, line l)
+{
+	return l.px_per_m * c.spacing_m / (shape.z * FADE_MEAN);
+}
+
+/* Points to a square metre before it, and the last one's. */
+vec2 place_in_queue(candidate c)
+{
+	float per_m2 = 1.0 / (c.spacing_m * c.spacing_m);
+	if (which.y == 0u)
+		return vec2(c.rank * per_m2, per_m2);
+	uint n = lightness_of(looks[c.index].x);
+	float spacing_m = float(points[c.index].y >> 16) * UNIT_M;
+	float there = dithering_per_m2[n >> 2][n & 3u], last = there + 1.0 / (spacing_m * spacing_m);
+	return vec2(c.kind == DITHER ? c.rank * there : there + c.rank * (last - there), last);
+}
+
+/* How much larger strokes must be where need is more than there are points for. */
+float growth_of(float need)
+{
+	float part = need / 2.0, mean = 1.0;
+	if (need <= 1.0)
+		return 1.0;
+	if (need < 2.0) /* the mean of fade_of over all ranks */
+		mean = part + (1.0 - part) * (log2(need) + 1.0 / 0.69314718) + part * log2(part);
+	return sqrt(need * FADE_MEAN / mean);
+}
+
+/* Moves the point in its plane, inside the patch that it stands for. */
+void scatter(vec3 normal, inout candidate c)
+{
+	float facing = normal.z >= 0.0 ? 1.0 : -1.0, s = -1.0 / (facing + normal.z);
+	float t = normal.x * normal.y * s;
+	vec3 across = vec3(1.0 + facing * normal.x * normal.x * s, facing * t, -facing * normal.x);
+	vec3 down = vec3(t, facing + normal.y * normal.y * s, -normal.y);
+	float reach_m = look.y * float(points[c.index].z & 0xffffu) * (UNIT_M / 2.0);
+	vec3 at = ray_of(c) * c.depth_m + reach_m * (around_zero(c.point, 5u) * across +
+							    around_zero(c.point, 6u) * down);
+	if (at.z < lens.w)
+		return;
+	c.depth_m = at.z;
+	c.at = lens.yz + lens.x * at.xy / at.z;
 }
 
 float fade_of(float rank, float need)
@@ -132,38 +198,87 @@ bool candidate_of(uint n, uint i, out candidate c)
 	uint from = c.kind == 0u ? 0u : end[c.kind - 1u];
 	float many = float(end[c.kind] - from);
 	c.rank = (float(i - from) + 0.5) * (1.0 / many);
-	float near = lens.x / views[n].base.w * views[n].spacing_most_m[c.kind];
-	float most = c.kind == DIRECTED ? near / (shape.z * FADE_MEAN) : wanted_most[c.kind] * near * near;
+	bool on_edge = is_on_edge(c.kind), shares = shares_queue(c.kind);
+	float spacing_most_m = shares ? views[n].splat.z : views[n].spacing_most_m[c.kind];
+	float near = lens.x / views[n].base.w * spacing_most_m;
+	float need_once = ray_most() * (on_edge ? 1.0 / (shape.z * FADE_MEAN) : wanted_most[c.kind]);
+	float most = need_once * (on_edge ? near : near * near);
 	if (c.rank > most + 1.0 / many)
 		return false;
 	uint word = lists[views[n].at.x + i];
 	c.index = views[n].at.x + (word & 0xffffu);
 	c.point = views[n].at.y + (word & 0xffffu);
-	c.spacing_m = float(word >> 16) * UNIT_M;
+	c.view = n;
+	c.spacing_m = float((shares ? points[c.index].y : word) >> 16) * UNIT_M;
 	vec3 at = place_of(n, points[c.index]);
 	float around = shape.x / 2.0, scale = lens.x / at.z;
 	c.at = lens.yz + at.xy * scale;
 	c.depth_m = at.z;
-	float here = c.spacing_m * scale;
-	float need = c.kind == DIRECTED ? here * (1.0 / (shape.z * FADE_MEAN)) : here * here * wanted_most[c.kind];
+	float here = c.spacing_m * scale, need = need_once * (on_edge ? here : here * here);
 	return at.z > lens.w && all(greaterThanEqual(c.at, vec2(-around))) &&
 	       all(lessThan(c.at, size.xy + around)) && c.rank < need;
 }
 
-/* How opaque it is; 0: it is not drawn. */
-float alpha_of(candidate c, out line edge, out vec3 normal)
+bool is_seen_from_behind(candidate c, vec3 normal)
 {
-	edge.is_there = false;
-	if (c.kind != DIRECTED && c.rank >= need_on_surface(c, 1.0))
-		return 0.0;
-	float shown = visibility(c);
-	if (shown <= 0.0)
-		return 0.0;
-	normal = turned(points[c.index].w);
-	if (c.kind == DIRECTED)
-		edge = line_of(c);
-	float need = edge.is_there ? edge.px_per_m * c.spacing_m / (shape.z * FADE_MEAN)
-				   : need_on_surface(c, cosine_of(c, normal));
-	float alpha = opacity_of(c) * fade_of(c.rank, need) * shown;
-	return alpha < ALPHA_LEAST ? 0.0 : alpha;
+	return views[c.view].mask.w > 0.0 && dot(normal, ray_of(c)) > 0.0;
+}
+
+bool goes_along(candidate c)
+{
+	return (which.z >> c.kind & 1u) != 0u;
+}
+
+choice choice_on_edge(candidate c)
+{
+	choice one;
+	one.growth = 1.0;
+	one.edge = line_of(c);
+	one.normal = turned(points[c.index].w);
+	one.alpha = visibility(c);
+	if (one.alpha <= 0.0 || !one.edge.is_there || is_seen_from_behind(c, one.normal))
+		one.alpha = 0.0;
+	else
+		one.alpha *= fade_of(c.rank, need_along(c, one.edge));
+	one.edge.is_there = one.edge.is_there && goes_along(c);
+	return one;
+}
+
+choice choice_on_surface(inout candidate c)
+{
+	choice one;
+	one.alpha = 0.0;
+	one.edge.is_there = false;
+	vec2 place = place_in_queue(c);
+	if (place.x >= need_on_surface(c, ray_most()))
+		return one;
+	one.normal = turned(points[c.index].w);
+	bool is_flat = c.kind < UNDIRECTED && one.normal != vec3(0.0);
+	if (is_flat && look.y > 0.0)
+		scatter(one.normal, c);
+	float need = need_on_surface(c, cosine_of(c, one.normal)), fade = fade_of(place.x, need);
+	if (fade <= 0.0 || is_seen_from_behind(c, one.normal))
+		return one;
+	one.alpha = fade * visibility(c);
+	one.growth = min(growth_of(need / place.y), look.x);
+	if (goes_along(c))
+		one.edge = line_of(c);
+	if (!is_flat)
+		one.normal = vec3(0.0);
+	return one;
+}
+
+/* Moves it to where its stroke is. */
+choice choice_of(inout candidate c)
+{
+	choice one;
+	if (is_on_edge(c.kind))
+		one = choice_on_edge(c);
+	else
+		one = choice_on_surface(c);
+	if (one.alpha > 0.0)
+		one.alpha *= opacity_of(c);
+	if (one.alpha < ALPHA_LEAST)
+		one.alpha = 0.0;
+	return one;
 }

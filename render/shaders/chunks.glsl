@@ -1,8 +1,8 @@
 /* Points of the scene, and the chunks that are in view: a run of them that have one pipeline (gles-views.h). */
 struct chunk_view {
 	vec4 base, axis[3];  /* camera coordinates of a point: base + q . axis; base.w: near_m of its box */
-	vec4 mask;           /* disc, offset_m, offset_relative */
-	vec4 splat;          /* size, radius_least; size 0: shows no points */
+	vec4 mask;           /* disc, offset_m, offset_relative; 1 where backs are hidden */
+	vec4 splat;          /* size, radius_least; size 0: shows no points; z: spacing_most_m of all kinds */
 	vec4 spacing_most_m; /* of each kind's list */
 	uvec4 kind_end;
 	uvec4 at; /* first point in the slab and in the scene, count, how many of the first may stand for all */

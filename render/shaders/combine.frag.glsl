@@ -8,10 +8,10 @@ const uint INKED = 0u, COLOURED = 1u, PAINTED = 2u;
 /* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
 vec4 on_relief(vec4 bare)
 {
-	if (!(angle.w > 0.0))
+	if (!(look.w > 0.0))
 		return bare;
 	vec4 cover = 1.0 - bare;
-	return 1.0 - clamp(cover * (1.0 + 4.0 * angle.w * relief_at(gl_FragCoord.xy) * bare), 0.0, 1.0);
+	return 1.0 - clamp(cover * (1.0 + 4.0 * look.w * relief_at(gl_FragCoord.xy) * bare), 0.0, 1.0);
 }
 
 void main()

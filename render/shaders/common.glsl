@@ -15,7 +15,6 @@ layout(std140, binding = 0) uniform Camera {
 	vec4 turn[3];      /* site to camera: rows right, down, forward */
 	vec4 size;         /* width, height, px to one of the style, far_m */
 	vec4 paper;        /* linear r g b, grain */
-	vec4 paper_step;   /* texels of the paper to a pixel, its side */
 	vec4 light[64];    /* linear, of sRGB bytes, four in one */
 };
 

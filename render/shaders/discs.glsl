@@ -1,6 +1,7 @@
 /* Points as discs of their own projected size: the rules of disc-lanes.h. */
-const float DISC_CROWD = 3.0;
+const float DISC_CROWD = 5.0;
 const float DISC_RADIUS_MOST = 48.0;
+const float DISC_STEEPEST = 40.0;
 
 struct disc {
 	vec2 at;
@@ -9,22 +10,26 @@ struct disc {
 	ivec4 box; /* of pixels: left, top, right, bottom */
 };
 
-void tilt_disc(uvec4 p, float radius_least, inout disc d)
+/* Whether it shows: not where backs are hidden and it is one. */
+bool tilt_disc(uvec4 p, float radius_least, bool backs_hidden, inout disc d)
 {
 	vec3 n = turned(p.w);
 	vec2 ray = (d.at - lens.yz) * (1.0 / lens.x);
 	float aside2 = dot(n.xy, n.xy);
 	d.squash = vec2(0.0);
 	d.tilt = vec2(0.0);
-	if (!(aside2 > 1e-6))
-		return;
 	float along = dot(n.xy, ray) + n.z;
+	if (backs_hidden && along > 0.0)
+		return false;
+	if (!(aside2 > 1e-6))
+		return true;
 	float cosine2 = along * along / (dot(ray, ray) + 1.0);
 	float flat2 = radius_least * radius_least / (d.radius * d.radius);
 	cosine2 = min(max(max(cosine2, flat2), 1e-3), 1.0);
 	d.squash = sqrt((1.0 / cosine2 - 1.0) / aside2) * n.xy;
-	float steep = max(abs(along) * lens.x, sqrt(aside2) * d.radius * 3.0);
+	float steep = max(abs(along) * lens.x, sqrt(aside2) * max(d.radius * 3.0, lens.x / DISC_STEEPEST));
 	d.tilt = (along >= 0.0 ? -1.0 : 1.0) * d.depth_m / steep * n.xy;
+	return true;
 }
 
 /* Point i of view n, if it is drawn here. */
@@ -44,7 +49,8 @@ bool disc_of(uint n, uint i, float factor, float radius_least, out disc d)
 	if (!(at.z > lens.w && rank < part && all(greaterThan(d.at, vec2(-d.radius))) &&
 		    all(lessThan(d.at, size.xy + d.radius))))
 		return false;
-	tilt_disc(p, radius_least, d);
+	if (!tilt_disc(p, radius_least, views[n].mask.w > 0.0, d))
+		return false;
 	d.box.xy = max(ivec2(floor(d.at - d.radius)), ivec2(0));
 	d.box.zw = min(ivec2(floor(d.at + d.radius)), ivec2(size.xy) - 1);
 	return true;

@@ -30,16 +30,43 @@ vec3 shown(vec4 rule, vec3 linear)
 	return vec3(of_srgb(s.r), of_srgb(s.g), of_srgb(s.b));
 }
 
+uvec4 sums_at(ivec2 at)
+{
+	uint i = (uint(at.y - strip.x) * uint(size.x) + uint(at.x)) * 4u;
+	return uvec4(sums[i], sums[i + 1u], sums[i + 2u], sums[i + 3u]);
+}
+
+/* Where a hole of the mask was filled in: of the pixels around that points cover, in its band (draw.c). */
+vec4 light_around(ivec2 at, float depth_m)
+{
+	const int BAND_ROWS = 32;
+	int band = at.y / BAND_ROWS * BAND_ROWS;
+	ivec2 from = max(at - 2, ivec2(0, max(band, strip.x)));
+	ivec2 end = min(at + 3, ivec2(int(size.x), min(band + BAND_ROWS, strip.y)));
+	vec4 sum = vec4(0.0);
+	for (int y = from.y; y < end.y; y++)
+		for (int x = from.x; x < end.x; x++) {
+			float there_m = mask_depth(texelFetch(mask_keys, ivec2(x, y), 0).r);
+			if (abs(there_m - depth_m) <= 0.05 * depth_m)
+				sum += vec4(sums_at(ivec2(x, y)));
+		}
+	return sum;
+}
+
 void main()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
 	uint key = texelFetch(mask_keys, at, 0).r, pipeline = key & 255u;
 	vec3 c = min(paper.rgb * (1.0 + 0.5 * paper.a * relief_at(gl_FragCoord.xy)), 1.0);
-	uint i = (uint(at.y - strip.x) * uint(size.x) + uint(at.x)) * 4u;
-	if (has_points != 0u && sums[i + 3u] != 0u) {
-		vec4 rule = points[pipeline];
-		c = vec3(uvec3(sums[i], sums[i + 1u], sums[i + 2u])) / float(sums[i + 3u]);
-		if (rule.w > 0.0 && rule.xyz != vec3(1.0))
+	vec4 rule = points[pipeline], sum = vec4(0.0);
+	if (has_points != 0u && key < MASK_EMPTY && rule.w > 0.0) {
+		sum = vec4(sums_at(at));
+		if (!(sum.w > 0.0))
+			sum = light_around(at, mask_depth(key));
+	}
+	if (sum.w > 0.0) {
+		c = sum.rgb / sum.w;
+		if (rule.xyz != vec3(1.0))
 			c = shown(rule, c);
 	}
 	if (key < MASK_EMPTY && edl[pipeline].y > 0.0)

@@ -5,6 +5,8 @@ layout(std430, binding = 2) buffer Keys {
 	uint keys[];
 };
 
+const float DOT_RADIUS = 0.8;
+
 void main()
 {
 	uint n = first_view + gl_WorkGroupID.y;
@@ -16,10 +18,14 @@ void main()
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 	float pushed_m = d.depth_m * (1.0 + rule.z) + rule.y + d.radius * d.depth_m * (1.0 / lens.x);
 	uint pipeline = views[n].pipeline.x, width = uint(size.x);
+	bool is_dot = d.radius < DOT_RADIUS && all(greaterThanEqual(d.at, vec2(0.0))) &&
+		      all(lessThan(d.at, size.xy));
+	if (is_dot)
+		d.box = ivec4(d.at, d.at);
 	for (int y = d.box.y; y <= d.box.w; y++)
 		for (int x = d.box.x; x <= d.box.z; x++) {
 			vec2 from = vec2(float(x), float(y)) + 0.5 - d.at;
-			if (disc_away2(d, from) > d.radius * d.radius)
+			if (!is_dot && disc_away2(d, from) > d.radius * d.radius)
 				continue;
 			uint key = (floatBitsToUint(pushed_m + dot(d.tilt, from)) & 0xffffff00u) | pipeline;
 			uint at = uint(y) * width + uint(x);
