@@ -166,6 +166,20 @@ static const struct look {
 	{ "adjusted",
 		"{\"step\":\"points\",\"brightness\":1.2,\"contrast\":1.4,\"saturation\":0.3,"
 		"\"size\":2,\"least_px\":4},{\"step\":\"edl\",\"strength\":2,\"radius_px\":3}" },
+	{ "backs", "{\"step\":\"mask\",\"backs\":\"hidden\"},{\"step\":\"points\"},{\"step\":"
+		   "\"strokes\","
+		   "\"points\":\"all\",\"spacing_px\":9,\"direction\":\"edge\"}" },
+	{ "few", "{\"step\":\"sprites\",\"points\":\"surface\",\"tooth\":0,\"spacing_px\":1.5,"
+		 "\"length_px\":2,\"grow\":6,\"scatter\":1}" },
+	{ "queue",
+		"{\"step\":\"lines\",\"points\":\"dithering\",\"tone\":\"colour\",\"spacing_px\":1,"
+		"\"length_px\":6,\"width_px\":0.6,\"grow\":3,\"tone_levels\":1}" },
+	{ "along",
+		"{\"step\":\"strokes\",\"points\":\"all\",\"direction\":\"line\",\"spacing_px\":8,"
+		"\"angle_deg\":30,\"angle_variation_deg\":40,\"length_variation\":0.5}" },
+	{ "turned", "{\"step\":\"lines\",\"points\":\"features\",\"direction\":\"screen\",\"angle_"
+		    "deg\":70,"
+		    "\"angle_variation_deg\":90,\"scatter\":0,\"spacing_px\":3}" },
 	{ "no-layers", "" },
 };
 
