@@ -82,7 +82,8 @@ bool gles_draw_ground(gles_draw *d, GError **error)
 	uint32_t rows = (uint32_t)CLAMP(most / row, 1, d->targets.height);
 	if (!d->layers.has_points)
 		rows = d->targets.height;
-	else if (rows > BAND_ROWS) /* whole bands, for holes are filled inside of them */
+	else if (rows < d->targets.height &&
+		 rows > BAND_ROWS) /* whole bands, for holes are filled inside of them */
 		rows -= rows % BAND_ROWS;
 	if (d->layers.has_points &&
 		!gles_buffer_reserve(d->c, &d->sums, row * rows, "sums of points", error))
