@@ -207,6 +207,7 @@ bool gles_draw_frame(gles_draw *d, const frame *f, struct picture_buffer *to,
 	int64_t drawn_us = g_get_monotonic_time();
 	read_back(d, to);
 	t.draw_s += (double)(g_get_monotonic_time() - drawn_us) * 1e-6;
+	t.chunks_in_view = d->views.count;
 	t.points_in_view = d->views.points;
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)

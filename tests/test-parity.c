@@ -369,6 +369,7 @@ static void draw_by(painter *p, const frame *f)
 	g_assert_true(g_str_has_prefix(painter_why(p), "gles: "));
 	g_assert_cmpuint(t.strokes, >, 100);
 	g_assert_cmpuint(t.points_in_view, >, 10000);
+	g_assert_cmpuint(t.chunks_in_view, >, 5);
 	g_assert_cmpfloat(t.all_s, >=, t.cull_s + t.mask_s + t.choose_s);
 	assert_alike(&cpu, &gles, "painter");
 	picture_buffer_clear(&cpu);
