@@ -142,9 +142,10 @@ INLINE void draw_lanes(
 	const struct target *t, const struct disc_lanes *d, vf pushed_m, int32_t pipeline)
 {
 	struct batch b;
-	vi column = __builtin_convertvector(d->x, vi), row = __builtin_convertvector(d->y, vi);
 	vi inside =
 		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
+	vi column = __builtin_convertvector(where(inside, d->x), vi),
+	   row = __builtin_convertvector(where(inside, d->y), vi);
 	vi clear_of_edges = (d->x >= d->radius) & (d->y >= d->radius) & (d->x < (float)t->width) &
 			    (d->y + d->radius < (float)t->height);
 	unsigned dots = bits(inside & (d->radius < MASK_DOT_RADIUS)) & d->drawn,
