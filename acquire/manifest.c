@@ -120,20 +120,6 @@ bool manifest_has(const manifest *m, const char *key)
 	return manifest_get_node(m, key);
 }
 
-static const char *kind_of(JsonNode *node)
-{
-	if (JSON_NODE_HOLDS_OBJECT(node))
-		return "an object";
-	if (JSON_NODE_HOLDS_ARRAY(node))
-		return "a list";
-	if (JSON_NODE_HOLDS_NULL(node))
-		return "null";
-	GType type = json_node_get_value_type(node);
-	return type == G_TYPE_STRING    ? "a text"
-	       : type == G_TYPE_BOOLEAN ? "true or false"
-					: "a number";
-}
-
 static JsonNode *find(const manifest *m, const char *key, GError **error)
 {
 	JsonNode *node = manifest_get_node(m, key);
@@ -146,7 +132,7 @@ static bool refuse_kind(
 	GError **error, const manifest *m, const char *key, JsonNode *node, const char *wanted)
 {
 	return refuse(error, m, MANIFEST_ERROR_VALUE, "'%s' is %s; it must be %s", key,
-		kind_of(node), wanted);
+		strict_json_kind(node), wanted);
 }
 
 static bool is_number(JsonNode *node)

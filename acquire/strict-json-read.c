@@ -310,3 +310,17 @@ JsonNode *strict_json_read_lines(
 		*ret_lines = g_steal_pointer(&lines);
 	return root;
 }
+
+const char *strict_json_kind(JsonNode *node)
+{
+	if (JSON_NODE_HOLDS_OBJECT(node))
+		return "an object";
+	if (JSON_NODE_HOLDS_ARRAY(node))
+		return "a list";
+	if (JSON_NODE_HOLDS_NULL(node))
+		return "null";
+	GType type = json_node_get_value_type(node);
+	return type == G_TYPE_STRING    ? "a text"
+	       : type == G_TYPE_BOOLEAN ? "true or false"
+					: "a number";
+}

@@ -21,6 +21,9 @@ JsonNode *strict_json_read(const char *text, size_t length, GError **error);
 JsonNode *strict_json_read_lines(
 	const char *text, size_t length, GHashTable **ret_lines, GError **error);
 
+/* What it is, for people: "a text", "a list". */
+const char *strict_json_kind(JsonNode *node);
+
 /* Indented, with a newline at the end; caller frees. Numbers are the shortest that read back the
  * same; what is not finite is written as null, since JSON has no word for it. */
 char *strict_json_write(JsonNode *root);

@@ -9,9 +9,7 @@
 
 static bool is_toned(const struct step *s)
 {
-	return (s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
-		       s->kind == step_kind_find("strokes")) &&
-	       s->ink.tone == TONE_COLOUR;
+	return step_is_ink(s) && s->ink.tone == TONE_COLOUR;
 }
 
 drawing *tone_drawing(drawing *d)

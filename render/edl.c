@@ -3,16 +3,6 @@
 
 #define AROUND 8
 
-static const struct edl_step *step_of(const frame *f, guint pipeline)
-{
-	const struct pipeline *p = &g_array_index(f->drawing->pipelines, struct pipeline, pipeline);
-	const struct step_kind *edl = step_kind_find("edl");
-	for (uint32_t n = p->layers; n < p->layers + p->filters; n++)
-		if (p->steps[n].kind == edl)
-			return &p->steps[n].edl;
-	return NULL;
-}
-
 /* Nothing is far away, where the optical axis ends. */
 static float depth_log2(const frame *f, const visibility_mask *m, int x, int y)
 {
@@ -40,8 +30,11 @@ void edl_shade(
 {
 	const struct edl_step *steps[256] = { NULL };
 	bool any = false;
-	for (guint p = 0; p < f->drawing->pipelines->len; p++)
-		any |= (steps[p] = step_of(f, p)) != NULL;
+	for (guint p = 0; p < f->drawing->pipelines->len; p++) {
+		const struct step *step = frame_step(f, p, "edl");
+		steps[p] = step ? &step->edl : NULL;
+		any |= step != NULL;
+	}
 	for (uint32_t y = b->from; any && y < b->from + b->rows; y++)
 		for (uint32_t x = 0; x < b->width; x++) {
 			int32_t key = mask_key(m, (int32_t)x, (int32_t)y);

@@ -57,6 +57,18 @@ static void want(struct frame_layer *l, const scene *s)
 	}
 }
 
+static void want_at_most(struct frame_layer *l, const scene *s)
+{
+	l->is_queue = l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
+	for (int n = 0; n < 256; n++)
+		for (int kind = 0; kind < FEATURE_KINDS; kind++) {
+			float here = l->wanted_per_px[n];
+			if (l->is_queue && kind == FEATURE_DITHER)
+				here *= s->dither_per_m2 / l->dithering_per_m2[n];
+			l->wanted_most[kind] = MAX(l->wanted_most[kind], here);
+		}
+}
+
 /* ---- layers ---- */
 
 static float area_of(const struct frame_layer *l)
@@ -144,13 +156,8 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	set_ways(l);
 	l->stroke_area_px = area_of(l);
 	want(l, f->scene);
+	want_at_most(l, f->scene);
 	return true;
-}
-
-static bool is_ink(const struct step *s)
-{
-	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
-	       s->kind == step_kind_find("strokes");
 }
 
 /* The first layers of all pipelines, then the second ones. */
@@ -160,7 +167,7 @@ static bool add_layers(frame *f, GError **error)
 		for (guint p = 0; p < f->drawing->pipelines->len; p++) {
 			const struct pipeline *line =
 				&g_array_index(f->drawing->pipelines, struct pipeline, p);
-			if (n < line->layers && is_ink(&line->steps[n]) &&
+			if (n < line->layers && step_is_ink(&line->steps[n]) &&
 				!add_layer(f, (uint8_t)p, &line->steps[n], error))
 				return false;
 		}
@@ -201,6 +208,16 @@ static bool lay_paper(frame *f, GError **error)
 }
 
 /* ---- all ---- */
+
+const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kind_name)
+{
+	const struct pipeline *p = frame_pipeline(f, pipeline);
+	const struct step_kind *kind = step_kind_find(kind_name);
+	for (uint32_t n = 0; n < p->layers + p->filters; n++)
+		if (p->steps[n].kind == kind)
+			return &p->steps[n];
+	return NULL;
+}
 
 bool frame_move(frame *f, const struct camera *c, GError **error)
 {

@@ -22,7 +22,10 @@ struct frame_layer {
 	stroke_texture *texture; /* NULL: none; of about the size on the screen */
 	/* The texture, four texels that are mixed in one: length + 1 across, width + 1 down, variants below each other. */
 	uint32_t *texels;
-	float stroke_area_px;        /* integral of a mean stroke's alpha */
+	float stroke_area_px; /* integral of a mean stroke's alpha */
+	bool is_queue; /* INK_DITHERING and TONE_COLOUR: dithering points, and behind them all others */
+	float wanted_most
+		[FEATURE_KINDS]; /* of a kind, at any lightness; where it is a queue, for all dithering points of black surface */
 	float wanted_per_px[256];    /* strokes to a square pixel, by lightness of the points */
 	float dithering_per_m2[256]; /* points that there are, by their lightness; more than 0 */
 	float ink_linear[3];
@@ -58,6 +61,9 @@ static inline const struct pipeline *frame_pipeline(const frame *f, uint32_t pip
 {
 	return &g_array_index(f->drawing->pipelines, struct pipeline, pipeline);
 }
+
+/* The first step of that kind in a pipeline; NULL: it has none. */
+const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kind_name);
 
 /* A drawn picture: sRGB, 4 bytes a pixel, row by row, the last 255. */
 struct picture_buffer {

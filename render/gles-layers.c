@@ -24,11 +24,6 @@ bool gles_layer_is_direct(const struct frame_layer *l)
 
 /* ---- a layer's numbers ---- */
 
-static bool is_toned_dithering(const struct frame_layer *l)
-{
-	return l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
-}
-
 /* Those whose strokes go along their lines. */
 static uint32_t kinds_along(const struct ink_step *ink)
 {
@@ -39,20 +34,7 @@ static uint32_t kinds_along(const struct ink_step *ink)
 	}
 }
 
-/* As stroke.c's, but for the length of rays. */
-static float wanted_most(const struct frame_layer *l, const scene *s, int kind)
-{
-	float most = 0;
-	for (int n = 0; n < 256; n++) {
-		float here = l->wanted_per_px[n];
-		if (is_toned_dithering(l) && kind == FEATURE_DITHER)
-			here *= s->dither_per_m2 / l->dithering_per_m2[n];
-		most = MAX(most, here);
-	}
-	return most;
-}
-
-static void describe(const struct frame_layer *l, const scene *s, struct layer_block *ret)
+static void describe(const struct frame_layer *l, struct layer_block *ret)
 {
 	const struct ink_step *ink = &l->ink;
 	*ret = (struct layer_block){
@@ -60,8 +42,7 @@ static void describe(const struct frame_layer *l, const scene *s, struct layer_b
 		.look = { ink->grow, ink->scatter, ink->saturation, ink->tooth },
 		.opacity = { ink->opacity, ink->opacity_variation, ink->degree, ink->fade_m },
 		.texels = { 1, 1, 1 },
-		.which = { l->kinds, is_toned_dithering(l), kinds_along(ink),
-			ink->colour == COLOUR_POINT },
+		.which = { l->kinds, l->is_queue, kinds_along(ink), ink->colour == COLOUR_POINT },
 		.colour = { 0, band_blend_of(l) },
 	};
 	memcpy(ret->wanted_per_px, l->wanted_per_px, sizeof ret->wanted_per_px);
@@ -71,20 +52,12 @@ static void describe(const struct frame_layer *l, const scene *s, struct layer_b
 	memcpy(ret->ink_linear, l->ink_linear, sizeof l->ink_linear);
 	memcpy(ret->colour, ink->ink, sizeof ink->ink);
 	for (int kind = 0; kind < FEATURE_KINDS; kind++)
-		ret->wanted_most[kind] = wanted_most(l, s, kind);
+		ret->wanted_most[kind] = l->wanted_most[kind];
 	if (l->texture) {
 		ret->texels[0] = (float)l->texture->length;
 		ret->texels[1] = (float)l->texture->width;
 		ret->texels[2] = (float)l->texture->variants;
 	}
-}
-
-static const struct edl_step *edl_of(const struct pipeline *p)
-{
-	for (uint32_t n = p->layers; n < p->layers + p->filters; n++)
-		if (p->steps[n].kind == step_kind_find("edl"))
-			return &p->steps[n].edl;
-	return NULL;
 }
 
 static void describe_pipelines(const frame *f, struct pipelines_block *ret, bool *ret_has_points)
@@ -93,16 +66,15 @@ static void describe_pipelines(const frame *f, struct pipelines_block *ret, bool
 	memset(ret, 0, sizeof *ret);
 	for (guint n = 0; n < f->drawing->pipelines->len; n++) {
 		const struct points_step *points = splat_step(f, (uint8_t)n);
-		const struct edl_step *edl =
-			edl_of(&g_array_index(f->drawing->pipelines, struct pipeline, n));
+		const struct step *edl = frame_step(f, n, "edl");
 		if (points)
 			memcpy(ret->points[n],
 				(float[4]){ points->brightness, points->contrast,
 					points->saturation, 1 },
 				sizeof ret->points[n]);
 		if (edl) {
-			ret->edl[n][0] = edl->strength;
-			ret->edl[n][1] = fmaxf(edl->radius_px * f->px, 1);
+			ret->edl[n][0] = edl->edl.strength;
+			ret->edl[n][1] = fmaxf(edl->edl.radius_px * f->px, 1);
 		}
 		*ret_has_points |= points != NULL;
 	}
@@ -117,7 +89,7 @@ static void upload_numbers(const gles_context *c, gles_layers *g, const frame *f
 	g_autofree char *all = g_malloc0(bytes);
 	for (uint32_t n = 0; n < f->layers; n++) {
 		struct layer_block block;
-		describe(&f->layer[n], f->scene, &block);
+		describe(&f->layer[n], &block);
 		memcpy(all + (size_t)g->layer_bytes * n, &block, sizeof block);
 	}
 	g_autofree struct pipelines_block *pipelines = g_new(struct pipelines_block, 1);

@@ -10,12 +10,8 @@ struct splat {
 
 const struct points_step *splat_step(const frame *f, uint8_t pipeline)
 {
-	const struct pipeline *p = frame_pipeline(f, pipeline);
-	const struct step_kind *points = step_kind_find("points");
-	for (uint32_t n = 0; n < p->layers; n++)
-		if (p->steps[n].kind == points)
-			return &p->steps[n].points;
-	return NULL;
+	const struct step *step = frame_step(f, pipeline, "points");
+	return step ? &step->points : NULL;
 }
 
 INLINE void add(float *plane, ptrdiff_t at, vf x)

@@ -305,3 +305,9 @@ struct step step_defaults(const struct step_kind *kind)
 	step_parameters_fill(kind->parameters, s.bytes);
 	return s;
 }
+
+bool step_is_ink(const struct step *s)
+{
+	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
+	       s->kind == step_kind_find("strokes");
+}

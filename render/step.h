@@ -145,6 +145,7 @@ struct step {
 };
 _Static_assert(sizeof(struct ink_step) <= STEP_SIZE_MAX, "the union's size");
 /* With the kind's name as id; parameters that the kind does not have, and padding, are 0. */
+bool step_is_ink(const struct step *s); /* sprites, lines or strokes */
 struct step step_defaults(const struct step_kind *kind);
 
 #endif

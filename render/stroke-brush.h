@@ -22,7 +22,7 @@ struct brush {
 	float turn[3][3]; /* site to camera: rows right, down, forward */
 	float ray_most;   /* length of the longest ray of depth 1 */
 	int kind;
-	float wanted_most;
+	float wanted_most; /* need is this * (px_per_m * spacing)^2 at most, of points on surface */
 	uint32_t list_from, list_count; /* of the kind in the chunk */
 };
 

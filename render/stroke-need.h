@@ -4,21 +4,16 @@
  * inlined. */
 #include "render/stroke-brush.h"
 
-static inline bool is_toned_dithering(const struct frame_layer *l)
-{
-	return l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
-}
-
 /* Those of edges are as dense along them; but where a tone is shown they are surface like all other points. */
 static inline bool is_on_edge(const struct brush *b)
 {
-	return b->kind == FEATURE_DIRECTED && !is_toned_dithering(b->layer);
+	return b->kind == FEATURE_DIRECTED && !b->layer->is_queue;
 }
 
 /* Points that come after dithering points, as dense as all points are. */
 static inline bool shares_queue(const struct brush *b)
 {
-	return b->kind != FEATURE_DITHER && is_toned_dithering(b->layer);
+	return b->kind != FEATURE_DITHER && b->layer->is_queue;
 }
 
 /* Strokes wanted to a square metre of its surface. */
@@ -38,7 +33,7 @@ struct place {
 static inline struct place place_of(const struct brush *b, const struct candidate *c)
 {
 	float per_m2 = 1 / (c->spacing_m * c->spacing_m);
-	if (!is_toned_dithering(b->layer))
+	if (!b->layer->is_queue)
 		return (struct place){ c->rank * per_m2, per_m2 };
 	const scene *s = b->f->scene;
 	float there = b->layer->dithering_per_m2[scene_lightness(s->rgba[c->point])],

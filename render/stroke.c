@@ -168,20 +168,6 @@ static void try_on_surface(const struct brush *b, struct candidate *c, GArray *t
 
 /* ---- a chunk's points ---- */
 
-/* need = this * (px_per_m * spacing)^2 at most, of points on surface. */
-static float wanted_most(const struct brush *b)
-{
-	const struct frame_layer *l = b->layer;
-	float most = 0;
-	for (int n = 0; n < 256; n++) {
-		float here = l->wanted_per_px[n];
-		if (is_toned_dithering(l) && b->kind == FEATURE_DITHER)
-			here *= b->f->scene->dither_per_m2 / l->dithering_per_m2[n];
-		most = MAX(most, here);
-	}
-	return most * b->ray_most;
-}
-
 /* No rank above it is drawn. */
 static float need_most(const struct brush *b)
 {
@@ -283,7 +269,7 @@ static void choose_kinds(struct brush *b, GArray *to)
 		b->list_count = b->view->chunk->kind_end[b->kind] - b->list_from;
 		if (!(b->layer->kinds >> b->kind & 1) || !b->list_count)
 			continue;
-		b->wanted_most = wanted_most(b);
+		b->wanted_most = b->layer->wanted_most[b->kind] * b->ray_most;
 		(wide ? choose_avx2 : choose_portable)(b, to);
 	}
 }

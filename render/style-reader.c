@@ -119,23 +119,10 @@ char *style_reader_quote(const char *text)
 
 /* ---- values ---- */
 
-static const char *kind_of(JsonNode *node)
-{
-	if (JSON_NODE_HOLDS_OBJECT(node))
-		return "an object";
-	if (JSON_NODE_HOLDS_ARRAY(node))
-		return "a list";
-	if (JSON_NODE_HOLDS_NULL(node))
-		return "null";
-	GType type = json_node_get_value_type(node);
-	return type == G_TYPE_STRING    ? "a text"
-	       : type == G_TYPE_BOOLEAN ? "true or false"
-					: "a number";
-}
-
 bool style_reader_wrong(style_reader *r, JsonNode *node, const char *wanted)
 {
-	return style_reader_refuse(r, node, "this is %s; it must be %s", kind_of(node), wanted);
+	return style_reader_refuse(
+		r, node, "this is %s; it must be %s", strict_json_kind(node), wanted);
 }
 
 JsonObject *style_reader_object(style_reader *r, JsonNode *node, const char *wanted)

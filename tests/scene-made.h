@@ -373,4 +373,16 @@ static inline void made_assert_same(const struct picture_buffer *a, const struct
 	g_assert_cmpuint(differ, ==, 0);
 }
 
+/* One that all tests of a program look at; never freed. */
+static inline const scene *made_shared_court(void)
+{
+	static made m;
+	if (!m.scene) {
+		m = made_court();
+		made_read(&m);
+		files_remove_tree(m.folder, NULL); /* it stays mapped */
+	}
+	return m.scene;
+}
+
 #endif

@@ -16,17 +16,6 @@
 	"\"blend\":\"paint\",\"colour\":\"point\",\"texture\":\"brush\"},"                         \
 	"{\"step\":\"sprites\",\"points\":\"all\",\"blend\":\"paint\",\"ink\":\"#802010\"}]}"
 
-static const scene *court(void)
-{
-	static made m;
-	if (!m.scene) {
-		m = made_court();
-		made_read(&m);
-		files_remove_tree(m.folder, NULL); /* it stays mapped */
-	}
-	return m.scene;
-}
-
 static const double eye[3] = { 103, 196, 6 }, target[3] = { 103, 204, 4 };
 
 static frame *frame_with(const scene *s, const char *nodes, drawing **ret_drawing)
@@ -46,8 +35,8 @@ static const uint8_t *at(const struct picture_buffer *p, uint32_t x, uint32_t y)
 static void test_twice(void)
 {
 	g_autoptr(drawing) d = NULL, e = NULL;
-	g_autoptr(frame) f = frame_with(court(), EVERYTHING, &d),
-			 g = frame_with(court(), EVERYTHING, &e);
+	g_autoptr(frame) f = frame_with(made_shared_court(), EVERYTHING, &d),
+			 g = frame_with(made_shared_court(), EVERYTHING, &e);
 	struct picture_buffer a = made_picture(f), b = made_picture(f), c = made_picture(g);
 	made_assert_same(&a, &b);
 	made_assert_same(&a, &c);
@@ -62,8 +51,8 @@ static void test_moved(void)
 	static const double other[3] = { 101, 197, 5 };
 	struct camera there = camera_look_at(other, target, 50, WIDTH, HEIGHT);
 	g_autoptr(drawing) d = NULL;
-	g_autoptr(frame) f = frame_with(court(), EVERYTHING, &d);
-	g_autoptr(frame) g = made_frame(court(), d, &there);
+	g_autoptr(frame) f = frame_with(made_shared_court(), EVERYTHING, &d);
+	g_autoptr(frame) g = made_frame(made_shared_court(), d, &there);
 	g_assert_true(frame_move(f, &there, NULL));
 	struct picture_buffer a = made_picture(f), b = made_picture(g);
 	made_assert_same(&a, &b);
@@ -76,7 +65,7 @@ static void test_threads(void)
 	static const int threads[] = { 1, 2, 5 };
 	int before = omp_get_max_threads();
 	g_autoptr(drawing) d = NULL;
-	g_autoptr(frame) f = frame_with(court(), EVERYTHING, &d);
+	g_autoptr(frame) f = frame_with(made_shared_court(), EVERYTHING, &d);
 	struct picture_buffer a = made_picture(f);
 	for (size_t n = 0; n < G_N_ELEMENTS(threads); n++) {
 		omp_set_num_threads(threads[n]);
@@ -95,7 +84,7 @@ static void test_threads(void)
 static void test_portable(void)
 {
 	g_autoptr(drawing) d = NULL;
-	g_autoptr(frame) f = frame_with(court(), EVERYTHING, &d);
+	g_autoptr(frame) f = frame_with(made_shared_court(), EVERYTHING, &d);
 	struct picture_buffer a = made_picture(f);
 	f->portable = true;
 	struct picture_buffer b = made_picture(f);
@@ -192,11 +181,11 @@ static void test_segments(void)
 static void test_hidden_segment(void)
 {
 	g_autoptr(drawing) d = NULL, e = NULL;
-	g_autoptr(frame) f = frame_with(court(),
+	g_autoptr(frame) f = frame_with(made_shared_court(),
 		"\"site\":{\"steps\":[{\"step\":\"sprites\",\"points\":\"all\",\"ink\":\"#000000\","
 		"\"length_px\":20}]},\"Yard\":{\"steps\":[]}",
 		&d);
-	g_autoptr(frame) g = frame_with(court(),
+	g_autoptr(frame) g = frame_with(made_shared_court(),
 		"\"site\":{\"steps\":[{\"step\":\"sprites\",\"points\":\"all\",\"ink\":\"#000000\","
 		"\"length_px\":20}]},\"Tree\":{\"steps\":[]}",
 		&e);
@@ -236,7 +225,7 @@ static struct picture_buffer paper_alone(const char *paper, uint32_t width, uint
 	g_assert_no_error(error);
 	static const double sky[3] = { 103, 100, 60 };
 	struct camera c = camera_look_at(eye, sky, 60, width, height);
-	g_autoptr(frame) f = made_frame(court(), d, &c);
+	g_autoptr(frame) f = made_frame(made_shared_court(), d, &c);
 	return made_picture(f);
 }
 
@@ -359,7 +348,7 @@ static void test_sizes(void)
 	g_autoptr(drawing) d = made_drawing(EVERYTHING);
 	for (size_t n = 0; n < G_N_ELEMENTS(sizes); n++) {
 		struct camera c = camera_look_at(eye, target, 60, sizes[n][0], sizes[n][1]);
-		g_autoptr(frame) f = made_frame(court(), d, &c);
+		g_autoptr(frame) f = made_frame(made_shared_court(), d, &c);
 		struct picture_buffer p = made_picture(f);
 		for (size_t i = 0; i < (size_t)p.width * p.height; i++)
 			g_assert_cmpuint(p.rgba[i][3], ==, 255);

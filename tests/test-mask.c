@@ -218,22 +218,11 @@ static const struct look {
 	{ { 103, 194, 5 }, { 103, 205, 4 }, 60, 17, 9 },
 };
 
-static const scene *court(void)
-{
-	static made m;
-	if (!m.scene) {
-		m = made_court();
-		made_read(&m);
-		files_remove_tree(m.folder, NULL); /* it stays mapped */
-	}
-	return m.scene;
-}
-
 static frame *look_at_court(const struct look *l, drawing **ret_drawing)
 {
 	struct camera c = camera_look_at(l->eye, l->target, l->fov_deg, l->width, l->height);
 	*ret_drawing = made_drawing(POINTS_ONLY ",\"Tree\":{\"steps\":[{\"step\":\"sprites\"}]}");
-	return made_frame(court(), *ret_drawing, &c);
+	return made_frame(made_shared_court(), *ret_drawing, &c);
 }
 
 static void test_reference(gconstpointer data)
