@@ -15,6 +15,7 @@ typedef float vf __attribute__((vector_size(32)));
 typedef int32_t vi __attribute__((vector_size(32)));
 typedef float vf_loose __attribute__((vector_size(32), aligned(4), may_alias));
 typedef int32_t vi_loose __attribute__((vector_size(32), aligned(4), may_alias));
+typedef uint32_t vu __attribute__((vector_size(32)));
 typedef int64_t vl __attribute__((vector_size(32)));
 
 #define INLINE static inline __attribute__((always_inline))
@@ -80,6 +81,31 @@ INLINE vf most(vf a, vf b)
 	return choose(a > b, a, b);
 }
 
+/* Lane by lane, which GCC finds the one instruction for. */
+INLINE vi lower(vi a, vi b)
+{
+	vi ret;
+	for (int k = 0; k < LANES; k++)
+		ret[k] = a[k] < b[k] ? a[k] : b[k];
+	return ret;
+}
+
+INLINE vi higher(vi a, vi b)
+{
+	vi ret;
+	for (int k = 0; k < LANES; k++)
+		ret[k] = a[k] > b[k] ? a[k] : b[k];
+	return ret;
+}
+
+INLINE vi lower_unsigned(vi a, vi b)
+{
+	vu ret;
+	for (int k = 0; k < LANES; k++)
+		ret[k] = ((vu)a)[k] < ((vu)b)[k] ? ((vu)a)[k] : ((vu)b)[k];
+	return (vi)ret;
+}
+
 INLINE vf magnitude(vf x)
 {
 	return (vf)((vi)x & 0x7fffffff);
@@ -94,7 +120,8 @@ INLINE vf root(vf x)
 
 INLINE vf all(float x)
 {
-	return x - (vf){ 0 };
+	vf one = { x };
+	return __builtin_shufflevector(one, one, 0, 0, 0, 0, 0, 0, 0, 0);
 }
 
 INLINE float largest(vf x)

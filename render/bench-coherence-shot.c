@@ -64,7 +64,7 @@ bool shot_take(struct shot *ret, frame *f, const struct camera *c, const visibil
 {
 	if (!frame_move(f, c, error))
 		return false;
-	draw_frame(f, picture, NULL);
+	draw_frame(NULL, f, picture, NULL);
 	*ret = (struct shot){ .camera = *c, .layers = f->layers };
 	ret->views = chunk_views_new(f, &ret->view_count);
 	if (!shared)

@@ -53,7 +53,7 @@ static bool draw_at(
 {
 	if (!frame_move(f, c, error))
 		return false;
-	draw_frame(f, picture, NULL);
+	draw_frame(NULL, f, picture, NULL);
 	return true;
 }
 

@@ -110,7 +110,7 @@ bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t
 {
 	if (!frame_move(f, &s->camera, error))
 		return false;
-	draw_frame(f, picture, NULL);
+	draw_frame(NULL, f, picture, NULL);
 	g_autofree struct targets *targets = targets_of(f);
 	double paper = paper_light(f);
 	for (uint32_t y = 0; y + TILE_PX <= picture->height; y += TILE_PX)

@@ -10,12 +10,10 @@ uint64_t bench_count_discs(const frame *f)
 	for (uint32_t n = 0; n < count; n++) {
 		const struct pipeline *line =
 			&g_array_index(f->drawing->pipelines, struct pipeline, views[n].pipeline);
-		struct disc_pass p = disc_pass_of(
-			f, line->mask.disc, DISC_RADIUS_LEAST, line->mask.backs == BACKS_HIDDEN);
-		uint32_t end = disc_prefix(&p, &views[n]);
-		for (uint32_t i = 0; i < end; i += LANES)
+		struct disc_pass p = disc_pass_of(f, &views[n], line->mask.disc, DISC_RADIUS_LEAST);
+		for (uint32_t i = 0; i < p.end; i += LANES)
 			discs += (unsigned)__builtin_popcount(
-				disc_lanes_of(f->scene, &p, &views[n], i, end).drawn);
+				disc_lanes_of(f->scene, &p, &views[n], i, 0).drawn);
 	}
 	return discs;
 }

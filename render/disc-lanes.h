@@ -7,26 +7,48 @@
 #include <math.h>
 
 /* Points to a square pixel from which on they stand for others. */
-#define DISC_CROWD 5.f
+#define DISC_CROWD      5.f
+#define DISC_CROWD_ROOT 2.2360680f
 /* Discs are at least this wide, so that each covers the pixel that it is in; and at most that. */
 #define DISC_RADIUS_LEAST 0.72f
 #define DISC_RADIUS_MOST  48.f
 /* Depth over width: discs that are seen at a lower angle are tilted as little as that. */
 #define DISC_STEEPEST 40.f
 
+/* Pixels that a disc's box is wider, for what floats are rounded by. */
+#define DISC_ROUNDING 1e-3f
+
+/* How the points of one chunk become discs. */
 struct disc_pass {
 	float focal_px, middle_x, middle_y, near_m;
 	float turn[3][3]; /* site to camera */
 	float disc, radius_least;
 	bool backs_hidden;
+	uint32_t end;   /* of the points that may be drawn */
+	float per_rank; /* 1 / all points of the chunk */
 };
 
+/* The first points of the chunk that may be among those that stand for all. */
+static inline uint32_t disc_prefix(float focal_px, const struct chunk_view *v)
+{
+	float spacing_px = v->chunk->spacing_most_m * focal_px / v->near_m;
+	float part = spacing_px * spacing_px * DISC_CROWD;
+	return part < 1 ? (uint32_t)ceilf(part * (float)v->chunk->count) : v->chunk->count;
+}
+
 static inline struct disc_pass disc_pass_of(
-	const frame *f, float disc, float radius_least, bool backs_hidden)
+	const frame *f, const struct chunk_view *v, float disc, float radius_least)
 {
 	const struct camera *c = &f->camera;
-	struct disc_pass p = { (float)c->focal_px, (float)c->width / 2, (float)c->height / 2,
-		(float)c->near_m, { { 0 } }, disc, radius_least, backs_hidden };
+	struct disc_pass p = { .focal_px = (float)c->focal_px,
+		.middle_x = (float)c->width / 2,
+		.middle_y = (float)c->height / 2,
+		.near_m = (float)c->near_m,
+		.disc = disc,
+		.radius_least = radius_least,
+		.backs_hidden = frame_pipeline(f, v->pipeline)->mask.backs == BACKS_HIDDEN,
+		.end = disc_prefix((float)c->focal_px, v),
+		.per_rank = 1.f / (float)v->chunk->count };
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
@@ -34,24 +56,17 @@ static inline struct disc_pass disc_pass_of(
 	return p;
 }
 
-/* The first points of the chunk that may be among those that stand for all. */
-static inline uint32_t disc_prefix(const struct disc_pass *p, const struct chunk_view *v)
-{
-	float spacing_px = v->chunk->spacing_most_m * p->focal_px / v->near_m;
-	float part = spacing_px * spacing_px * DISC_CROWD;
-	return part < 1 ? (uint32_t)ceilf(part * (float)v->chunk->count) : v->chunk->count;
-}
-
 struct disc_lanes {
 	vf x, y, radius, depth_m;
 	/* A place dx, dy from the middle is inside where dx^2 + dy^2 + (squash . d)^2 < radius^2: discs that are met aslant are flat.
 	 * Its depth there is depth_m + tilt . d. Both 0 without a normal. */
 	vf squash[2], tilt[2];
-	vf rank; /* 0 .. 1, of those that are drawn here */
+	vf half[2]; /* of the box around it */
+	vf rank;    /* 0 .. 1, of those that are drawn here */
 	unsigned drawn;
 };
 
-/* Of packed normals; 0 0 0 where there is none. */
+/* Of packed normals, of any length; 0 0 0 where there is none. */
 INLINE void unpack_lanes(const int16_t (*packed)[2], vf ret[3])
 {
 	vi both = *(const vi_loose *)packed;
@@ -59,17 +74,34 @@ INLINE void unpack_lanes(const int16_t (*packed)[2], vf ret[3])
 	vi some = first != INT16_MIN;
 	vf x = __builtin_convertvector(first, vf) * (1 / 32767.f),
 	   y = __builtin_convertvector(second, vf) * (1 / 32767.f);
-	vf z = 1 - magnitude(x) - magnitude(y), over = most(-z, all(0));
-	x = choose(x >= 0, x - over, x + over);
-	y = choose(y >= 0, y - over, y + over);
-	vf unit = 1 / root(x * x + y * y + z * z);
-	ret[0] = where(some, x * unit);
-	ret[1] = where(some, y * unit);
-	ret[2] = where(some, z * unit);
+	vf z = 1 - magnitude(x) - magnitude(y), over = where(z < 0, -z);
+	ret[0] = where(some, choose(x >= 0, x - over, x + over));
+	ret[1] = where(some, choose(y >= 0, y - over, y + over));
+	ret[2] = where(some, z);
 }
 
-/* Flat as its plane is seen, but not below the least radius; its depth no steeper than DISC_STEEPEST, or a third of the distance. */
-INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], struct disc_lanes *d)
+/* Where discs are seen at no angle there is nothing to tilt. */
+#define ASIDE_LEAST 1e-6f
+
+/* Flat as its plane is seen, but not below the least radius. n: normals as the camera sees them; aside2 of them on the screen. */
+INLINE void squash_lanes(const struct disc_pass *p, const vf n[3], vf along, vf ray2, vf aside2,
+	vi some, struct disc_lanes *d)
+{
+	float narrowest = 1 / (p->radius_least * p->radius_least);
+	vf reach = d->radius * d->radius, length2 = aside2 + n[2] * n[2];
+	/* 1 / cosine^2 */
+	vf flat = least(length2 * ray2 / (along * along), reach * narrowest);
+	flat = where(some, most(least(flat, all(1e3f)), all(1)) - 1);
+	vf squash = root(where(some, flat / aside2)), part = reach / (1 + flat);
+	for (int k = 0; k < 2; k++)
+		d->squash[k] = squash * n[k];
+	for (int k = 0; k < 2; k++)
+		d->half[k] = root(part * (1 + d->squash[1 - k] * d->squash[1 - k])) + DISC_ROUNDING;
+}
+
+/* Its depth no steeper than DISC_STEEPEST, or a third of the distance. */
+INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], float flat_radius,
+	struct disc_lanes *d)
 {
 	vf site[3], n[3];
 	unpack_lanes(packed, site);
@@ -77,47 +109,45 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], st
 		n[k] = p->turn[k][0] * site[0] + p->turn[k][1] * site[1] + p->turn[k][2] * site[2];
 	vf right = (d->x - p->middle_x) * (1 / p->focal_px),
 	   down = (d->y - p->middle_y) * (1 / p->focal_px);
-	vf along = n[0] * right + n[1] * down + n[2], ray2 = right * right + down * down + 1;
+	vf along = n[0] * right + n[1] * down + n[2];
 	if (p->backs_hidden)
 		d->drawn &= bits(along <= 0);
-	vf cosine2 = along * along / ray2,
-	   flat2 = p->radius_least * p->radius_least / (d->radius * d->radius);
 	vf aside2 = n[0] * n[0] + n[1] * n[1];
-	vi some = aside2 > 1e-6f;
-	cosine2 = least(most(most(cosine2, flat2), all(1e-3f)), all(1));
-	vf squash = root(where(some, (1 / cosine2 - 1) / aside2));
+	vi some = aside2 > ASIDE_LEAST * (aside2 + n[2] * n[2]);
 	/* depth = n . P / n . ray */
 	vf steep = most(magnitude(along) * p->focal_px,
 		root(aside2) * most(d->radius * 3, all(p->focal_px / DISC_STEEPEST)));
 	vf slope = where(some, d->depth_m / steep);
 	slope = choose(along >= 0, -slope, slope);
-	for (int k = 0; k < 2; k++) {
-		d->squash[k] = squash * n[k];
+	for (int k = 0; k < 2; k++)
 		d->tilt[k] = slope * n[k];
-	}
+	if (bits(d->radius >= flat_radius) & d->drawn)
+		squash_lanes(p, n, along, right * right + down * down + 1, aside2, some, d);
 }
 
+/* Those with less than flat_radius have neither squash nor half. */
 INLINE struct disc_lanes disc_lanes_of(const scene *s, const struct disc_pass *p,
-	const struct chunk_view *v, uint32_t i, uint32_t end)
+	const struct chunk_view *v, uint32_t i, float flat_radius)
 {
 	uint32_t at = v->chunk->first + i;
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
 	struct lane_points l = project_lanes(v, q, p->focal_px, p->middle_x, p->middle_y);
-	vf spacing_px = load_u16(s->spacing + at) * (1e-4f * p->focal_px) / l.depth_m;
-	vf disc_px = load_u16(s->disc + at) * (1e-4f * p->focal_px) / l.depth_m;
-	vf rank = ((float)i + 0.5f + lane_number) * (1.f / (float)v->chunk->count);
-	vf part = least(spacing_px * spacing_px * DISC_CROWD, all(1));
+	vf unit_px = l.px_per_m * 1e-4f;
+	vf spacing_px = load_u16(s->spacing + at) * unit_px,
+	   disc_px = load_u16(s->disc + at) * unit_px;
+	vf rank = ((float)i + 0.5f + lane_number) * p->per_rank;
+	/* The root of the part that is drawn, which is small where spacing is: this is the size of those that are left. */
+	vf part = least(spacing_px * DISC_CROWD_ROOT, all(1)), limit = part * part;
 	struct disc_lanes d = { .x = l.x_px, .y = l.y_px, .depth_m = l.depth_m };
-	d.rank = rank / part;
-	/* part is small where spacing is: this is the size of those that are left. */
-	d.radius = 0.5f * p->disc * disc_px / root(part);
+	d.rank = rank / limit;
+	d.radius = 0.5f * p->disc * disc_px / part;
 	d.radius = least(most(d.radius, all(p->radius_least)), all(DISC_RADIUS_MOST));
 	vi in = (l.depth_m > p->near_m) & (d.x > -d.radius) & (d.y > -d.radius) &
 		(d.x < 2 * p->middle_x + d.radius) & (d.y < 2 * p->middle_y + d.radius) &
-		(rank < part) & (lane_number < (float)(end - i));
+		(rank < limit) & (lane_number < (float)(p->end - i));
 	d.drawn = bits(in);
 	if (d.drawn)
-		tilt_lanes(p, s->normal + at, &d);
+		tilt_lanes(p, s->normal + at, flat_radius, &d);
 	return d;
 }
 

@@ -9,6 +9,23 @@
 
 #define PLANES 8
 
+struct draw_room {
+	visibility_mask *mask;
+};
+
+draw_room *draw_room_new(void)
+{
+	return g_new0(draw_room, 1);
+}
+
+void draw_room_free(draw_room *r)
+{
+	if (!r)
+		return;
+	visibility_mask_free(r->mask);
+	g_free(r);
+}
+
 /* One thread's planes of a band. */
 struct desk {
 	float *memory, *canvas[3];
@@ -324,18 +341,20 @@ static double lap(int64_t *since_us)
 	return s;
 }
 
-void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *ret_times)
+void draw_frame(
+	draw_room *room, const frame *f, struct picture_buffer *to, struct draw_times *ret_times)
 {
+	draw_room own = { 0 };
 	struct draw_times t = { 0 };
 	int64_t since_us = g_get_monotonic_time(), begin_us = since_us;
 	struct job j = { .f = f, .to = to };
 	g_autofree struct chunk_view *views = chunk_views_new(f, &j.count);
 	j.views = views;
 	t.cull_s = lap(&since_us);
-	g_autoptr(visibility_mask) m = visibility_mask_new(f, j.views, j.count);
-	j.mask = m;
+	draw_room *r = room ? room : &own;
+	j.mask = r->mask = visibility_mask_renew(r->mask, f, j.views, j.count);
 	t.mask_s = lap(&since_us);
-	stroke_list *strokes = stroke_lists_new(f, m, j.views, j.count);
+	stroke_list *strokes = stroke_lists_new(f, j.mask, j.views, j.count);
 	j.strokes = strokes;
 	t.choose_s = lap(&since_us);
 	g_autofree band_lists *lists = g_new0(band_lists, f->layers + 1);
@@ -347,7 +366,7 @@ void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *re
 	draw_bands(&j);
 	t.draw_s = lap(&since_us);
 	t.chunks_in_view = j.count;
-	t.chunks_hidden = m->chunks_hidden;
+	t.chunks_hidden = j.mask->chunks_hidden;
 	for (uint32_t n = 0; n < j.count; n++)
 		t.points_in_view += views[n].chunk->count;
 	for (uint32_t n = 0; n < f->layers; n++) {
@@ -355,6 +374,7 @@ void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *re
 		band_lists_clear(&lists[n]);
 	}
 	stroke_lists_free(strokes, f->layers);
+	visibility_mask_free(own.mask);
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)
 		*ret_times = t;

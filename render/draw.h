@@ -9,8 +9,13 @@ struct draw_times {
 	uint32_t points_in_view, strokes;       /* in chunks that are in view; drawn */
 	uint32_t chunks_in_view, chunks_hidden; /* of these, not drawn since others hide them */
 };
-/* Into a picture of the camera's size, whose memory is the caller's. ret_times may be NULL. */
-void draw_frame(const frame *f, struct picture_buffer *to, struct draw_times *ret_times);
+/* Memory that one frame leaves to the next of the same size. One thread at a time. */
+typedef struct draw_room draw_room;
+draw_room *draw_room_new(void);
+void draw_room_free(draw_room *r); /* NULL is fine */
+/* Into a picture of the camera's size, whose memory is the caller's. room and ret_times may be NULL. */
+void draw_frame(
+	draw_room *room, const frame *f, struct picture_buffer *to, struct draw_times *ret_times);
 
 struct picture_buffer picture_buffer_new(uint32_t width, uint32_t height);
 void picture_buffer_clear(struct picture_buffer *p);

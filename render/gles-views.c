@@ -39,11 +39,11 @@ static void describe(const frame *f, const struct gles_slab *slab, const struct 
 	const struct scene_chunk *c = v->chunk;
 	const struct mask_step *mask = &frame_pipeline(f, v->pipeline)->mask;
 	const struct points_step *points = splat_step(f, v->pipeline);
-	struct disc_pass pass = disc_pass_of(f, 0, 0, false);
 	*ret = (struct view_block){ .mask = { mask->disc, mask->offset_m, mask->offset_relative,
 					    mask->backs == BACKS_HIDDEN },
 		.splat = { 0, 0, c->spacing_most_m },
-		.at = { c->first - slab->first, c->first, c->count, disc_prefix(&pass, v) },
+		.at = { c->first - slab->first, c->first, c->count,
+			disc_prefix((float)f->camera.focal_px, v) },
 		.pipeline = { v->pipeline } };
 	memcpy(ret->base, v->base, sizeof v->base);
 	ret->base[3] = v->near_m;

@@ -9,213 +9,201 @@
 /* Of a disc's radius. */
 #define SLANT 1.f
 
+/* One thread's picture of keys. */
 struct target {
-	int32_t *key;
+	int32_t *key; /* of pixel 0 0 */
 	int32_t width, height;
 	ptrdiff_t pitch;
 };
 
 void visibility_mask_free(visibility_mask *m)
 {
-	if (m) {
-		g_aligned_free(m->memory);
-		g_free(m->deepest_m);
-		g_free(m);
-	}
+	if (!m)
+		return;
+	for (uint32_t n = 0; n < m->threads; n++)
+		g_aligned_free(m->part[n]);
+	g_free(m->part);
+	g_aligned_free(m->memory);
+	g_free(m->deepest_m);
+	g_free(m);
 }
 
-static size_t keys_of(const struct camera *c, uint32_t *ret_pitch)
+static size_t keys_of_picture(const visibility_mask *m)
 {
-	*ret_pitch = (c->width + 2 * MASK_MARGIN + 7) / 8 * 8;
-	return (size_t)*ret_pitch * (c->height + 2 * MASK_MARGIN);
+	return (size_t)m->pitch * (m->height + 2 * MASK_MARGIN);
 }
 
-static visibility_mask *mask_alloc(const struct camera *c)
+static int32_t *picture_new(const visibility_mask *m)
+{
+	return g_aligned_alloc(keys_of_picture(m), sizeof(int32_t), 64);
+}
+
+static int32_t *first_key(const visibility_mask *m, int32_t *memory)
+{
+	return memory + (size_t)MASK_MARGIN * m->pitch + MASK_MARGIN;
+}
+
+static visibility_mask *mask_alloc(const struct camera *c, uint32_t threads)
 {
 	visibility_mask *m = g_new0(visibility_mask, 1);
-	size_t keys = keys_of(c, &m->pitch);
 	m->width = c->width;
 	m->height = c->height;
-	m->memory = g_aligned_alloc(keys, sizeof *m->memory, 64);
-	m->key = m->memory + (size_t)MASK_MARGIN * m->pitch + MASK_MARGIN;
+	m->pitch = (c->width + 2 * MASK_MARGIN + 7) / 8 * 8;
+	m->memory = picture_new(m);
+	m->key = first_key(m, m->memory);
+	m->threads = threads;
+	m->part = g_new(int32_t *, threads);
+	for (uint32_t n = 0; n < threads; n++)
+		m->part[n] = picture_new(m);
+	m->tiles_across = (m->width + MASK_TILE - 1) / MASK_TILE;
+	m->tiles_down = (m->height + MASK_TILE - 1) / MASK_TILE;
+	m->deepest_m = g_new(float, (size_t)m->tiles_across * m->tiles_down);
 	return m;
 }
 
-static void clear(visibility_mask *m)
+static void clear(int32_t *keys, size_t count)
 {
-	size_t keys = (size_t)m->pitch * (m->height + 2 * MASK_MARGIN);
-	for (size_t i = 0; i < keys; i++)
-		m->memory[i] = MASK_EMPTY;
+	for (size_t i = 0; i < count; i++)
+		keys[i] = MASK_EMPTY;
 }
 
 /* ---- discs ---- */
 
-INLINE vi lower(vi a, vi b)
-{
-	vi less = a < b;
-	return (a & less) | (b & ~less);
-}
-
-/* One of the lanes. */
-struct disc {
-	float x, y, radius, squash[2], tilt[2];
-	float depth_m; /* pushed back */
-	int32_t pipeline;
+/* Eight discs. Where c is a column and r a row from the first pixel of its box on, a pixel is inside where
+ * away + (along + flat c) c + (step + cross c) r + steep r (r - 1) <= 0, and depth_m + tilt . (c, r) deep there. */
+struct discs {
+	vf away, along, flat, step, cross, steep2, depth_m, tilt[2];
+	vi at, columns, rows;
 };
 
-INLINE vi keys_of_depths(vf depth_m, vi inside, int32_t pipeline)
+/* The first pixel whose middle is not before x, where x is not before -1. */
+INLINE vi pixel_from(vf x)
 {
-	vi key = ((vi)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | pipeline;
-	return (inside & key) | (~inside & MASK_EMPTY);
+	return __builtin_convertvector(x + 1.5f, vi) - 1;
 }
 
-INLINE void put(int32_t *at, vi key)
+INLINE struct discs discs_of(const struct target *t, const struct disc_lanes *d, vf pushed_m)
 {
-	*(vi_loose *)at = lower(*(vi_loose *)at, key);
+	vi left = pixel_from(most(d->x - d->half[0], all(0))),
+	   top = pixel_from(most(d->y - d->half[1], all(0)));
+	vf x = __builtin_convertvector(left, vf) + 0.5f - d->x,
+	   y = __builtin_convertvector(top, vf) + 0.5f - d->y;
+	vf flat = 1 + d->squash[0] * d->squash[0], steep = 1 + d->squash[1] * d->squash[1],
+	   cross = 2 * d->squash[0] * d->squash[1];
+	struct discs ret = { .flat = flat, .cross = cross, .steep2 = 2 * steep };
+	ret.away = flat * x * x + cross * x * y + steep * y * y - d->radius * d->radius;
+	ret.along = 2 * flat * x + cross * y;
+	ret.step = cross * x + steep * (2 * y + 1);
+	ret.depth_m = pushed_m + d->tilt[0] * x + d->tilt[1] * y;
+	ret.tilt[0] = d->tilt[0];
+	ret.tilt[1] = d->tilt[1];
+	ret.at = top * (int32_t)t->pitch + left;
+	ret.columns = pixel_from(least(d->x + d->half[0], all((float)t->width))) - left;
+	ret.rows = pixel_from(least(d->y + d->half[1], all((float)t->height))) - top;
+	return ret;
 }
 
-/* Up to eight pixels wide, well inside the picture. */
-INLINE void draw_small(const struct target *t, const struct disc *d)
+INLINE vi keys_of(vf depth_m, int32_t pipeline)
 {
-	int left = (int)(d->x - d->radius), top = (int)(d->y - d->radius),
-	    bottom = (int)(d->y + d->radius);
-	vf dx = (float)left + 0.5f - d->x + lane_number;
-	/* dx^2 + dy^2 + (squash . d)^2, in powers of dy */
-	vf flat = dx * dx * (1 + d->squash[0] * d->squash[0]),
-	   cross = dx * (2 * d->squash[0] * d->squash[1]);
-	vf depth_m = d->depth_m + d->tilt[0] * dx;
-	float steep = 1 + d->squash[1] * d->squash[1], reach = d->radius * d->radius;
-	int32_t *at = t->key + top * t->pitch + left;
-	for (int row = top; row <= bottom; row++, at += t->pitch) {
-		float down = (float)row + 0.5f - d->y;
-		vi inside = flat + cross * down <= reach - steep * down * down;
-		put(at, keys_of_depths(depth_m + d->tilt[1] * down, inside, d->pipeline));
+	return ((vi)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | pipeline;
+}
+
+/* Eight columns of one disc, from column on; those outside have the highest key. */
+INLINE void draw_columns(
+	const struct target *t, const struct discs *d, int k, int column, int32_t pipeline)
+{
+	vf c = (float)column + lane_number;
+	vf away = d->away[k] + (d->along[k] + d->flat[k] * c) * c,
+	   step = d->step[k] + d->cross[k] * c, depth_m = d->depth_m[k] + d->tilt[0][k] * c;
+	int32_t *at = t->key + d->at[k] + column;
+	for (int rows = d->rows[k]; rows > 0; rows--, at += t->pitch) {
+		store_mask(
+			at, lower_unsigned(load_mask(at), keys_of(depth_m, pipeline) | (away > 0)));
+		depth_m += d->tilt[1][k];
+		away += step;
+		step += d->steep2[k];
 	}
-}
-
-INLINE void draw_large(const struct target *t, const struct disc *d)
-{
-	int left = MAX((int)floorf(d->x - d->radius), 1 - LANES),
-	    right = MIN((int)floorf(d->x + d->radius), t->width - 1),
-	    top = MAX((int)floorf(d->y - d->radius), 0),
-	    bottom = MIN((int)floorf(d->y + d->radius), t->height - 1);
-	for (int row = top; row <= bottom; row++)
-		for (int column = left; column <= right; column += LANES) {
-			float down = (float)row + 0.5f - d->y;
-			vf dx = (float)column + 0.5f - d->x + lane_number;
-			vf across = d->squash[0] * dx + d->squash[1] * down;
-			vi inside =
-				dx * dx + down * down + across * across <= d->radius * d->radius;
-			put(t->key + row * t->pitch + column,
-				keys_of_depths(d->depth_m + d->tilt[0] * dx + d->tilt[1] * down,
-					inside, d->pipeline));
-		}
 }
 
 /* ---- points ---- */
 
-/* Those of less than this are at most eight pixels wide. */
-#define RADIUS_SMALL 3.4f
+/* Discs are reckoned some at a time before they are drawn: how many rows one has is hard to foresee, and nothing that takes long
+ * should wait for it. */
+#define SHEET 32
 
-/* Eight discs, as lanes and one by one. */
-struct batch {
-	float x[LANES], y[LANES], radius[LANES], squash[2][LANES], tilt[2][LANES], depth_m[LANES];
-	int32_t at[LANES], key[LANES]; /* of dots */
+struct sheet {
+	struct discs discs[SHEET];
+	vi dot_at[SHEET], dot_key[SHEET];
+	uint8_t dots[SHEET], wide[SHEET];
 };
 
-INLINE void draw_dots(const struct target *t, const struct batch *b, unsigned which)
+/* Which of them to draw. */
+INLINE unsigned place_dots(const struct target *t, const struct disc_lanes *d, vf pushed_m,
+	int32_t pipeline, vi *ret_at, vi *ret_key)
 {
-	for (; which; which &= which - 1) {
-		int k = __builtin_ctz(which);
-		int32_t *at = t->key + b->at[k];
-		*at = MIN(*at, b->key[k]);
-	}
-}
-
-INLINE struct disc disc_of(const struct batch *b, int k, int32_t pipeline)
-{
-	return (struct disc){ b->x[k], b->y[k], b->radius[k], { b->squash[0][k], b->squash[1][k] },
-		{ b->tilt[0][k], b->tilt[1][k] }, b->depth_m[k], pipeline };
-}
-
-INLINE void draw_lanes(
-	const struct target *t, const struct disc_lanes *d, vf pushed_m, int32_t pipeline)
-{
-	struct batch b;
 	vi inside =
 		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
 	vi column = __builtin_convertvector(where(inside, d->x), vi),
 	   row = __builtin_convertvector(where(inside, d->y), vi);
-	vi clear_of_edges = (d->x >= d->radius) & (d->y >= d->radius) & (d->x < (float)t->width) &
-			    (d->y + d->radius < (float)t->height);
-	unsigned dots = bits(inside & (d->radius < MASK_DOT_RADIUS)) & d->drawn,
-		 small = bits(clear_of_edges & (d->radius >= MASK_DOT_RADIUS) &
-				 (d->radius < RADIUS_SMALL)) &
-			 d->drawn;
-	store_mask(b.at, row * (int32_t)t->pitch + column);
-	vf centre_m = pushed_m + d->tilt[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
-		      d->tilt[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
-	store_mask(b.key, keys_of_depths(centre_m, inside, pipeline));
-	draw_dots(t, &b, dots);
-	if (d->drawn == dots)
-		return;
-	store(b.x, d->x);
-	store(b.y, d->y);
-	store(b.radius, d->radius);
-	store(b.depth_m, pushed_m);
-	for (int k = 0; k < 2; k++) {
-		store(b.squash[k], d->squash[k]);
-		store(b.tilt[k], d->tilt[k]);
+	vf depth_m = pushed_m + d->tilt[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
+		     d->tilt[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
+	*ret_at = row * (int32_t)t->pitch + column;
+	*ret_key = keys_of(depth_m, pipeline);
+	return bits(inside);
+}
+
+INLINE void lay_out(const frame *f, const struct target *t, const struct chunk_view *v,
+	const struct disc_pass *p, uint32_t i, struct sheet *to, uint32_t n)
+{
+	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
+	struct disc_lanes d = disc_lanes_of(f->scene, p, v, i, MASK_DOT_RADIUS);
+	unsigned dots = bits(d.radius < MASK_DOT_RADIUS) & d.drawn, wide = d.drawn & ~dots;
+	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
+	vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
+		      SLANT * d.radius * d.depth_m * (1 / p->focal_px);
+	if (dots)
+		dots &= place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n], &to->dot_key[n]);
+	if (wide) {
+		to->discs[n] = discs_of(t, &d, pushed_m);
+		wide &= bits((to->discs[n].columns > 0) & (to->discs[n].rows > 0));
 	}
-	for (unsigned left = small; left; left &= left - 1) {
-		struct disc one = disc_of(&b, __builtin_ctz(left), pipeline);
-		draw_small(t, &one);
-	}
-	for (unsigned left = d->drawn & ~small & ~dots; left; left &= left - 1) {
-		struct disc one = disc_of(&b, __builtin_ctz(left), pipeline);
-		draw_large(t, &one);
-	}
+	to->dots[n] = (uint8_t)dots;
+	to->wide[n] = (uint8_t)wide;
+}
+
+INLINE void draw_sheet(
+	const struct target *t, const struct sheet *s, uint32_t count, int32_t pipeline)
+{
+	for (uint32_t n = 0; n < count; n++)
+		for (unsigned left = s->dots[n]; left; left &= left - 1) {
+			int k = __builtin_ctz(left);
+			int32_t *at = t->key + s->dot_at[n][k];
+			*at = MIN(*at, s->dot_key[n][k]);
+		}
+	for (uint32_t n = 0; n < count; n++)
+		for (unsigned left = s->wide[n]; left; left &= left - 1) {
+			int k = __builtin_ctz(left);
+			for (int column = 0; column < s->discs[n].columns[k]; column += LANES)
+				draw_columns(t, &s->discs[n], k, column, pipeline);
+		}
 }
 
 INLINE void draw_chunk(const frame *f, const struct target *t, const struct chunk_view *v)
 {
-	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
 	struct disc_pass p =
-		disc_pass_of(f, step->disc, DISC_RADIUS_LEAST, step->backs == BACKS_HIDDEN);
-	uint32_t end = disc_prefix(&p, v);
-	for (uint32_t i = 0; i < end; i += LANES) {
-		struct disc_lanes d = disc_lanes_of(f->scene, &p, v, i, end);
-		if (!d.drawn)
+		disc_pass_of(f, v, frame_pipeline(f, v->pipeline)->mask.disc, DISC_RADIUS_LEAST);
+	struct sheet sheet;
+	uint32_t n = 0;
+	for (uint32_t i = 0; i < p.end; i += LANES) {
+		lay_out(f, t, v, &p, i, &sheet, n);
+		if (++n < SHEET && i + LANES < p.end)
 			continue;
-		/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
-		vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
-			      SLANT * d.radius * d.depth_m * (1 / p.focal_px);
-		draw_lanes(t, &d, pushed_m, v->pipeline);
+		draw_sheet(t, &sheet, n, v->pipeline);
+		n = 0;
 	}
 }
 
-static void draw_portable(const frame *f, const struct target *t, const struct chunk_view *v)
-{
-	draw_chunk(f, t, v);
-}
-
-#if defined __x86_64__
-__attribute__((target("avx2"))) static void draw_avx2(
-	const frame *f, const struct target *t, const struct chunk_view *v)
-{
-	draw_chunk(f, t, v);
-}
-#else
-#define draw_avx2 draw_portable
-#endif
-
 /* ---- holes ---- */
-
-INLINE vi farther(vi a, vi b)
-{
-	vi less = a < b;
-	return (b & less) | (a & ~less);
-}
 
 INLINE vi keys_at(const int32_t *const rows[5], int down, int x)
 {
@@ -230,60 +218,108 @@ INLINE vi filled(const int32_t *const rows[5], int x)
 		{ 0, -1, 0, 2 } };
 	vi own = keys_at(rows, 0, x), between = own;
 	for (int n = 0; n < 8; n++)
-		between = lower(between, farther(keys_at(rows, pairs[n][1], x + pairs[n][0]),
+		between = lower(between, higher(keys_at(rows, pairs[n][1], x + pairs[n][0]),
 						 keys_at(rows, pairs[n][3], x + pairs[n][2])));
 	vi is_hole = (vf)between * MASK_HOLE < (vf)own;
 	return (between & is_hole) | (own & ~is_hole);
 }
 
-INLINE void fill_row(const visibility_mask *from, visibility_mask *to, int y)
+INLINE void fill_row(const int32_t *const rows[5], int32_t *to, uint32_t width)
 {
-	const int32_t *rows[5];
-	for (int k = 0; k < 5; k++)
-		rows[k] = from->key + (ptrdiff_t)(y + k - 2) * from->pitch;
-	for (int x = 0; x < (int)from->width; x += LANES)
-		*(vi_loose *)(to->key + (ptrdiff_t)y * to->pitch + x) = filled(rows, x);
+	for (int x = 0; x < (int)width; x += LANES)
+		store_mask(to + x, filled(rows, x));
 }
 
-static void fill_portable(const visibility_mask *from, visibility_mask *to, int y)
-{
-	fill_row(from, to, y);
-}
+/* ---- threads' pictures together ---- */
 
-#if defined __x86_64__
-__attribute__((target("avx2"))) static void fill_avx2(
-	const visibility_mask *from, visibility_mask *to, int y)
+/* Nothing beyond the picture's edges, whatever discs there left, and nothing above and below. */
+INLINE void merge_row(const visibility_mask *m, int y, int32_t *to)
 {
-	fill_row(from, to, y);
+	const int32_t *row[MASK_THREADS_MOST];
+	if (y < 0 || y >= (int)m->height) {
+		clear(to - MASK_MARGIN, m->pitch);
+		return;
+	}
+	for (uint32_t n = 0; n < m->threads; n++)
+		row[n] = first_key(m, m->part[n]) + (ptrdiff_t)y * m->pitch;
+	for (int x = 0; x < (int)m->width; x += LANES) {
+		vi key = load_mask(row[0] + x);
+		for (uint32_t n = 1; n < m->threads; n++)
+			key = lower(key, load_mask(row[n] + x));
+		store_mask(to + x, key);
+	}
+	for (int x = 0; x < MASK_MARGIN; x++)
+		to[-1 - x] = to[(int)m->width + x] = MASK_EMPTY;
 }
-#else
-#define fill_avx2 fill_portable
-#endif
 
 /* ---- tiles ---- */
 
-static float deepest_of(const visibility_mask *m, uint32_t across, uint32_t down)
+/* Keys of the deepest pixels so far of a row of tiles. */
+INLINE void deepen(const int32_t *row, uint32_t width, vi *deepest)
 {
-	int32_t deepest = 0;
-	for (uint32_t y = down * MASK_TILE; y < MIN((down + 1) * MASK_TILE, m->height); y++)
-		for (uint32_t x = across * MASK_TILE; x < MIN((across + 1) * MASK_TILE, m->width);
-			x++)
-			deepest = MAX(deepest, mask_key(m, (int32_t)x, (int32_t)y));
-	return mask_depth(deepest);
+	vi column = __builtin_convertvector(lane_number, vi);
+	for (uint32_t x = 0; x < width; x += LANES)
+		deepest[x / MASK_TILE] = higher(deepest[x / MASK_TILE],
+			load_mask(row + x) & (column + (int32_t)x < (int32_t)width));
 }
 
-static void make_tiles(visibility_mask *m)
+INLINE void put_tiles(visibility_mask *m, uint32_t down, vi *deepest)
 {
-	m->tiles_across = (m->width + MASK_TILE - 1) / MASK_TILE;
-	m->tiles_down = (m->height + MASK_TILE - 1) / MASK_TILE;
-	m->deepest_m = g_new(float, (size_t)m->tiles_across * m->tiles_down);
+	for (uint32_t across = 0; across < m->tiles_across; across++) {
+		int32_t most = 0;
+		for (int k = 0; k < LANES; k++)
+			most = MAX(most, deepest[across][k]);
+		m->deepest_m[down * m->tiles_across + across] = mask_depth(most);
+		deepest[across] = (vi){ 0 };
+	}
 }
 
-/* A row of tiles of m, as they are in from. */
-static void tiles_from(const visibility_mask *from, visibility_mask *m, uint32_t down)
+/* What a thread needs for rows of tiles. */
+struct bench {
+	int32_t *memory, *row[5]; /* merged */
+	vi *deepest;
+};
+
+static void set_up(struct bench *b, const visibility_mask *m)
 {
-	for (uint32_t across = 0; across < m->tiles_across; across++)
-		m->deepest_m[down * m->tiles_across + across] = deepest_of(from, across, down);
+	b->memory = g_aligned_alloc(5 * (size_t)m->pitch, sizeof(int32_t), 64);
+	for (int k = 0; k < 5; k++)
+		b->row[k] = b->memory + (size_t)k * m->pitch + MASK_MARGIN;
+	b->deepest = g_aligned_alloc0(m->tiles_across, sizeof(vi), 64);
+}
+
+static void clear_up(struct bench *b)
+{
+	g_aligned_free(b->memory);
+	g_aligned_free(b->deepest);
+}
+
+/* A row of tiles of what was drawn so far. */
+INLINE void look_at_tiles(visibility_mask *m, uint32_t down, struct bench *b)
+{
+	uint32_t end = MIN((down + 1) * MASK_TILE, m->height);
+	for (uint32_t y = down * MASK_TILE; y < end; y++) {
+		merge_row(m, (int)y, b->row[0]);
+		deepen(b->row[0], m->width, b->deepest);
+	}
+	put_tiles(m, down, b->deepest);
+}
+
+/* Together, without holes. */
+INLINE void finish_tiles(visibility_mask *m, uint32_t down, struct bench *b)
+{
+	int from = (int)(down * MASK_TILE), end = (int)MIN((down + 1) * MASK_TILE, m->height);
+	for (int k = 0; k < 4; k++)
+		merge_row(m, from - 2 + k, b->row[k]);
+	for (int y = from; y < end; y++) {
+		int32_t *to = m->key + (ptrdiff_t)y * m->pitch, *first = b->row[0];
+		merge_row(m, y + 2, b->row[4]);
+		fill_row((const int32_t *const *)b->row, to, m->width);
+		deepen(to, m->width, b->deepest);
+		memmove(b->row, b->row + 1, 4 * sizeof *b->row);
+		b->row[4] = first;
+	}
+	put_tiles(m, down, b->deepest);
 }
 
 /* Around its box, with its discs. */
@@ -313,21 +349,37 @@ bool mask_hides(const visibility_mask *m, const struct chunk_view *v)
 	return true;
 }
 
-/* ---- threads ---- */
+/* ---- paths ---- */
 
-static void merge_row(visibility_mask *const *part, int parts, uint32_t y)
-{
-	int32_t *a = part[0]->key + (size_t)y * part[0]->pitch;
-	int width = (int)part[0]->width;
-	for (int n = 1; n < parts; n++) {
-		const int32_t *b = part[n]->key + (size_t)y * part[n]->pitch;
-		for (int x = 0; x < width; x++)
-			a[x] = MIN(a[x], b[x]);
-	}
-	/* What discs at the edge left beyond it is nothing that holes are filled by. */
-	for (int x = 0; x < MASK_MARGIN; x++)
-		a[-1 - x] = a[width + x] = MASK_EMPTY;
-}
+struct path {
+	void (*draw)(const frame *f, const struct target *t, const struct chunk_view *v);
+	void (*look)(visibility_mask *m, uint32_t down, struct bench *b);
+	void (*finish)(visibility_mask *m, uint32_t down, struct bench *b);
+};
+
+#define PATH(name, attributes)                                                                     \
+	attributes static void draw_##name(                                                        \
+		const frame *f, const struct target *t, const struct chunk_view *v)                \
+	{                                                                                          \
+		draw_chunk(f, t, v);                                                               \
+	}                                                                                          \
+	attributes static void look_##name(visibility_mask *m, uint32_t down, struct bench *b)     \
+	{                                                                                          \
+		look_at_tiles(m, down, b);                                                         \
+	}                                                                                          \
+	attributes static void finish_##name(visibility_mask *m, uint32_t down, struct bench *b)   \
+	{                                                                                          \
+		finish_tiles(m, down, b);                                                          \
+	}                                                                                          \
+	static const struct path path_##name = { draw_##name, look_##name, finish_##name };
+PATH(portable, )
+#if defined __x86_64__
+PATH(avx2, __attribute__((target("avx2"))))
+#else
+#define path_avx2 path_portable
+#endif
+
+/* ---- all ---- */
 
 /* Chunks with half of the points, from the nearest on. */
 static uint32_t nearer_half(const struct chunk_view *views, uint32_t count)
@@ -341,51 +393,57 @@ static uint32_t nearer_half(const struct chunk_view *views, uint32_t count)
 	return n;
 }
 
-visibility_mask *visibility_mask_new(const frame *f, const struct chunk_view *views, uint32_t count)
+static void draw(visibility_mask *m, const frame *f, const struct chunk_view *views, uint32_t count)
 {
 	bool wide = !f->portable && vectors_have_avx2();
-	void (*draw)(const frame *, const struct target *, const struct chunk_view *) =
-		wide ? draw_avx2 : draw_portable;
-	int threads = f->single_thread ? 1 : omp_get_max_threads();
+	const struct path *path = wide ? &path_avx2 : &path_portable;
 	uint32_t half = nearer_half(views, count), hidden = 0;
-	g_autofree visibility_mask **part = g_new0(visibility_mask *, threads);
-	visibility_mask *whole = mask_alloc(&f->camera);
-	clear(whole);
-	make_tiles(whole);
-#pragma omp parallel num_threads(threads)
+#pragma omp parallel num_threads((int)m->threads)
 	{
-		visibility_mask *own = mask_alloc(&f->camera);
-		part[omp_get_thread_num()] = own;
-		clear(own);
-		struct target t = { own->key, (int32_t)own->width, (int32_t)own->height,
-			(ptrdiff_t)own->pitch };
-#pragma omp for schedule(dynamic, 4)
+		struct bench b;
+		set_up(&b, m);
+		/* All pictures, also when there are fewer threads than that. */
+#pragma omp for schedule(static)
+		for (uint32_t n = 0; n < m->threads; n++)
+			clear(m->part[n], keys_of_picture(m));
+		int32_t *own = m->part[omp_get_thread_num()];
+		struct target t = { first_key(m, own), (int32_t)m->width, (int32_t)m->height,
+			(ptrdiff_t)m->pitch };
+#pragma omp for schedule(dynamic, 2)
 		for (uint32_t n = 0; n < half; n++)
-			draw(f, &t, &views[n]);
+			path->draw(f, &t, &views[n]);
 #pragma omp for schedule(static)
-		for (uint32_t y = 0; y < own->height; y++)
-			merge_row(part, omp_get_num_threads(), y);
-#pragma omp for schedule(static)
-		for (uint32_t down = 0; down < whole->tiles_down; down++)
-			tiles_from(part[0], whole, down);
-#pragma omp for schedule(dynamic, 4) reduction(+ : hidden)
+		for (uint32_t down = 0; down < m->tiles_down; down++)
+			path->look(m, down, &b);
+#pragma omp for schedule(dynamic, 2) reduction(+ : hidden)
 		for (uint32_t n = half; n < count; n++)
-			if (mask_hides(whole, &views[n]))
+			if (mask_hides(m, &views[n]))
 				hidden++;
 			else
-				draw(f, &t, &views[n]);
+				path->draw(f, &t, &views[n]);
 #pragma omp for schedule(static)
-		for (uint32_t y = 0; y < own->height; y++)
-			merge_row(part, omp_get_num_threads(), y);
-#pragma omp for schedule(static)
-		for (int y = 0; y < (int)own->height; y++)
-			(wide ? fill_avx2 : fill_portable)(part[0], whole, y);
-#pragma omp for schedule(static)
-		for (uint32_t down = 0; down < whole->tiles_down; down++)
-			tiles_from(whole, whole, down);
+		for (uint32_t down = 0; down < m->tiles_down; down++)
+			path->finish(m, down, &b);
+		clear_up(&b);
 	}
-	whole->chunks_hidden = hidden;
-	for (int n = 0; n < threads; n++)
-		visibility_mask_free(part[n]);
-	return whole;
+	m->chunks_hidden = hidden;
+}
+
+visibility_mask *visibility_mask_renew(
+	visibility_mask *m, const frame *f, const struct chunk_view *views, uint32_t count)
+{
+	const struct camera *c = &f->camera;
+	int most = f->single_thread ? 1 : omp_get_max_threads();
+	uint32_t threads = (uint32_t)CLAMP(most, 1, MASK_THREADS_MOST);
+	if (!m || m->width != c->width || m->height != c->height || m->threads != threads) {
+		visibility_mask_free(m);
+		m = mask_alloc(c, threads);
+	}
+	draw(m, f, views, count);
+	return m;
+}
+
+visibility_mask *visibility_mask_new(const frame *f, const struct chunk_view *views, uint32_t count)
+{
+	return visibility_mask_renew(NULL, f, views, count);
 }

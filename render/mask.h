@@ -10,7 +10,8 @@
 
 #define MASK_PIPELINE_BITS 8
 #define MASK_EMPTY         0x7f7fff00 /* nothing there */
-#define MASK_MARGIN        16         /* pixels around, so that vectors may reach over the edge */
+#define MASK_THREADS_MOST  64
+#define MASK_MARGIN        16 /* pixels around, so that vectors may reach over the edge */
 /* Discs of less than this are the one pixel that their middle is in: they stand closer than pixels do. */
 #define MASK_DOT_RADIUS 0.8f
 /* What lies deeper than its neighbours on both sides, by more than this factor, is seen through a hole of a pixel or two, and is
@@ -25,12 +26,18 @@ struct visibility_mask {
 	/* How deep the deepest pixel of each tile is: what is behind that everywhere needs not be looked at. */
 	uint32_t tiles_across, tiles_down;
 	float *deepest_m;
+	/* A picture of keys for each thread that draws. */
+	uint32_t threads;
+	int32_t **part;
 	uint32_t chunks_hidden; /* that were not drawn, because what was there hid them */
 };
 /* Draws it: the nearer half of the points, then of the other half those chunks that are not hidden by it. Uses a picture of keys for
  * each thread. views: from near to far. The same with and without what is left out. */
 visibility_mask *visibility_mask_new(
 	const frame *f, const struct chunk_view *views, uint32_t count);
+/* The same in the memory of m, which is another frame's or NULL, where its size is right; returns that or a new one. */
+visibility_mask *visibility_mask_renew(
+	visibility_mask *m, const frame *f, const struct chunk_view *views, uint32_t count);
 void visibility_mask_free(visibility_mask *m); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(visibility_mask, visibility_mask_free)
 

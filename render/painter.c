@@ -10,21 +10,21 @@ struct painter {
 static bool cpu_draw(void *state, const frame *f, struct picture_buffer *to,
 	struct draw_times *ret_times, GError **error)
 {
-	(void)state;
 	(void)error;
-	draw_frame(f, to, ret_times);
+	draw_frame(state, f, to, ret_times);
 	return true;
 }
 
 static void *cpu_open(const backend_choice *choice, GError **error)
 {
+	(void)choice;
 	(void)error;
-	return (void *)choice; /* anything but NULL */
+	return draw_room_new();
 }
 
 static void cpu_close(void *state)
 {
-	(void)state;
+	draw_room_free(state);
 }
 
 const struct painter_ops painter_cpu = { "cpu", cpu_open, cpu_draw, cpu_close };
@@ -36,7 +36,7 @@ static void fall_back(painter *p, const GError *error)
 	g_free(p->choice.why);
 	p->choice.why = g_strdup_printf("cpu: gles failed: %s", error->message);
 	p->ops = &painter_cpu;
-	p->state = p;
+	p->state = draw_room_new();
 }
 
 painter *painter_new(enum backend_wish wish, GError **error)

@@ -7,7 +7,7 @@
 static const vf lane_number = { 0, 1, 2, 3, 4, 5, 6, 7 };
 
 struct lane_points {
-	vf x_px, y_px, depth_m;
+	vf x_px, y_px, depth_m, px_per_m;
 };
 
 /* Of points whose coordinates in the box are q. */
@@ -19,7 +19,8 @@ INLINE struct lane_points project_lanes(
 		at[k] = v->base[k] + q[0] * v->axis[0][k] + q[1] * v->axis[1][k] +
 			q[2] * v->axis[2][k];
 	vf scale = focal_px / at[2];
-	return (struct lane_points){ middle_x + at[0] * scale, middle_y + at[1] * scale, at[2] };
+	return (struct lane_points){ middle_x + at[0] * scale, middle_y + at[1] * scale, at[2],
+		scale };
 }
 
 typedef uint16_t vs __attribute__((vector_size(16)));

@@ -51,13 +51,11 @@ INLINE void splat_chunk(const struct band *b, const frame *f, const visibility_m
 	const struct chunk_view *v, const struct points_step *step, float *const light[3],
 	float *weight)
 {
-	struct disc_pass p =
-		disc_pass_of(f, step->size, fmaxf(step->least_px * f->px / 2, DISC_RADIUS_LEAST),
-			frame_pipeline(f, v->pipeline)->mask.backs == BACKS_HIDDEN);
+	struct disc_pass p = disc_pass_of(
+		f, v, step->size, fmaxf(step->least_px * f->px / 2, DISC_RADIUS_LEAST));
 	const float *linear = light_of_bytes();
-	uint32_t end = disc_prefix(&p, v);
-	for (uint32_t i = 0; i < end; i += LANES) {
-		struct disc_lanes d = disc_lanes_of(f->scene, &p, v, i, end);
+	for (uint32_t i = 0; i < p.end; i += LANES) {
+		struct disc_lanes d = disc_lanes_of(f->scene, &p, v, i, 0);
 		vi here = (d.y + d.radius >= (float)b->from) &
 			  (d.y - d.radius <= (float)(b->from + b->rows));
 		for (unsigned left = d.drawn & bits(here); left; left &= left - 1) {

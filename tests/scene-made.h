@@ -358,7 +358,7 @@ static inline frame *made_frame(const scene *s, const drawing *d, const struct c
 static inline struct picture_buffer made_picture(const frame *f)
 {
 	struct picture_buffer p = picture_buffer_new(f->camera.width, f->camera.height);
-	draw_frame(f, &p, NULL);
+	draw_frame(NULL, f, &p, NULL);
 	return p;
 }
 

@@ -76,7 +76,7 @@ static struct picture_buffer draw_gles(gles_draw *d, const frame *f)
 static struct picture_buffer draw_cpu(const frame *f)
 {
 	struct picture_buffer p = picture_buffer_new(f->camera.width, f->camera.height);
-	draw_frame(f, &p, NULL);
+	draw_frame(NULL, f, &p, NULL);
 	return p;
 }
 
