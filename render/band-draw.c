@@ -68,13 +68,18 @@ INLINE vf clamp01(vf x)
 	return least(most(x, all(0)), all(1));
 }
 
-INLINE vf sprite_alpha(const struct pen *p, vf dx, float dy)
+INLINE vf gaussian(const struct pen *p, vf away2)
 {
-	vf away = dx * dx + dy * dy;
-	vf e = 1 - away * (p->falloff / 256);
+	vf e = 1 - away2 * (p->falloff / 256);
 	for (int n = 0; n < 8; n++) /* (1 - x/256)^256 */
 		e *= e;
-	return where(away <= p->half_length * p->half_length, e);
+	return e;
+}
+
+INLINE vf sprite_alpha(const struct pen *p, vf dx, float dy)
+{
+	vf away2 = dx * dx + dy * dy;
+	return where(away2 <= p->half_length * p->half_length, gaussian(p, away2));
 }
 
 INLINE vf line_alpha(const struct pen *p, vf along, vf across)
@@ -178,12 +183,47 @@ INLINE void draw_row(const struct pen *p, const struct band *b, uint32_t y,
 	}
 }
 
+/* Sprites with less than this have eight columns and rows at most. */
+#define SPRITE_SMALL 3.4f
+
+/* The Gaussian kernel is that of its columns times that of its rows. */
+INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum band_blend blend)
+{
+	const struct stroke *s = p->s;
+	int left = MAX((int)(s->x_px - p->half_length), 0),
+	    top = MAX((int)floorf(s->y_px - p->half_length), (int)b->from),
+	    end = MIN((int)(s->y_px + p->half_length) + 1, (int)(b->from + b->rows));
+	if (s->x_px + p->half_length < 0 || s->x_px - p->half_length >= (float)b->width)
+		return;
+	vf dx = (float)left + 0.5f - s->x_px + lane_number,
+	   dy = (float)top + 0.5f - s->y_px + lane_number;
+	vf dx2 = dx * dx, reach2 = p->half_length * p->half_length - dx2,
+	   across = gaussian(p, dx2) * s->alpha;
+	float down[LANES], down2[LANES];
+	store(down, gaussian(p, dy * dy));
+	store(down2, dy * dy);
+	ptrdiff_t at = (ptrdiff_t)(top - (int)b->from) * b->pitch + BAND_MARGIN + left;
+	for (int k = 0; top + k < end; k++, at += b->pitch) {
+		vf alpha = where(reach2 >= down2[k], across * down[k]);
+		if (m)
+			alpha = where(shows(p, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
+					      (float)(top + k) + 0.5f - s->y_px),
+				alpha);
+		blend_at(p, blend, alpha, ink, at);
+	}
+}
+
 INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
 	float reach = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
 	int from = MAX((int)floorf(p->s->y_px - reach - 0.5f), (int)b->from),
 	    to = MIN((int)ceilf(p->s->y_px + reach + 0.5f), (int)(b->from + b->rows));
+	if (kernel == KERNEL_SPRITE && p->half_length < SPRITE_SMALL) {
+		draw_small_sprite(p, b, m, ink, blend);
+		return;
+	}
 	for (int y = from; y < to; y++)
 		draw_row(p, b, (uint32_t)y, m, ink, kernel, blend);
 }

@@ -66,20 +66,6 @@ struct disc_lanes {
 	unsigned drawn;
 };
 
-/* Of packed normals, of any length; 0 0 0 where there is none. */
-INLINE void unpack_lanes(const int16_t (*packed)[2], vf ret[3])
-{
-	vi both = *(const vi_loose *)packed;
-	vi first = both << 16 >> 16, second = both >> 16;
-	vi some = first != INT16_MIN;
-	vf x = __builtin_convertvector(first, vf) * (1 / 32767.f),
-	   y = __builtin_convertvector(second, vf) * (1 / 32767.f);
-	vf z = 1 - magnitude(x) - magnitude(y), over = where(z < 0, -z);
-	ret[0] = where(some, choose(x >= 0, x - over, x + over));
-	ret[1] = where(some, choose(y >= 0, y - over, y + over));
-	ret[2] = where(some, z);
-}
-
 /* Where discs are seen at no angle there is nothing to tilt. */
 #define ASIDE_LEAST 1e-6f
 
@@ -104,7 +90,7 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], fl
 	struct disc_lanes *d)
 {
 	vf site[3], n[3];
-	unpack_lanes(packed, site);
+	unpack_lanes(*(const vi_loose *)packed, site);
 	for (int k = 0; k < 3; k++)
 		n[k] = p->turn[k][0] * site[0] + p->turn[k][1] * site[1] + p->turn[k][2] * site[2];
 	vf right = (d->x - p->middle_x) * (1 / p->focal_px),

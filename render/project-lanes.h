@@ -33,4 +33,17 @@ INLINE vf load_u16(const uint16_t *at)
 	return __builtin_convertvector(__builtin_convertvector(v, vi), vf);
 }
 
+/* Of packed normals, of any length; 0 0 0 where there is none. */
+INLINE void unpack_lanes(vi both, vf ret[3])
+{
+	vi first = both << 16 >> 16, second = both >> 16;
+	vi some = first != INT16_MIN;
+	vf x = __builtin_convertvector(first, vf) * (1 / 32767.f),
+	   y = __builtin_convertvector(second, vf) * (1 / 32767.f);
+	vf z = 1 - magnitude(x) - magnitude(y), over = where(z < 0, -z);
+	ret[0] = where(some, choose(x >= 0, x - over, x + over));
+	ret[1] = where(some, choose(y >= 0, y - over, y + over));
+	ret[2] = where(some, z);
+}
+
 #endif

@@ -2,15 +2,12 @@
 #define RENDER_STROKE_BRUSH_H
 /* A layer as one chunk draws it, and what a point's surface looks like from the camera: where it goes on the screen, at what angle it
  * is seen, along what its edge runs. Internal to stroke.c; all is inlined. */
+#include "process/lanes.h"
 #include "process/vector3.h"
 #include "render/stroke.h"
 #include <math.h>
 
-/* A surface seen at a lower cosine counts as seen at this one. */
-#define COSINE_LEAST 0.05f
-/* Of points without a normal. */
-#define COSINE_UNKNOWN 0.5f
-#define UNIT_M         1e-4f /* of the scene's lengths */
+#define UNIT_M 1e-4f /* of the scene's lengths */
 
 /* A layer as one chunk draws it. */
 struct brush {
@@ -33,12 +30,13 @@ struct candidate {
 	float x_px, y_px, depth_m;
 };
 
-static inline float around_zero(uint32_t point, uint32_t salt)
+/* -1 .. 1 */
+INLINE float around_zero(uint32_t point, uint32_t salt)
 {
 	return 2 * stroke_chance(point, salt) - 1;
 }
 
-static inline void to_camera(const struct brush *b, const int16_t packed[2], float ret[3])
+INLINE void to_camera(const struct brush *b, const int16_t packed[2], float ret[3])
 {
 	float v[3];
 	model_unpack_normal(packed, v);
@@ -47,28 +45,16 @@ static inline void to_camera(const struct brush *b, const int16_t packed[2], flo
 }
 
 /* The ray through a place on the screen, of depth 1. */
-static inline void ray_of(const struct brush *b, const struct candidate *c, float ret[3])
+INLINE void ray_of(const struct brush *b, const struct candidate *c, float ret[3])
 {
 	ret[0] = (c->x_px - b->middle_x) / b->focal_px;
 	ret[1] = (c->y_px - b->middle_y) / b->focal_px;
 	ret[2] = 1;
 }
 
-/* Of the angle that the surface is seen at, times how much longer the ray is than the depth: a square metre of it covers so many
- * (focal length / depth)^2. */
-static inline float cosine_of(
-	const struct brush *b, const struct candidate *c, const float normal[3])
-{
-	float ray[3];
-	if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
-		return COSINE_UNKNOWN;
-	ray_of(b, c, ray);
-	return MAX(fabsf(vector3_dot(normal, ray)), COSINE_LEAST);
-}
-
 /* 1/depth over the screen, of the plane through the point. */
-static inline void plane_slope(const struct brush *b, const struct candidate *c,
-	const float normal[3], float reach_px, float ret[2])
+INLINE void plane_slope(const struct brush *b, const struct candidate *c, const float normal[3],
+	float reach_px, float ret[2])
 {
 	float ray[3], steepest = 0.5f / (c->depth_m * MAX(reach_px, 1));
 	ray_of(b, c, ray);
@@ -84,7 +70,7 @@ struct line {
 	float along[2], px_per_m, slope;
 };
 
-static inline bool line_of(const struct brush *b, const struct candidate *c, struct line *ret)
+INLINE bool line_of(const struct brush *b, const struct candidate *c, struct line *ret)
 {
 	float d[3], ray[3];
 	const int16_t *packed = b->f->scene->direction[c->point];
@@ -102,27 +88,6 @@ static inline bool line_of(const struct brush *b, const struct candidate *c, str
 	ret->px_per_m = length;
 	ret->slope = -d[2] / (c->depth_m * c->depth_m * length);
 	return true;
-}
-
-/* Moves the point in its plane, inside the patch that it stands for. */
-static inline void scatter(const struct brush *b, const float normal[3], struct candidate *c)
-{
-	/* Two axes of the plane (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). */
-	float sign = normal[2] >= 0 ? 1 : -1, s = -1 / (sign + normal[2]),
-	      t = normal[0] * normal[1] * s;
-	float axis[2][3] = { { 1 + sign * normal[0] * normal[0] * s, sign * t, -sign * normal[0] },
-		{ t, sign + normal[1] * normal[1] * s, -normal[1] } };
-	float reach_m = b->layer->ink.scatter * b->f->scene->disc[c->point] * (UNIT_M / 2), at[3];
-	ray_of(b, c, at);
-	for (int k = 0; k < 3; k++)
-		at[k] = at[k] * c->depth_m +
-			reach_m * (around_zero(c->point, 5) * axis[0][k] +
-					  around_zero(c->point, 6) * axis[1][k]);
-	if (at[2] < b->near_m)
-		return;
-	c->depth_m = at[2];
-	c->x_px = b->middle_x + b->focal_px * at[0] / at[2];
-	c->y_px = b->middle_y + b->focal_px * at[1] / at[2];
 }
 
 #endif

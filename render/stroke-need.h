@@ -1,52 +1,165 @@
 #ifndef RENDER_STROKE_NEED_H
 #define RENDER_STROKE_NEED_H
-/* How many strokes are wanted where a point is, and its place among the points that there are (stroke.h). Internal to stroke.c; all is
- * inlined. */
+/* How many strokes are wanted where a point is, and its place among the points that there are (stroke.h): on surface for eight points
+ * at a time, along edges for one. Internal to stroke.c; all is inlined. */
+#include "render/project-lanes.h"
 #include "render/stroke-brush.h"
 
+/* A surface seen at a lower cosine counts as seen at this one. */
+#define COSINE_LEAST 0.05f
+/* Of points without a normal. */
+#define COSINE_UNKNOWN 0.5f
+
 /* Those of edges are as dense along them; but where a tone is shown they are surface like all other points. */
-static inline bool is_on_edge(const struct brush *b)
+INLINE bool is_on_edge(const struct brush *b)
 {
 	return b->kind == FEATURE_DIRECTED && !b->layer->is_queue;
 }
 
 /* Points that come after dithering points, as dense as all points are. */
-static inline bool shares_queue(const struct brush *b)
+INLINE bool shares_queue(const struct brush *b)
 {
 	return b->kind != FEATURE_DITHER && b->layer->is_queue;
 }
 
-/* Strokes wanted to a square metre of its surface. */
-static inline float need_on_surface(const struct brush *b, const struct candidate *c, float cosine)
-{
-	float px_per_m = b->focal_px / c->depth_m;
-	uint8_t lightness = scene_lightness(b->f->scene->rgba[c->point]);
-	return b->layer->wanted_per_px[lightness] * px_per_m * px_per_m * cosine;
-}
-
-/* Its place among the points that a layer draws there, as points to a square metre before it, and the last one's. Where a tone is
- * shown all other points come after the dithering points, in one queue with them. */
-struct place {
-	float rank, last;
-};
-
-static inline struct place place_of(const struct brush *b, const struct candidate *c)
-{
-	float per_m2 = 1 / (c->spacing_m * c->spacing_m);
-	if (!b->layer->is_queue)
-		return (struct place){ c->rank * per_m2, per_m2 };
-	const scene *s = b->f->scene;
-	float there = b->layer->dithering_per_m2[scene_lightness(s->rgba[c->point])],
-	      spacing_m = s->spacing[c->point] * UNIT_M, last = there + 1 / (spacing_m * spacing_m);
-	if (b->kind == FEATURE_DITHER)
-		return (struct place){ c->rank * there, last };
-	return (struct place){ there + c->rank * (last - there), last };
-}
-
-static inline float need_along(
-	const struct brush *b, const struct candidate *c, const struct line *l)
+INLINE float need_along(const struct brush *b, const struct candidate *c, const struct line *l)
 {
 	return l->px_per_m * c->spacing_m / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
+}
+
+/* ---- eight points ---- */
+
+struct lane_candidates {
+	uint32_t point[LANES]; /* of the scene */
+	vf rank;       /* of its kind in the chunk, then: points to a square metre before it */
+	vf last, need; /* points that there are, and strokes that are wanted, to a square metre */
+	vf x_px, y_px, depth_m, spacing_m;
+	vf normal[3]; /* as the camera sees it; 0 0 0: none */
+	vi is_flat;
+	unsigned left; /* which of them may be drawn */
+};
+
+/* Of four bytes each. */
+INLINE vi gather(const void *from, const uint32_t at[LANES])
+{
+	const int32_t *x = from;
+	return (vi){ x[at[0]], x[at[1]], x[at[2]], x[at[3]], x[at[4]], x[at[5]], x[at[6]],
+		x[at[7]] };
+}
+
+INLINE vf gather_u16(const uint16_t *x, const uint32_t at[LANES])
+{
+	vi ret = { x[at[0]], x[at[1]], x[at[2]], x[at[3]], x[at[4]], x[at[5]], x[at[6]], x[at[7]] };
+	return __builtin_convertvector(ret, vf);
+}
+
+/* scene_lightness() */
+INLINE vi lightness_of(vi rgba)
+{
+	vi light = 77 * (rgba & 255) + 150 * (rgba >> 8 & 255) + 29 * (rgba >> 16 & 255) + 128;
+	vi has_colour = (rgba >> 24 & 255) != 0;
+	return (light >> 8 & has_colour) | (128 & ~has_colour);
+}
+
+/* stroke_chance(), -1 .. 1 */
+INLINE vf lanes_around_zero(const uint32_t point[LANES], uint32_t salt)
+{
+	vu x = (vu)load_mask((const int32_t *)point) * 0x9E3779B9u ^ salt * 0x85EBCA6Bu;
+	x ^= x >> 16;
+	x *= 0x7feb352du;
+	x ^= x >> 15;
+	x *= 0x846ca68bu;
+	x ^= x >> 16;
+	return __builtin_convertvector((vi)(x >> 8), vf) * (2.f / (1 << 24)) - 1;
+}
+
+/* Where a tone is shown all other points come after the dithering points, in one queue with them. */
+INLINE void find_place(
+	const struct brush *b, const uint32_t lightness[LANES], struct lane_candidates *c)
+{
+	vf per_m2 = 1 / (c->spacing_m * c->spacing_m);
+	c->last = per_m2;
+	if (!b->layer->is_queue) {
+		c->rank *= per_m2;
+		return;
+	}
+	vf there = (vf)gather(b->layer->dithering_per_m2, lightness);
+	vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * UNIT_M;
+	c->last = there + 1 / (spacing_m * spacing_m);
+	c->rank = b->kind == FEATURE_DITHER ? c->rank * there : there + c->rank * (c->last - there);
+}
+
+INLINE void find_normals(const struct brush *b, struct lane_candidates *c)
+{
+	vi packed = gather(b->f->scene->normal, c->point);
+	vf n[3];
+	unpack_lanes(packed, n);
+	vi some = (packed << 16 >> 16) != INT16_MIN;
+	vf unit = where(some, 1 / root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
+	for (int k = 0; k < 3; k++)
+		c->normal[k] =
+			unit * (b->turn[k][0] * n[0] + b->turn[k][1] * n[1] + b->turn[k][2] * n[2]);
+	c->is_flat = b->kind < FEATURE_UNDIRECTED ? some : (vi){ 0 };
+}
+
+/* Of depth 1. */
+INLINE void rays_of(const struct brush *b, const struct lane_candidates *c, vf ret[2])
+{
+	ret[0] = (c->x_px - b->middle_x) * (1 / b->focal_px);
+	ret[1] = (c->y_px - b->middle_y) * (1 / b->focal_px);
+}
+
+/* Moves points in their planes, inside the patches that they stand for. */
+INLINE void scatter(const struct brush *b, struct lane_candidates *c)
+{
+	/* Two axes of the plane (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). */
+	const vf *n = c->normal;
+	vf sign = choose(n[2] >= 0, all(1), all(-1)), s = -1 / (sign + n[2]), t = n[0] * n[1] * s;
+	vf axis[2][3] = { { 1 + sign * n[0] * n[0] * s, sign * t, -sign * n[0] },
+		{ t, sign + n[1] * n[1] * s, -n[1] } };
+	vf reach_m = gather_u16(b->f->scene->disc, c->point) * (b->layer->ink.scatter * UNIT_M / 2);
+	vf by[2] = { reach_m * lanes_around_zero(c->point, 5),
+		reach_m * lanes_around_zero(c->point, 6) };
+	vf ray[2], at[3];
+	rays_of(b, c, ray);
+	for (int k = 0; k < 3; k++)
+		at[k] = (k < 2 ? ray[k] : all(1)) * c->depth_m + by[0] * axis[0][k] +
+			by[1] * axis[1][k];
+	vi moves = c->is_flat & (at[2] >= b->near_m);
+	vf scale = b->focal_px / at[2];
+	c->depth_m = choose(moves, at[2], c->depth_m);
+	c->x_px = choose(moves, b->middle_x + at[0] * scale, c->x_px);
+	c->y_px = choose(moves, b->middle_y + at[1] * scale, c->y_px);
+}
+
+/* Leaves those that are wanted where they are, and seen from the front where backs are hidden. Their last, need and normal are known
+ * then, and they are where they are drawn. */
+INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_candidates *c)
+{
+	uint32_t lightness[LANES];
+	store_mask((int32_t *)lightness, lightness_of(gather(b->f->scene->rgba, c->point)));
+	vf wanted = (vf)gather(b->layer->wanted_per_px, lightness);
+	vf px_per_m = b->focal_px / c->depth_m;
+	find_place(b, lightness, c);
+	/* Scattered they are hardly nearer than this. */
+	c->left &= bits(c->rank < wanted * px_per_m * px_per_m * b->ray_most);
+	if (!c->left)
+		return;
+	find_normals(b, c);
+	if (b->layer->ink.scatter > 0)
+		scatter(b, c);
+	vf ray[2];
+	rays_of(b, c, ray);
+	vf along = c->normal[0] * ray[0] + c->normal[1] * ray[1] + c->normal[2];
+	vi none = (c->normal[0] == 0) & (c->normal[1] == 0) & (c->normal[2] == 0);
+	/* Of the angle that the surface is seen at, times how much longer the ray is than the depth: a square metre of it covers so
+	 * many (focal length / depth)^2. */
+	vf cosine = choose(none, all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
+	px_per_m = b->focal_px / c->depth_m;
+	c->need = wanted * px_per_m * px_per_m * cosine;
+	c->left &= bits(c->rank < c->need);
+	if (backs_hidden)
+		c->left &= bits(along <= 0);
 }
 
 #endif

@@ -12,13 +12,13 @@
 /* ---- hidden or not ---- */
 
 /* floorf, which has no instruction of its own on old processors. */
-static int whole(float x)
+INLINE int whole(float x)
 {
 	int towards_zero = (int)x;
 	return towards_zero - (x < (float)towards_zero);
 }
 
-static float shows(const struct brush *b, int x, int y, float depth_m)
+INLINE float shows(const struct brush *b, int x, int y, float depth_m)
 {
 	const visibility_mask *m = b->mask;
 	x = CLAMP(x, 0, (int)m->width - 1);
@@ -27,7 +27,7 @@ static float shows(const struct brush *b, int x, int y, float depth_m)
 }
 
 /* Part of the four pixels around that it is not hidden in. */
-static float visibility(const struct brush *b, const struct candidate *c)
+INLINE float visibility(const struct brush *b, const struct candidate *c)
 {
 	if (!b->mask)
 		return 1;
@@ -52,7 +52,7 @@ float stroke_growth(float need)
 
 /* ---- the stroke ---- */
 
-static void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[4])
+INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[4])
 {
 	const struct ink_step *ink = &b->layer->ink;
 	const uint8_t *rgba = b->f->scene->rgba[c->point];
@@ -64,14 +64,14 @@ static void colour_of(const struct brush *b, const struct candidate *c, uint8_t 
 		ret[k] = (uint8_t)CLAMP(grey + ink->saturation * (rgba[k] - grey) + 0.5f, 0, 255);
 }
 
-static void turn_along(const struct brush *b, struct stroke *s, const float along[2], float half_px)
+INLINE void turn_along(const struct brush *b, struct stroke *s, const float along[2], float half_px)
 {
 	const float *turn = b->layer->turn[(int)(stroke_chance(s->point, 2) * 256)];
 	s->along_px[0] = half_px * (along[0] * turn[0] - along[1] * turn[1]);
 	s->along_px[1] = half_px * (along[0] * turn[1] + along[1] * turn[0]);
 }
 
-static float opacity_of(const struct brush *b, const struct candidate *c)
+INLINE float opacity_of(const struct brush *b, const struct candidate *c)
 {
 	const struct ink_step *ink = &b->layer->ink;
 	float degree = b->f->scene->degree[c->point] / 255.f;
@@ -81,7 +81,7 @@ static float opacity_of(const struct brush *b, const struct candidate *c)
 }
 
 /* line NULL: at the layer's own angle; normal NULL: of one depth. */
-static struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
+INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
 	float growth, const struct line *line, const float *normal)
 {
 	const struct ink_step *ink = &b->layer->ink;
@@ -105,7 +105,7 @@ static struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	return s;
 }
 
-static bool is_seen_from_behind(
+INLINE bool is_seen_from_behind(
 	const struct brush *b, const struct candidate *c, const float normal[3])
 {
 	float ray[3];
@@ -114,14 +114,14 @@ static bool is_seen_from_behind(
 	       vector3_dot(normal, ray) > 0;
 }
 
-static bool goes_along(const struct brush *b)
+INLINE bool goes_along(const struct brush *b)
 {
 	int32_t direction = b->layer->ink.direction;
 	return direction == DIRECTION_LINE ||
 	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
 }
 
-static void add_stroke(const struct brush *b, const struct candidate *c, float alpha, float growth,
+INLINE void add_stroke(const struct brush *b, const struct candidate *c, float alpha, float growth,
 	const struct line *line, const float *normal, GArray *to)
 {
 	alpha *= opacity_of(b, c);
@@ -131,7 +131,7 @@ static void add_stroke(const struct brush *b, const struct candidate *c, float a
 	g_array_append_val(to, s);
 }
 
-static void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
+INLINE void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
 {
 	struct line line;
 	float normal[3];
@@ -144,26 +144,24 @@ static void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
 		goes_along(b) ? &line : NULL, normal, to);
 }
 
-static void try_on_surface(const struct brush *b, struct candidate *c, GArray *to)
+INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GArray *to)
 {
-	struct line line;
-	float normal[3];
-	struct place place = place_of(b, c);
-	if (place.rank >= need_on_surface(b, c, b->ray_most))
-		return;
-	to_camera(b, b->f->scene->normal[c->point], normal);
-	bool is_flat = b->kind < FEATURE_UNDIRECTED &&
-		       (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
-	if (is_flat && b->layer->ink.scatter > 0)
-		scatter(b, normal, c);
-	float need = need_on_surface(b, c, cosine_of(b, c, normal)),
-	      fade = stroke_fade(place.rank, need);
-	float shown = fade > 0 ? visibility(b, c) : 0;
-	if (shown <= 0 || is_seen_from_behind(b, c, normal))
-		return;
-	bool has_line = goes_along(b) && line_of(b, c, &line);
-	add_stroke(b, c, shown * fade, MIN(stroke_growth(need / place.last), b->layer->ink.grow),
-		has_line ? &line : NULL, is_flat ? normal : NULL, to);
+	find_need(b, frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN, l);
+	for (unsigned left = l->left; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		struct candidate c = { l->point[k], l->rank[k], l->spacing_m[k], l->x_px[k],
+			l->y_px[k], l->depth_m[k] };
+		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
+		float shown = visibility(b, &c);
+		if (shown <= 0)
+			continue;
+		struct line line;
+		bool has_line = goes_along(b) && line_of(b, &c, &line);
+		float growth = stroke_growth(l->need[k] / l->last[k]);
+		add_stroke(b, &c, shown * stroke_fade(c.rank, l->need[k]),
+			MIN(growth, b->layer->ink.grow), has_line ? &line : NULL,
+			l->is_flat[k] ? normal : NULL, to);
+	}
 }
 
 /* ---- a chunk's points ---- */
@@ -179,14 +177,6 @@ static float need_most(const struct brush *b)
 	return b->wanted_most * scale * scale;
 }
 
-INLINE vf gather_u16(const uint16_t *from, const uint16_t *list)
-{
-	int32_t x[LANES];
-	for (int k = 0; k < LANES; k++)
-		x[k] = from[list[k]];
-	return __builtin_convertvector(*(const vi_loose *)x, vf);
-}
-
 /* Those of eight that may be drawn, by what is quickly told. */
 INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf rank, vf spacing_m)
 {
@@ -200,33 +190,66 @@ INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf
 		    (rank < need));
 }
 
-INLINE void choose_points(const struct brush *b, GArray *to)
+/* The nearest pixels of the mask are far away. */
+INLINE void fetch(const struct brush *b, const struct lane_candidates *c)
+{
+	const visibility_mask *m = b->mask;
+	for (unsigned left = m ? c->left : 0; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		int x = CLAMP((int)(c->x_px[k] - 0.5f), 0, (int)m->width - 1),
+		    y = CLAMP((int)(c->y_px[k] - 0.5f), 0, (int)m->height - 1);
+		const int32_t *at = &m->key[(ptrdiff_t)y * m->pitch + x];
+		__builtin_prefetch(at);
+		__builtin_prefetch(at + m->pitch);
+	}
+}
+
+/* Those from i on of the list. */
+INLINE void find_candidates(
+	const struct brush *b, uint32_t i, uint32_t end, struct lane_candidates *c)
 {
 	const scene *s = b->f->scene;
-	const struct scene_chunk *c = b->view->chunk;
-	float ranks = 1.f / (float)b->list_count;
+	const struct scene_chunk *chunk = b->view->chunk;
+	uint32_t at = chunk->first + b->list_from + i;
+	vf q[3];
+	for (int k = 0; k < LANES; k++)
+		c->point[k] = chunk->first + s->list[at + k];
+	for (int axis = 0; axis < 3; axis++)
+		q[axis] = gather_u16(s->q[axis], c->point);
+	struct lane_points l = project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
+	c->x_px = l.x_px;
+	c->y_px = l.y_px;
+	c->depth_m = l.depth_m;
+	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
+	c->spacing_m = shares_queue(b) ? gather_u16(s->spacing, c->point) * UNIT_M
+				       : load_u16(s->list_spacing + at) * UNIT_M;
+	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
+	c->left &= promising(b, &l, c->rank, c->spacing_m);
+}
+
+INLINE void try_on_edges(const struct brush *b, const struct lane_candidates *l, GArray *to)
+{
+	for (unsigned left = l->left; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		struct candidate c = { l->point[k], l->rank[k], l->spacing_m[k], l->x_px[k],
+			l->y_px[k], l->depth_m[k] };
+		try_on_edge(b, &c, to);
+	}
+}
+
+INLINE void choose_points(const struct brush *b, GArray *to)
+{
 	uint32_t end = (uint32_t)MIN(need_most(b) * (float)b->list_count + 1, (float)b->list_count);
 	for (uint32_t i = 0; i < end; i += LANES) {
-		uint32_t at = c->first + b->list_from + i;
-		const uint16_t *list = s->list + at;
-		vf q[3];
-		for (int axis = 0; axis < 3; axis++)
-			q[axis] = gather_u16(s->q[axis] + c->first, list);
-		struct lane_points l =
-			project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
-		vf rank = ((float)i + 0.5f + lane_number) * ranks;
-		vf spacing_m = (shares_queue(b) ? gather_u16(s->spacing + c->first, list)
-						: load_u16(s->list_spacing + at)) *
-			       UNIT_M;
-		unsigned left = promising(b, &l, rank, spacing_m);
-		if (end - i < LANES)
-			left &= (1u << (end - i)) - 1;
-		for (; left; left &= left - 1) {
-			int k = __builtin_ctz(left);
-			struct candidate one = { c->first + list[k], rank[k], spacing_m[k],
-				l.x_px[k], l.y_px[k], l.depth_m[k] };
-			(is_on_edge(b) ? try_on_edge : try_on_surface)(b, &one, to);
-		}
+		struct lane_candidates c;
+		find_candidates(b, i, end, &c);
+		if (!c.left)
+			continue;
+		fetch(b, &c);
+		if (is_on_edge(b))
+			try_on_edges(b, &c, to);
+		else
+			try_on_surface(b, &c, to);
 	}
 }
 
