@@ -6,6 +6,12 @@
 /* Of a sprite's Gaussian kernel: its diameter is so many sigmas. */
 #define SIGMAS 5.f
 
+/* Steeper strokes than this are looked for in all rows of their box. */
+#define COSINE_FLAT 0.1f
+#define REACH_MOST  1e5f
+/* Pixels, for what floats are rounded by. */
+#define ROUNDING 1e-3f
+
 enum kernel { KERNEL_SPRITE, KERNEL_LINE, KERNEL_TEXTURE };
 
 /* A stroke with what its rows share. */
@@ -13,10 +19,10 @@ struct pen {
 	const struct stroke *s;
 	float cosine, sine, half_length, half_width;
 	float reach_along, reach_across;
-	float per_cosine, per_sine; /* 1 / of it; 0: too small to tell columns by */
-	float falloff;              /* of a sprite */
-	float strength;             /* of a line */
-	const uint32_t *texels;     /* of the variant */
+	float slope, steep_reach; /* rows down to a column across, and to either side of that */
+	float falloff;            /* of a sprite */
+	float strength;           /* of a line */
+	const uint32_t *texels;   /* of the variant */
 	uint32_t texel_pitch;
 	float texels_along, texels_across; /* to a pixel */
 	float texel_ends[2];
@@ -38,8 +44,6 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
 	p.reach_along = p.half_length + soft;
 	p.reach_across = p.half_width + soft;
-	p.per_cosine = fabsf(p.cosine) > 1e-4f ? 1 / p.cosine : 0;
-	p.per_sine = fabsf(p.sine) > 1e-4f ? 1 / p.sine : 0;
 	p.strength = thinness(p.half_length) * thinness(p.half_width);
 	if (kernel == KERNEL_SPRITE) {
 		float sigma = 2 * p.half_length / SIGMAS;
@@ -58,6 +62,9 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		p.reach_along += 0.5f / p.texels_along;
 		p.reach_across += 0.5f / p.texels_across;
 	}
+	bool is_steep = kernel == KERNEL_SPRITE || fabsf(p.cosine) < COSINE_FLAT;
+	p.slope = is_steep ? 0 : p.sine / p.cosine;
+	p.steep_reach = is_steep ? REACH_MOST : p.reach_across / fabsf(p.cosine) + ROUNDING;
 	return p;
 }
 
@@ -117,28 +124,7 @@ INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 				     : texture_alpha(p, along, across);
 }
 
-/* ---- rows ---- */
-
-/* Columns, from the stroke's middle, where its row can have any ink. */
-INLINE bool span(const struct pen *p, float dy, float *ret_from, float *ret_to)
-{
-	float from = -INFINITY, to = INFINITY;
-	if (p->per_sine != 0) { /* |dy cosine - dx sine| <= reach_across */
-		float middle = dy * p->cosine * p->per_sine,
-		      half = p->reach_across * fabsf(p->per_sine);
-		from = middle - half;
-		to = middle + half;
-	}
-	if (p->per_cosine != 0) { /* |dx cosine + dy sine| <= reach_along */
-		float middle = -dy * p->sine * p->per_cosine,
-		      half = p->reach_along * fabsf(p->per_cosine);
-		from = MAX(from, middle - half);
-		to = MIN(to, middle + half);
-	}
-	*ret_from = from;
-	*ret_to = to;
-	return from <= to;
-}
+/* ---- columns and rows ---- */
 
 INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
 {
@@ -163,24 +149,27 @@ INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
 	}
 }
 
-INLINE void draw_row(const struct pen *p, const struct band *b, uint32_t y,
-	const visibility_mask *m, const struct band_ink *ink, enum kernel kernel,
-	enum band_blend blend)
+/* Eight columns, from left on, of the rows from .. to. */
+INLINE void draw_columns(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend, int left, int from,
+	int to)
 {
-	float dy = (float)y + 0.5f - p->s->y_px, from, to;
-	if (!span(p, dy, &from, &to))
-		return;
-	int x = (int)MAX(p->s->x_px + from - 0.5f, 0),
-	    end = (int)MIN(p->s->x_px + to + 1.5f, (float)b->width);
-	ptrdiff_t row = (ptrdiff_t)(y - b->from) * b->pitch + BAND_MARGIN;
-	for (; x < end; x += LANES) {
-		vf dx = (float)x + 0.5f - p->s->x_px + lane_number;
+	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
+	ptrdiff_t at = (ptrdiff_t)(from - (int)b->from) * b->pitch + BAND_MARGIN + left;
+	for (int y = from; y < to; y++, at += b->pitch) {
+		float dy = (float)y + 0.5f - p->s->y_px;
 		vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
 		if (m)
 			alpha = where(
-				shows(p, m->key + (ptrdiff_t)y * m->pitch + x, dx, dy), alpha);
-		blend_at(p, blend, alpha, ink, row + x);
+				shows(p, m->key + (ptrdiff_t)y * m->pitch + left, dx, dy), alpha);
+		blend_at(p, blend, alpha, ink, at);
 	}
+}
+
+/* The first pixel whose middle is not before x, or 0. */
+INLINE int pixel_from(float x)
+{
+	return x > 0 ? (int)(x + 0.5f) : 0;
 }
 
 /* Sprites with less than this have eight columns and rows at most. */
@@ -217,15 +206,25 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
-	float reach = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
-	int from = MAX((int)floorf(p->s->y_px - reach - 0.5f), (int)b->from),
-	    to = MIN((int)ceilf(p->s->y_px + reach + 0.5f), (int)(b->from + b->rows));
+	const struct stroke *s = p->s;
 	if (kernel == KERNEL_SPRITE && p->half_length < SPRITE_SMALL) {
 		draw_small_sprite(p, b, m, ink, blend);
 		return;
 	}
-	for (int y = from; y < to; y++)
-		draw_row(p, b, (uint32_t)y, m, ink, kernel, blend);
+	float across = fabsf(p->cosine) * p->reach_along + fabsf(p->sine) * p->reach_across,
+	      down = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
+	int left = pixel_from(s->x_px - across - ROUNDING),
+	    right = MIN(pixel_from(s->x_px + across + ROUNDING), (int)b->width),
+	    top = MAX(pixel_from(s->y_px - down - ROUNDING), (int)b->from),
+	    end = MIN(pixel_from(s->y_px + down + ROUNDING), (int)(b->from + b->rows));
+	for (; left < right; left += LANES) {
+		/* Of these columns the rows that it passes through. */
+		float first = p->slope * ((float)left + 0.5f - s->x_px),
+		      last = first + p->slope * (LANES - 1);
+		int from = pixel_from(s->y_px + MIN(first, last) - p->steep_reach),
+		    to = pixel_from(s->y_px + MAX(first, last) + p->steep_reach);
+		draw_columns(p, b, m, ink, kernel, blend, left, MAX(from, top), MIN(to, end));
+	}
 }
 
 INLINE void draw_all(const struct band *b, const struct frame_layer *l, const stroke_list *strokes,

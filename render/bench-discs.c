@@ -11,9 +11,11 @@ uint64_t bench_count_discs(const frame *f)
 		const struct pipeline *line =
 			&g_array_index(f->drawing->pipelines, struct pipeline, views[n].pipeline);
 		struct disc_pass p = disc_pass_of(f, &views[n], line->mask.disc, DISC_RADIUS_LEAST);
-		for (uint32_t i = 0; i < p.end; i += LANES)
-			discs += (unsigned)__builtin_popcount(
-				disc_lanes_of(f->scene, &p, &views[n], i, 0).drawn);
+		for (uint32_t i = 0; i < p.end; i += LANES) {
+			struct disc_lanes d;
+			disc_lanes_find(f->scene, &p, &views[n], i, 0, &d);
+			discs += (unsigned)__builtin_popcount(d.drawn);
+		}
 	}
 	return discs;
 }

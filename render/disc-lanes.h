@@ -109,11 +109,15 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], fl
 		d->tilt[k] = slope * n[k];
 	if (bits(d->radius >= flat_radius) & d->drawn)
 		squash_lanes(p, n, along, right * right + down * down + 1, aside2, some, d);
+	else
+		for (int k = 0; k < 2; k++)
+			d->squash[k] = d->half[k] = all(0);
 }
 
-/* Those with less than flat_radius have neither squash nor half. */
-INLINE struct disc_lanes disc_lanes_of(const scene *s, const struct disc_pass *p,
-	const struct chunk_view *v, uint32_t i, float flat_radius)
+/* Of drawn, and of x, y, depth, radius and rank: the rest only where some are drawn, and those with less than flat_radius have no
+ * squash and half. */
+INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const struct chunk_view *v,
+	uint32_t i, float flat_radius, struct disc_lanes *d)
 {
 	uint32_t at = v->chunk->first + i;
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
@@ -124,17 +128,18 @@ INLINE struct disc_lanes disc_lanes_of(const scene *s, const struct disc_pass *p
 	vf rank = ((float)i + 0.5f + lane_number) * p->per_rank;
 	/* The root of the part that is drawn, which is small where spacing is: this is the size of those that are left. */
 	vf part = least(spacing_px * DISC_CROWD_ROOT, all(1)), limit = part * part;
-	struct disc_lanes d = { .x = l.x_px, .y = l.y_px, .depth_m = l.depth_m };
-	d.rank = rank / limit;
-	d.radius = 0.5f * p->disc * disc_px / part;
-	d.radius = least(most(d.radius, all(p->radius_least)), all(DISC_RADIUS_MOST));
-	vi in = (l.depth_m > p->near_m) & (d.x > -d.radius) & (d.y > -d.radius) &
-		(d.x < 2 * p->middle_x + d.radius) & (d.y < 2 * p->middle_y + d.radius) &
+	d->x = l.x_px;
+	d->y = l.y_px;
+	d->depth_m = l.depth_m;
+	d->rank = rank / limit;
+	d->radius = 0.5f * p->disc * disc_px / part;
+	d->radius = least(most(d->radius, all(p->radius_least)), all(DISC_RADIUS_MOST));
+	vi in = (l.depth_m > p->near_m) & (d->x > -d->radius) & (d->y > -d->radius) &
+		(d->x < 2 * p->middle_x + d->radius) & (d->y < 2 * p->middle_y + d->radius) &
 		(rank < limit) & (lane_number < (float)(p->end - i));
-	d.drawn = bits(in);
-	if (d.drawn)
-		tilt_lanes(p, s->normal + at, flat_radius, &d);
-	return d;
+	d->drawn = bits(in);
+	if (d->drawn)
+		tilt_lanes(p, s->normal + at, flat_radius, d);
 }
 
 #endif

@@ -26,11 +26,17 @@ void draw_room_free(draw_room *r)
 	g_free(r);
 }
 
+/* Bands whose coloured points are drawn together: fewer of the points are in several of these. */
+#define POINTS_BANDS 4
+
 /* One thread's planes of a band. */
 struct desk {
 	float *memory, *canvas[3];
 	struct band_ink ink;
-	float *relief; /* -1 .. 1, of the paper */
+	float *relief;        /* -1 .. 1, of the paper */
+	struct band together; /* POINTS_BANDS of them */
+	float *points_memory, *light[3],
+		*weight; /* of coloured points in these; NULL: there are none */
 };
 
 struct job {
@@ -42,6 +48,15 @@ struct job {
 	const band_lists *lists; /* of each layer */
 	struct picture_buffer *to;
 };
+
+static void set_up_points(struct desk *d, const struct band *b)
+{
+	size_t plane = (size_t)b->pitch * BAND_ROWS * POINTS_BANDS;
+	d->points_memory = g_aligned_alloc(4 * plane, sizeof(float), 64);
+	for (int k = 0; k < 3; k++)
+		d->light[k] = d->points_memory + (size_t)k * plane;
+	d->weight = d->points_memory + 3 * plane;
+}
 
 static void set_up(struct desk *d, const struct band *b)
 {
@@ -117,8 +132,14 @@ static bool is_plain(const struct points_step *s)
 	return s->brightness == 1 && s->contrast == 1 && s->saturation == 1;
 }
 
+/* Of a pixel, in their planes. */
+static size_t points_at(const struct desk *d, uint32_t x, uint32_t y)
+{
+	return (size_t)(y - d->together.from) * d->together.pitch + BAND_MARGIN + x;
+}
+
 /* The light of a pixel that a hole of the mask was filled in at: of the pixels around that points cover. */
-static bool light_around(const struct job *j, const struct band *b, const struct band_ink *i,
+static bool light_around(const struct job *j, const struct band *b, const struct desk *d,
 	uint32_t x, uint32_t y, float ret[3])
 {
 	float sum[4] = { 0 }, depth_m = mask_depth(mask_key(j->mask, (int32_t)x, (int32_t)y));
@@ -128,44 +149,42 @@ static bool light_around(const struct job *j, const struct band *b, const struct
 			if (at_y < (int)b->from || at_y >= (int)(b->from + b->rows) || at_x < 0 ||
 				at_x >= (int)b->width)
 				continue;
-			size_t at =
-				(size_t)(band_row(b, i->weight, (uint32_t)at_y) + at_x - i->weight);
+			size_t at = points_at(d, (uint32_t)at_x, (uint32_t)at_y);
 			float there_m = mask_depth(mask_key(j->mask, at_x, at_y));
-			if (!(i->weight[at] > 0) || fabsf(there_m - depth_m) > 0.05f * depth_m)
+			if (!(d->weight[at] > 0) || fabsf(there_m - depth_m) > 0.05f * depth_m)
 				continue;
 			for (int k = 0; k < 3; k++)
-				sum[k] += i->channel[k][at];
-			sum[3] += i->weight[at];
+				sum[k] += d->light[k][at];
+			sum[3] += d->weight[at];
 		}
 	for (int k = 0; k < 3; k++)
 		ret[k] = sum[k] / MAX(sum[3], 1e-9f);
 	return sum[3] > 0;
 }
 
-static bool light_at(const struct job *j, const struct band *b, const struct band_ink *i,
-	uint32_t x, uint32_t y, const struct points_step *const *steps, float ret[3])
+static bool light_at(const struct job *j, const struct band *b, const struct desk *d, uint32_t x,
+	uint32_t y, const struct points_step *const *steps, float ret[3])
 {
 	int32_t key = mask_key(j->mask, (int32_t)x, (int32_t)y);
-	size_t at = (size_t)(band_row(b, i->weight, y) + x - i->weight);
+	size_t at = points_at(d, x, y);
 	if (key >= MASK_EMPTY || !steps[key & 255])
 		return false;
-	if (!(i->weight[at] > 0))
-		return light_around(j, b, i, x, y, ret);
+	if (!(d->weight[at] > 0))
+		return light_around(j, b, d, x, y, ret);
 	for (int k = 0; k < 3; k++)
-		ret[k] = i->channel[k][at] / i->weight[at];
+		ret[k] = d->light[k][at] / d->weight[at];
 	return true;
 }
 
 static void show_points(const struct job *j, const struct band *b, struct desk *d)
 {
-	const struct band_ink *i = &d->ink;
 	const struct points_step *steps[256];
 	for (guint p = 0; p < 256; p++)
 		steps[p] = p < j->f->drawing->pipelines->len ? splat_step(j->f, (uint8_t)p) : NULL;
 	for (uint32_t y = b->from; y < b->from + b->rows; y++)
 		for (uint32_t x = 0; x < b->width; x++) {
 			float light[3];
-			if (!light_at(j, b, i, x, y, steps, light))
+			if (!light_at(j, b, d, x, y, steps, light))
 				continue;
 			const struct points_step *step =
 				steps[mask_key(j->mask, (int32_t)x, (int32_t)y) & 255];
@@ -176,13 +195,12 @@ static void show_points(const struct job *j, const struct band *b, struct desk *
 		}
 }
 
-static void draw_points(const struct job *j, const struct band *b, struct desk *d)
+INLINE void draw_points(const struct job *j, struct desk *d)
 {
 	for (int k = 0; k < 3; k++)
-		fill(b, d->ink.channel[k], 0);
-	fill(b, d->ink.weight, 0);
-	splat_band(b, j->f, j->mask, j->views, j->count, d->ink.channel, d->ink.weight);
-	show_points(j, b, d);
+		fill(&d->together, d->light[k], 0);
+	fill(&d->together, d->weight, 0);
+	splat_band(&d->together, j->f, j->mask, j->views, j->count, d->light, d->weight);
 }
 
 /* ---- inks ---- */
@@ -290,44 +308,61 @@ INLINE void put_out(const struct job *j, const struct band *b, const struct desk
 INLINE void draw_band(const struct job *j, const struct band *b, struct desk *d)
 {
 	lay_paper(j, b, d);
-	if (has_points(j->f))
-		draw_points(j, b, d);
+	if (d->points_memory)
+		show_points(j, b, d);
 	edl_shade(b, j->f, j->mask, d->canvas);
 	for (uint32_t n = 0; n < j->f->layers; n++)
 		draw_layer(j, b, d, n);
 	put_out(j, b, d);
 }
 
-static void draw_band_portable(const struct job *j, const struct band *b, struct desk *d)
+/* Bands in a row, in d->together. */
+INLINE void draw_together(const struct job *j, struct desk *d)
 {
-	draw_band(j, b, d);
+	const struct band *t = &d->together;
+	if (d->points_memory)
+		draw_points(j, d);
+	for (uint32_t from = t->from; from < t->from + t->rows; from += BAND_ROWS) {
+		struct band b = { t->width, from, MIN(BAND_ROWS, t->from + t->rows - from),
+			t->pitch };
+		draw_band(j, &b, d);
+	}
+}
+
+static void draw_portable(const struct job *j, struct desk *d)
+{
+	draw_together(j, d);
 }
 
 #if defined __x86_64__
-__attribute__((target("avx2"))) static void draw_band_avx2(
-	const struct job *j, const struct band *b, struct desk *d)
+__attribute__((target("avx2"))) static void draw_avx2(const struct job *j, struct desk *d)
 {
-	draw_band(j, b, d);
+	draw_together(j, d);
 }
 #else
-#define draw_band_avx2 draw_band_portable
+#define draw_avx2 draw_portable
 #endif
 
 static void draw_bands(const struct job *j)
 {
-	bool wide = !j->f->portable && vectors_have_avx2();
+	bool wide = !j->f->portable && vectors_have_avx2(), points = has_points(j->f);
 	uint32_t width = j->to->width, height = j->to->height;
-	struct band b = { width, 0, BAND_ROWS, (width + 2 * BAND_MARGIN + 7) / 8 * 8 };
+	uint32_t rows = points ? POINTS_BANDS * BAND_ROWS : BAND_ROWS;
+	struct band b = { width, 0, rows, (width + 2 * BAND_MARGIN + 7) / 8 * 8 };
 #pragma omp parallel if (!j->f->single_thread)
 	{
-		struct desk d;
+		struct desk d = { .together = b };
 		set_up(&d, &b);
+		if (points)
+			set_up_points(&d, &b);
 #pragma omp for schedule(dynamic, 1)
-		for (uint32_t from = 0; from < height; from += BAND_ROWS) {
-			struct band own = { width, from, MIN(BAND_ROWS, height - from), b.pitch };
-			(wide ? draw_band_avx2 : draw_band_portable)(j, &own, &d);
+		for (uint32_t from = 0; from < height; from += rows) {
+			d.together.from = from;
+			d.together.rows = MIN(rows, height - from);
+			(wide ? draw_avx2 : draw_portable)(j, &d);
 		}
 		g_aligned_free(d.memory);
+		g_aligned_free(d.points_memory);
 	}
 }
 

@@ -82,7 +82,8 @@ INLINE vi pixel_from(vf x)
 	return __builtin_convertvector(x + 1.5f, vi) - 1;
 }
 
-INLINE struct discs discs_of(const struct target *t, const struct disc_lanes *d, vf pushed_m)
+INLINE void find_discs(
+	const struct target *t, const struct disc_lanes *d, vf pushed_m, struct discs *ret)
 {
 	vi left = pixel_from(most(d->x - d->half[0], all(0))),
 	   top = pixel_from(most(d->y - d->half[1], all(0)));
@@ -90,17 +91,18 @@ INLINE struct discs discs_of(const struct target *t, const struct disc_lanes *d,
 	   y = __builtin_convertvector(top, vf) + 0.5f - d->y;
 	vf flat = 1 + d->squash[0] * d->squash[0], steep = 1 + d->squash[1] * d->squash[1],
 	   cross = 2 * d->squash[0] * d->squash[1];
-	struct discs ret = { .flat = flat, .cross = cross, .steep2 = 2 * steep };
-	ret.away = flat * x * x + cross * x * y + steep * y * y - d->radius * d->radius;
-	ret.along = 2 * flat * x + cross * y;
-	ret.step = cross * x + steep * (2 * y + 1);
-	ret.depth_m = pushed_m + d->tilt[0] * x + d->tilt[1] * y;
-	ret.tilt[0] = d->tilt[0];
-	ret.tilt[1] = d->tilt[1];
-	ret.at = top * (int32_t)t->pitch + left;
-	ret.columns = pixel_from(least(d->x + d->half[0], all((float)t->width))) - left;
-	ret.rows = pixel_from(least(d->y + d->half[1], all((float)t->height))) - top;
-	return ret;
+	ret->flat = flat;
+	ret->cross = cross;
+	ret->steep2 = 2 * steep;
+	ret->away = flat * x * x + cross * x * y + steep * y * y - d->radius * d->radius;
+	ret->along = 2 * flat * x + cross * y;
+	ret->step = cross * x + steep * (2 * y + 1);
+	ret->depth_m = pushed_m + d->tilt[0] * x + d->tilt[1] * y;
+	ret->tilt[0] = d->tilt[0];
+	ret->tilt[1] = d->tilt[1];
+	ret->at = top * (int32_t)t->pitch + left;
+	ret->columns = pixel_from(least(d->x + d->half[0], all((float)t->width))) - left;
+	ret->rows = pixel_from(least(d->y + d->half[1], all((float)t->height))) - top;
 }
 
 INLINE vi keys_of(vf depth_m, int32_t pipeline)
@@ -156,7 +158,11 @@ INLINE void lay_out(const frame *f, const struct target *t, const struct chunk_v
 	const struct disc_pass *p, uint32_t i, struct sheet *to, uint32_t n)
 {
 	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
-	struct disc_lanes d = disc_lanes_of(f->scene, p, v, i, MASK_DOT_RADIUS);
+	struct disc_lanes d;
+	disc_lanes_find(f->scene, p, v, i, MASK_DOT_RADIUS, &d);
+	to->dots[n] = to->wide[n] = 0;
+	if (!d.drawn)
+		return;
 	unsigned dots = bits(d.radius < MASK_DOT_RADIUS) & d.drawn, wide = d.drawn & ~dots;
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 	vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
@@ -164,7 +170,7 @@ INLINE void lay_out(const frame *f, const struct target *t, const struct chunk_v
 	if (dots)
 		dots &= place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n], &to->dot_key[n]);
 	if (wide) {
-		to->discs[n] = discs_of(t, &d, pushed_m);
+		find_discs(t, &d, pushed_m, &to->discs[n]);
 		wide &= bits((to->discs[n].columns > 0) & (to->discs[n].rows > 0));
 	}
 	to->dots[n] = (uint8_t)dots;

@@ -3,7 +3,7 @@
 #include "render/light.h"
 
 struct splat {
-	float x, y, radius, squash[2], tilt[2], depth_m, weight;
+	float x, y, radius, half[2], squash[2], tilt[2], depth_m, weight;
 	float light[3];
 	int32_t pipeline;
 };
@@ -22,10 +22,10 @@ INLINE void add(float *plane, ptrdiff_t at, vf x)
 INLINE void draw_splat(const struct band *b, const visibility_mask *m, const struct splat *s,
 	float *const light[3], float *weight)
 {
-	int from = MAX((int)floorf(s->y - s->radius), (int)b->from),
-	    to = MIN((int)floorf(s->y + s->radius), (int)(b->from + b->rows) - 1);
-	int left = MAX((int)floorf(s->x - s->radius), 0),
-	    right = MIN((int)floorf(s->x + s->radius), (int)b->width - 1);
+	int from = MAX((int)floorf(s->y - s->half[1]), (int)b->from),
+	    to = MIN((int)floorf(s->y + s->half[1]), (int)(b->from + b->rows) - 1);
+	int left = MAX((int)floorf(s->x - s->half[0]), 0),
+	    right = MIN((int)floorf(s->x + s->half[0]), (int)b->width - 1);
 	float steep = 1 / (s->radius * s->radius);
 	for (int y = from; y <= to; y++)
 		for (int x = left; x <= right; x += LANES) {
@@ -55,16 +55,20 @@ INLINE void splat_chunk(const struct band *b, const frame *f, const visibility_m
 		f, v, step->size, fmaxf(step->least_px * f->px / 2, DISC_RADIUS_LEAST));
 	const float *linear = light_of_bytes();
 	for (uint32_t i = 0; i < p.end; i += LANES) {
-		struct disc_lanes d = disc_lanes_of(f->scene, &p, v, i, 0);
-		vi here = (d.y + d.radius >= (float)b->from) &
-			  (d.y - d.radius <= (float)(b->from + b->rows));
+		struct disc_lanes d;
+		disc_lanes_find(f->scene, &p, v, i, 0, &d);
+		if (!d.drawn)
+			continue;
+		vi here = (d.y + d.half[1] >= (float)b->from) &
+			  (d.y - d.half[1] <= (float)(b->from + b->rows));
 		for (unsigned left = d.drawn & bits(here); left; left &= left - 1) {
 			int k = __builtin_ctz(left);
 			const uint8_t *rgba = f->scene->rgba[v->chunk->first + i + (uint32_t)k];
 			/* Those of the last ranks come and go softly. */
 			struct splat s = { d.x[k], d.y[k], d.radius[k],
-				{ d.squash[0][k], d.squash[1][k] }, { d.tilt[0][k], d.tilt[1][k] },
-				d.depth_m[k], fminf(4 * (1 - d.rank[k]) + 1e-3f, 1),
+				{ d.half[0][k], d.half[1][k] }, { d.squash[0][k], d.squash[1][k] },
+				{ d.tilt[0][k], d.tilt[1][k] }, d.depth_m[k],
+				fminf(4 * (1 - d.rank[k]) + 1e-3f, 1),
 				{ linear[rgba[0]], linear[rgba[1]], linear[rgba[2]] },
 				v->pipeline };
 			draw_splat(b, m, &s, light, weight);
