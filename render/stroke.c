@@ -9,6 +9,10 @@
 #define FORESHORTENED 0.25f
 #define ALPHA_LEAST   (1 / 255.f)
 
+/* Part of the depth from which on what is behind the mask is gone. On the way there it fades: the mask is as rough as the points are,
+ * and strokes must not come and go with it. What they may not cover they are kept from at each pixel. */
+#define HIDDEN_BEHIND 0.03f
+
 /* ---- hidden or not ---- */
 
 /* floorf, which has no instruction of its own on old processors. */
@@ -23,10 +27,11 @@ INLINE float shows(const struct brush *b, int x, int y, float depth_m)
 	const visibility_mask *m = b->mask;
 	x = CLAMP(x, 0, (int)m->width - 1);
 	y = CLAMP(y, 0, (int)m->height - 1);
-	return depth_m <= mask_depth(mask_key(m, x, y)) ? 1.f : 0.f;
+	float behind = depth_m / mask_depth(mask_key(m, x, y)) - 1;
+	return CLAMP(1 - behind * (1 / HIDDEN_BEHIND), 0, 1);
 }
 
-/* Part of the four pixels around that it is not hidden in. */
+/* How far it is not hidden in the four pixels around. */
 INLINE float visibility(const struct brush *b, const struct candidate *c)
 {
 	if (!b->mask)

@@ -163,13 +163,16 @@ float fade_of(float rank, float need)
 	return rank >= need ? 0.0 : min(log2(need / rank), 1.0);
 }
 
+const float HIDDEN_BEHIND = 0.03;
+
 float shows(ivec2 at, float depth_m)
 {
 	at = clamp(at, ivec2(0), ivec2(size.xy) - 1);
-	return depth_m <= mask_depth(texelFetch(mask_keys, at, 0).r) ? 1.0 : 0.0;
+	float behind = depth_m / mask_depth(texelFetch(mask_keys, at, 0).r) - 1.0;
+	return clamp(1.0 - behind * (1.0 / HIDDEN_BEHIND), 0.0, 1.0);
 }
 
-/* Part of the four pixels around that it is not hidden in. */
+/* How far it is not hidden in the four pixels around. */
 float visibility(candidate c)
 {
 	vec2 at = c.at - 0.5, low = floor(at), u = at - low;
