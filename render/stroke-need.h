@@ -32,6 +32,7 @@ INLINE float need_along(const struct brush *b, const struct candidate *c, const 
 struct lane_candidates {
 	uint32_t point[LANES]; /* of the scene */
 	vf rank;       /* of its kind in the chunk, then: points to a square metre before it */
+	vf octaves;    /* that it fades in over */
 	vf last, need; /* points that there are, and strokes that are wanted, to a square metre */
 	vf x_px, y_px, depth_m, spacing_m;
 	vf normal[3]; /* as the camera sees it; 0 0 0: none */
@@ -132,6 +133,13 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 	c->y_px = choose(moves, b->middle_y + at[1] * scale, c->y_px);
 }
 
+/* STROKE_FADE_MORE, and c->octaves. */
+INLINE vf more_of(struct lane_candidates *c)
+{
+	c->octaves = least(most(STROKE_FADE_NEAR_M / c->depth_m, all(1)), all(STROKE_FADE_MOST));
+	return STROKE_FADE_MORE(c->octaves);
+}
+
 /* Leaves those that are wanted where they are, and seen from the front where backs are hidden. Their last, need and normal are known
  * then, and they are where they are drawn. */
 INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_candidates *c)
@@ -142,7 +150,7 @@ INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_cand
 	vf px_per_m = b->focal_px / c->depth_m;
 	find_place(b, lightness, c);
 	/* Scattered they are hardly nearer than this. */
-	c->left &= bits(c->rank < wanted * px_per_m * px_per_m * b->ray_most);
+	c->left &= bits(c->rank < wanted * px_per_m * px_per_m * more_of(c) * b->ray_most);
 	if (!c->left)
 		return;
 	find_normals(b, c);
@@ -157,7 +165,7 @@ INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_cand
 	vf cosine = choose(none, all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
 	px_per_m = b->focal_px / c->depth_m;
 	c->need = wanted * px_per_m * px_per_m * cosine;
-	c->left &= bits(c->rank < c->need);
+	c->left &= bits(c->rank < c->need * more_of(c));
 	if (backs_hidden)
 		c->left &= bits(along <= 0);
 }

@@ -145,7 +145,9 @@ INLINE void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
 	to_camera(b, b->f->scene->normal[c->point], normal);
 	if (shown <= 0 || is_seen_from_behind(b, c, normal) || !has_line)
 		return;
-	add_stroke(b, c, shown * stroke_fade(c->rank, need_along(b, c, &line)), 1,
+	float octaves = stroke_fade_octaves(c->depth_m),
+	      need = need_along(b, c, &line) * STROKE_FADE_MORE(octaves);
+	add_stroke(b, c, shown * stroke_fade(c->rank, need, octaves), 1,
 		goes_along(b) ? &line : NULL, normal, to);
 }
 
@@ -163,7 +165,8 @@ INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GAr
 		struct line line;
 		bool has_line = goes_along(b) && line_of(b, &c, &line);
 		float growth = stroke_growth(l->need[k] / l->last[k]);
-		add_stroke(b, &c, shown * stroke_fade(c.rank, l->need[k]),
+		float octaves = l->octaves[k], need = l->need[k] * STROKE_FADE_MORE(octaves);
+		add_stroke(b, &c, shown * stroke_fade(c.rank, need, octaves),
 			MIN(growth, b->layer->ink.grow), has_line ? &line : NULL,
 			l->is_flat[k] ? normal : NULL, to);
 	}
@@ -175,16 +178,18 @@ INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GAr
 static float need_most(const struct brush *b)
 {
 	const struct scene_chunk *c = b->view->chunk;
+	float more = STROKE_FADE_MORE(stroke_fade_octaves(b->view->near_m));
 	float scale = b->focal_px / b->view->near_m *
 		      (shares_queue(b) ? c->spacing_most_m : c->list_spacing_most_m[b->kind]);
 	if (is_on_edge(b))
-		return scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
-	return b->wanted_most * scale * scale;
+		return more * scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
+	return more * b->wanted_most * scale * scale;
 }
 
 /* Those of eight that may be drawn, by what is quickly told. */
 INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf rank, vf spacing_m)
 {
+	vf octaves = least(most(STROKE_FADE_NEAR_M / l->depth_m, all(1)), all(STROKE_FADE_MOST));
 	float reach = b->layer->ink.length_px / 2;
 	vf scale = spacing_m * (b->focal_px / l->depth_m);
 	vf need = is_on_edge(b)
@@ -192,7 +197,7 @@ INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf
 			  : scale * scale * b->wanted_most;
 	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
 		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
-		    (rank < need));
+		    (rank < need * STROKE_FADE_MORE(octaves)));
 }
 
 /* The nearest pixels of the mask are far away. */

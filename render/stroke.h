@@ -4,7 +4,7 @@
  * sections 6.2 to 7.4) and not hidden by the mask. Sprites and line segments are strokes too.
  *
  * A point is drawn when its rank among its kind in its chunk is below what the density at its very place asks for, and fades in over
- * the last half of its rank. So density is even, and whatever is drawn in one frame is drawn in the next. */
+ * the last half of its rank, or more near the eye. So density is even, and whatever is drawn in one frame is drawn in the next. */
 #include "render/mask.h"
 
 struct stroke {
@@ -44,12 +44,22 @@ static inline float stroke_chance(uint32_t point, uint32_t salt)
 
 /* What a layer's strokes at full need weigh less for fading in: the mean of stroke_fade over ranks. */
 #define STROKE_FADE_MEAN 0.7213f
-/* Of a point with this rank where need is wanted: 1 below half of it, 0 at it. Even steps when the scale grows evenly. */
-static inline float stroke_fade(float rank, float need)
+/* Octaves of need that a point comes in over: one, and more of them near the eye, where a step changes need much. */
+#define STROKE_FADE_NEAR_M 6.f
+#define STROKE_FADE_MOST   3.f
+static inline float stroke_fade_octaves(float depth_m)
+{
+	float octaves = STROKE_FADE_NEAR_M / depth_m;
+	return octaves < 1 ? 1 : octaves > STROKE_FADE_MOST ? STROKE_FADE_MOST : octaves;
+}
+/* What need must be more for them: the mean of stroke_fade is (1 - 2^-octaves) / (octaves ln 2). Within 0.3 % of that. */
+#define STROKE_FADE_MORE(octaves) (1 + ((octaves)-1) * (0.3095f + 0.0238f * ((octaves)-1)))
+/* Of a point with this rank where need is wanted: 1 at need / 2^octaves and below, 0 at need. Even steps when the scale grows evenly. */
+static inline float stroke_fade(float rank, float need, float octaves)
 {
 	if (rank >= need)
 		return 0;
-	float fade = __builtin_log2f(need / rank);
+	float fade = __builtin_log2f(need / rank) / octaves;
 	return fade < 1 ? fade : 1;
 }
 

@@ -543,16 +543,29 @@ static void test_odd(void)
 	picture_buffer_clear(&picture);
 }
 
-/* Half of a rank fades: the mean of it over all ranks is what densities are divided by. */
-static void test_fade(void)
+static double mean_fade(float octaves)
 {
 	double sum = 0;
 	for (int n = 0; n < 100000; n++)
-		sum += (double)stroke_fade((float)(n + 0.5) / 100000, 1);
-	g_assert_cmpfloat(fabs(sum / 100000 - (double)STROKE_FADE_MEAN), <, 1e-3);
-	g_assert_cmpfloat(stroke_fade(0.5f, 1), ==, 1);
-	g_assert_cmpfloat(stroke_fade(1, 1), ==, 0);
-	g_assert_cmpfloat(stroke_fade(0.01f, 0), ==, 0);
+		sum += (double)stroke_fade((float)(n + 0.5) / 100000, 1, octaves);
+	return sum / 100000;
+}
+
+/* The mean of it over all ranks is what densities are divided by. */
+static void test_fade(void)
+{
+	g_assert_cmpfloat(fabs(mean_fade(1) - (double)STROKE_FADE_MEAN), <, 1e-3);
+	for (float octaves = 1; octaves <= STROKE_FADE_MOST; octaves += 0.25f)
+		g_assert_cmpfloat(fabs((double)STROKE_FADE_MORE(octaves) * mean_fade(octaves) /
+						  (double)STROKE_FADE_MEAN -
+					  1),
+			<, 3e-3);
+	g_assert_cmpfloat(stroke_fade(0.5f, 1, 1), ==, 1);
+	g_assert_cmpfloat(stroke_fade(0.5f, 1, 2), ==, 0.5f);
+	g_assert_cmpfloat(stroke_fade(1, 1, 1), ==, 0);
+	g_assert_cmpfloat(stroke_fade(0.01f, 0, 1), ==, 0);
+	g_assert_cmpfloat(stroke_fade_octaves(100), ==, 1);
+	g_assert_cmpfloat(stroke_fade_octaves(1e-3f), ==, STROKE_FADE_MOST);
 }
 
 int main(int argc, char **argv)

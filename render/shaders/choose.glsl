@@ -106,6 +106,17 @@ float ray_most()
 	return length(vec3((lens.yz + shape.x / 2.0) / lens.x, 1.0));
 }
 
+/* That a point fades in over, and what need must be more for them (stroke.h). */
+float octaves_at(float depth_m)
+{
+	return clamp(6.0 / depth_m, 1.0, 3.0);
+}
+
+float more_of(float octaves)
+{
+	return 1.0 + (octaves - 1.0) * (0.3095 + 0.0238 * (octaves - 1.0));
+}
+
 /* Strokes wanted to a square metre of its surface. */
 float need_on_surface(candidate c, float cosine)
 {
@@ -158,9 +169,9 @@ void scatter(vec3 normal, inout candidate c)
 	c.at = lens.yz + lens.x * at.xy / at.z;
 }
 
-float fade_of(float rank, float need)
+float fade_of(float rank, float need, float octaves)
 {
-	return rank >= need ? 0.0 : min(log2(need / rank), 1.0);
+	return rank >= need ? 0.0 : min(log2(need / rank) / octaves, 1.0);
 }
 
 const float HIDDEN_BEHIND = 0.03;
@@ -205,7 +216,7 @@ bool candidate_of(uint n, uint i, out candidate c)
 	float spacing_most_m = shares ? views[n].splat.z : views[n].spacing_most_m[c.kind];
 	float near = lens.x / views[n].base.w * spacing_most_m;
 	float need_once = ray_most() * (on_edge ? 1.0 / (shape.z * FADE_MEAN) : wanted_most[c.kind]);
-	float most = need_once * (on_edge ? near : near * near);
+	float most = need_once * (on_edge ? near : near * near) * more_of(octaves_at(views[n].base.w));
 	if (c.rank > most + 1.0 / many)
 		return false;
 	uint word = lists[views[n].at.x + i];
@@ -217,7 +228,8 @@ bool candidate_of(uint n, uint i, out candidate c)
 	float around = shape.x / 2.0, scale = lens.x / at.z;
 	c.at = lens.yz + at.xy * scale;
 	c.depth_m = at.z;
-	float here = c.spacing_m * scale, need = need_once * (on_edge ? here : here * here);
+	float here = c.spacing_m * scale;
+	float need = need_once * (on_edge ? here : here * here) * more_of(octaves_at(at.z));
 	return at.z > lens.w && all(greaterThanEqual(c.at, vec2(-around))) &&
 	       all(lessThan(c.at, size.xy + around)) && c.rank < need;
 }
@@ -241,8 +253,10 @@ choice choice_on_edge(candidate c)
 	one.alpha = visibility(c);
 	if (one.alpha <= 0.0 || !one.edge.is_there || is_seen_from_behind(c, one.normal))
 		one.alpha = 0.0;
-	else
-		one.alpha *= fade_of(c.rank, need_along(c, one.edge));
+	else {
+		float octaves = octaves_at(c.depth_m);
+		one.alpha *= fade_of(c.rank, need_along(c, one.edge) * more_of(octaves), octaves);
+	}
 	one.edge.is_there = one.edge.is_there && goes_along(c);
 	return one;
 }
@@ -253,13 +267,14 @@ choice choice_on_surface(inout candidate c)
 	one.alpha = 0.0;
 	one.edge.is_there = false;
 	vec2 place = place_in_queue(c);
-	if (place.x >= need_on_surface(c, ray_most()))
+	if (place.x >= need_on_surface(c, ray_most()) * more_of(octaves_at(c.depth_m)))
 		return one;
 	one.normal = turned(points[c.index].w);
 	bool is_flat = c.kind < UNDIRECTED && one.normal != vec3(0.0);
 	if (is_flat && look.y > 0.0)
 		scatter(one.normal, c);
-	float need = need_on_surface(c, cosine_of(c, one.normal)), fade = fade_of(place.x, need);
+	float octaves = octaves_at(c.depth_m), need = need_on_surface(c, cosine_of(c, one.normal));
+	float fade = fade_of(place.x, need * more_of(octaves), octaves);
 	if (fade <= 0.0 || is_seen_from_behind(c, one.normal))
 		return one;
 	one.alpha = fade * visibility(c);
