@@ -8,7 +8,7 @@
 
 /* Points to a square pixel from which on they stand for others. */
 #define DISC_CROWD      5.f
-#define DISC_CROWD_ROOT 2.2360680f
+#define DISC_CROWD_ROOT __builtin_sqrtf(DISC_CROWD)
 /* Discs are at least this wide, so that each covers the pixel that it is in; and at most that. */
 #define DISC_RADIUS_LEAST 0.72f
 #define DISC_RADIUS_MOST  48.f

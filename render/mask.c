@@ -43,6 +43,12 @@ static int32_t *first_key(const visibility_mask *m, int32_t *memory)
 	return memory + (size_t)MASK_MARGIN * m->pitch + MASK_MARGIN;
 }
 
+static void clear(int32_t *keys, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		keys[i] = MASK_EMPTY;
+}
+
 static visibility_mask *mask_alloc(const struct camera *c, uint32_t threads)
 {
 	visibility_mask *m = g_new0(visibility_mask, 1);
@@ -58,13 +64,8 @@ static visibility_mask *mask_alloc(const struct camera *c, uint32_t threads)
 	m->tiles_across = (m->width + MASK_TILE - 1) / MASK_TILE;
 	m->tiles_down = (m->height + MASK_TILE - 1) / MASK_TILE;
 	m->deepest_m = g_new(float, (size_t)m->tiles_across * m->tiles_down);
+	clear(m->memory, keys_of_picture(m)); /* its margins */
 	return m;
-}
-
-static void clear(int32_t *keys, size_t count)
-{
-	for (size_t i = 0; i < count; i++)
-		keys[i] = MASK_EMPTY;
 }
 
 /* ---- discs ---- */

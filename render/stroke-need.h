@@ -29,6 +29,12 @@ INLINE float need_along(const struct brush *b, const struct candidate *c, const 
 
 /* ---- eight points ---- */
 
+/* stroke_fade_octaves() */
+INLINE vf octaves_of(vf depth_m)
+{
+	return least(most(STROKE_FADE_NEAR_M / depth_m, all(1)), all(STROKE_FADE_MOST));
+}
+
 struct lane_candidates {
 	uint32_t point[LANES]; /* of the scene */
 	vf rank;       /* of its kind in the chunk, then: points to a square metre before it */
@@ -133,13 +139,6 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 	c->y_px = choose(moves, b->middle_y + at[1] * scale, c->y_px);
 }
 
-/* STROKE_FADE_MORE, and c->octaves. */
-INLINE vf more_of(struct lane_candidates *c)
-{
-	c->octaves = least(most(STROKE_FADE_NEAR_M / c->depth_m, all(1)), all(STROKE_FADE_MOST));
-	return STROKE_FADE_MORE(c->octaves);
-}
-
 /* Leaves those that are wanted where they are, and seen from the front where backs are hidden. Their last, need and normal are known
  * then, and they are where they are drawn. */
 INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_candidates *c)
@@ -150,7 +149,8 @@ INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_cand
 	vf px_per_m = b->focal_px / c->depth_m;
 	find_place(b, lightness, c);
 	/* Scattered they are hardly nearer than this. */
-	c->left &= bits(c->rank < wanted * px_per_m * px_per_m * more_of(c) * b->ray_most);
+	vf more = STROKE_FADE_MORE(octaves_of(c->depth_m));
+	c->left &= bits(c->rank < wanted * px_per_m * px_per_m * more * b->ray_most);
 	if (!c->left)
 		return;
 	find_normals(b, c);
@@ -165,7 +165,8 @@ INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_cand
 	vf cosine = choose(none, all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
 	px_per_m = b->focal_px / c->depth_m;
 	c->need = wanted * px_per_m * px_per_m * cosine;
-	c->left &= bits(c->rank < c->need * more_of(c));
+	c->octaves = octaves_of(c->depth_m);
+	c->left &= bits(c->rank < c->need * STROKE_FADE_MORE(c->octaves));
 	if (backs_hidden)
 		c->left &= bits(along <= 0);
 }

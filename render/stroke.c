@@ -189,7 +189,7 @@ static float need_most(const struct brush *b)
 /* Those of eight that may be drawn, by what is quickly told. */
 INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf rank, vf spacing_m)
 {
-	vf octaves = least(most(STROKE_FADE_NEAR_M / l->depth_m, all(1)), all(STROKE_FADE_MOST));
+	vf octaves = octaves_of(l->depth_m);
 	float reach = b->layer->ink.length_px / 2;
 	vf scale = spacing_m * (b->focal_px / l->depth_m);
 	vf need = is_on_edge(b)

@@ -13,21 +13,7 @@ layout(std430, binding = 6) writeonly buffer Commands {
 layout(location = 0) uniform uint count; /* of views */
 layout(location = 1) uniform uint layer;
 layout(location = 2) uniform uint capacity; /* of the buffer of strokes */
-shared uint sums[256];
 const uint THREADS = 256u, MARKS = 257u;
-
-uint before(uint thread)
-{
-	for (uint far = 1u; far < THREADS; far *= 2u) {
-		uint add = thread >= far ? sums[thread - far] : 0u;
-		memoryBarrierShared();
-		barrier();
-		sums[thread] += add;
-		memoryBarrierShared();
-		barrier();
-	}
-	return thread == 0u ? 0u : sums[thread - 1u];
-}
 
 void main()
 {
@@ -35,10 +21,7 @@ void main()
 	uint from = min(thread * share, count), end = min(from + share, count), sum = 0u;
 	for (uint n = from; n < end; n++)
 		sum += marks[n * MARKS + THREADS];
-	sums[thread] = sum;
-	memoryBarrierShared();
-	barrier();
-	uint at = before(thread);
+	uint at = before(thread, sum);
 	for (uint n = from; n < end; n++) {
 		uint own = marks[n * MARKS + THREADS];
 		marks[n * MARKS + THREADS] = at;

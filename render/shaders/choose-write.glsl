@@ -5,24 +5,7 @@ layout(std430, binding = 6) writeonly buffer Strokes {
 	uint strokes[]; /* x y along, half_width alpha q slope, slope, rgb and variant */
 };
 layout(location = 2) uniform uint capacity;
-shared uint sums[256];
 const uint WORDS = 10u;
-
-uint before(uint thread, uint own)
-{
-	sums[thread] = own;
-	memoryBarrierShared();
-	barrier();
-	for (uint far = 1u; far < THREADS; far *= 2u) {
-		uint add = thread >= far ? sums[thread - far] : 0u;
-		memoryBarrierShared();
-		barrier();
-		sums[thread] += add;
-		memoryBarrierShared();
-		barrier();
-	}
-	return sums[thread] - own;
-}
 
 vec2 turned_along(vec2 along, float half_px, uint point)
 {

@@ -18,8 +18,9 @@ void main()
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 	float pushed_m = d.depth_m * (1.0 + rule.z) + rule.y + d.radius * d.depth_m * (1.0 / lens.x);
 	uint pipeline = views[n].pipeline.x, width = uint(size.x);
-	bool is_dot = d.radius < DOT_RADIUS && all(greaterThanEqual(d.at, vec2(0.0))) &&
-		      all(lessThan(d.at, size.xy));
+	bool is_dot = d.radius < DOT_RADIUS;
+	if (is_dot && (any(lessThan(d.at, vec2(0.0))) || any(greaterThanEqual(d.at, size.xy))))
+		return;
 	if (is_dot)
 		d.box = ivec4(d.at, d.at);
 	for (int y = d.box.y; y <= d.box.w; y++)
