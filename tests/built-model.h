@@ -9,7 +9,6 @@
 #include "process/scan-data.h"
 #include "process/scan-features.h"
 #include "process/scan-geometry.h"
-#include "sim/truth.h"
 #include "tests/simulated.h"
 #include <omp.h>
 #include <stdio.h>
@@ -30,17 +29,8 @@ static inline char *describe(uint32_t station)
 static inline void scan_station(const char *path, uint32_t station)
 {
 	g_autofree char *description = describe(station);
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
-	g_autoptr(GError) error = NULL;
-	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
-	g_autoptr(truth) t = truth_new(description, &error);
-	struct pose *p = &truths[station - 1];
-	memcpy(p->translation_m, truth_station(t)->position_m, sizeof p->translation_m);
-	memcpy(p->rotation, truth_station(t)->rotation, sizeof p->rotation);
-	pose_orthonormalise(p);
+	simulated_draft(path, description);
+	truths[station - 1] = simulated_pose(description);
 }
 
 /* A copy of the site, so that each test has its own; caller frees. */

@@ -3,7 +3,6 @@
 /* A fixture: two draft scans of a simulated hall in a site of the test's own, placed where they stand. */
 #include "process/import.h"
 #include "process/scan-graph.h"
-#include "sim/truth.h"
 #include "tests/simulated.h"
 #include <stdlib.h>
 #include <string.h>
@@ -18,25 +17,17 @@ struct fixture {
 
 static inline void scan(const char *path, uint32_t station)
 {
-	g_autoptr(GError) error = NULL;
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
 	g_autofree char *description = g_strdup_printf(SCENE "%u", station);
-	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
+	simulated_draft(path, description);
 }
 
 /* Where the simulator says that they stand. */
 static inline void place(struct fixture *f, uint32_t number)
 {
-	g_autoptr(GError) error = NULL;
 	g_autofree char *description = g_strdup_printf(SCENE "%u", number);
-	g_autoptr(truth) t = truth_new(description, &error);
-	g_assert_no_error(error);
-	struct placed_scan p = { .number = number, .group = 1 };
-	memcpy(p.pose.rotation, truth_station(t)->rotation, sizeof p.pose.rotation);
-	memcpy(p.pose.translation_m, truth_station(t)->position_m, sizeof p.pose.translation_m);
+	struct placed_scan p = {
+		.number = number, .group = 1, .pose = simulated_pose(description)
+	};
 	g_array_append_val(f->graph.scans, p);
 }
 

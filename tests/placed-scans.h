@@ -2,7 +2,6 @@
 #define TESTS_PLACED_SCANS_H
 /* Drafts of simulated sites as grids, with where they really stand. Made once per program and description. */
 #include "process/pair.h"
-#include "sim/truth.h"
 #include "tests/simulated.h"
 #include <string.h>
 
@@ -15,28 +14,12 @@ static inline range_grid *draft_of(const char *description)
 {
 	g_autofree char *folder = simulated_folder();
 	g_autofree char *path = g_build_filename(folder, "site", NULL);
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
 	g_autoptr(GError) error = NULL;
-	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
+	uint32_t number = simulated_draft(path, description);
 	g_autoptr(site) s = site_open(path, &error);
-	g_autoptr(panorama) p = scan_load(s, result.number, false, &error);
+	g_autoptr(panorama) p = scan_load(s, number, false, &error);
 	g_assert_no_error(error);
 	return range_grid_from_panorama(p);
-}
-
-static inline struct pose true_pose_of(const char *description)
-{
-	g_autoptr(GError) error = NULL;
-	g_autoptr(truth) t = truth_new(description, &error);
-	g_assert_no_error(error);
-	const struct world_station *at = truth_station(t);
-	struct pose pose;
-	memcpy(pose.rotation, at->rotation, sizeof pose.rotation);
-	memcpy(pose.translation_m, at->position_m, sizeof pose.translation_m);
-	return pose;
 }
 
 /* what: "court?seed=9&station=2"; the lidar is quick and its beams are thin. */
@@ -51,7 +34,7 @@ static inline const struct placed *placed_scan(const char *what)
 	g_autofree char *description =
 		g_strconcat(what, "&ares=720&camera=none&divergence_mrad=0", NULL);
 	p = g_new(struct placed, 1);
-	*p = (struct placed){ draft_of(description), true_pose_of(description) };
+	*p = (struct placed){ draft_of(description), simulated_pose(description) };
 	g_hash_table_insert(known, g_strdup(what), p);
 	return p;
 }

@@ -20,11 +20,7 @@ static inline char *processed_site(void)
 	for (int station = 1; station <= 2; station++) {
 		g_autofree char *description = g_strdup_printf(
 			"court?seed=5&station=%d&ares=720&camera=none&divergence_mrad=0", station);
-		struct scan_options options = { .preset = preset_find("draft") };
-		struct scan_result result;
-		uint32_t partial;
-		simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-		g_assert_no_error(error);
+		simulated_draft(path, description);
 	}
 	g_autoptr(site) s = site_open_existing(path, &error);
 	g_assert_no_error(error);

@@ -18,14 +18,9 @@ static struct pose true_pose[STATIONS + 1];
 
 static inline void scan_station(const char *path, int station)
 {
-	g_autoptr(GError) error = NULL;
 	g_autofree char *description = g_strdup_printf(SCENE, station);
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
-	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
-	true_pose[station] = true_pose_of(description);
+	simulated_draft(path, description);
+	true_pose[station] = simulated_pose(description);
 }
 
 /* After the site was made: it tells the poses. */

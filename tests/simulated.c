@@ -1,5 +1,6 @@
 #include "tests/simulated.h"
 #include "sim/options.h"
+#include "sim/truth.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -41,7 +42,7 @@ static gpointer serve(gpointer data)
 	return NULL;
 }
 
-simulated *simulated_start(const char *description, sim_truth_func truth, gpointer truth_data)
+simulated *simulated_start(const char *description, sim_truth_func told, gpointer truth_data)
 {
 	int ends[2];
 	g_autoptr(GError) error = NULL;
@@ -51,7 +52,7 @@ simulated *simulated_start(const char *description, sim_truth_func truth, gpoint
 	s->fd = ends[1];
 	s->options = (struct sim_head_options){ .description = s->description,
 		.world = shared_world(description),
-		.truth = truth,
+		.truth = told,
 		.truth_data = truth_data };
 	s->thread = g_thread_new("simulator", serve, s);
 	s->head = head_open_link(ends[0], &error);
@@ -99,7 +100,7 @@ char *simulated_folder(void)
 }
 
 bool simulated_scan(const char *site_path, const char *description,
-	const struct scan_options *options, sim_truth_func truth, gpointer truth_data,
+	const struct scan_options *options, sim_truth_func told, gpointer truth_data,
 	struct scan_result *ret_result, uint32_t *ret_partial, GError **ret_error)
 {
 	g_autofree char *uri = g_strconcat("sim:", description, NULL);
@@ -107,10 +108,34 @@ bool simulated_scan(const char *site_path, const char *description,
 	g_autoptr(site) at = site_open_for_writing(site_path, ret_error);
 	if (!at)
 		return false;
-	simulated *s = simulated_start(description, truth, truth_data);
+	simulated *s = simulated_start(description, told, truth_data);
 	o.device = uri;
 	o.head = simulated_take_head(s);
 	bool good = scan_record(at, &o, ret_result, ret_partial, ret_error);
 	simulated_stop(s);
 	return good;
+}
+
+uint32_t simulated_draft(const char *site_path, const char *description)
+{
+	struct scan_options options = { .preset = preset_find("draft") };
+	struct scan_result result;
+	uint32_t partial;
+	g_autoptr(GError) error = NULL;
+	simulated_scan(site_path, description, &options, NULL, NULL, &result, &partial, &error);
+	g_assert_no_error(error);
+	return result.number;
+}
+
+struct pose simulated_pose(const char *description)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(truth) t = truth_new(description, &error);
+	g_assert_no_error(error);
+	const struct world_station *at = truth_station(t);
+	struct pose ret;
+	memcpy(ret.translation_m, at->position_m, sizeof ret.translation_m);
+	memcpy(ret.rotation, at->rotation, sizeof ret.rotation);
+	pose_orthonormalise(&ret);
+	return ret;
 }

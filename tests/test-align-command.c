@@ -20,7 +20,7 @@ static const struct pose *truth_of(int number)
 	static bool known[STATIONS + 1];
 	g_autofree char *description = description_of(number);
 	if (!known[number])
-		pose[number] = true_pose_of(description);
+		pose[number] = simulated_pose(description);
 	known[number] = true;
 	return &pose[number];
 }
@@ -35,12 +35,7 @@ static const char *scanned_site(void)
 	path = g_build_filename(folder, "site", NULL);
 	for (int i = 1; i <= STATIONS; i++) {
 		g_autofree char *description = description_of(i);
-		struct scan_options options = { .preset = preset_find("draft") };
-		struct scan_result result;
-		uint32_t partial;
-		g_autoptr(GError) error = NULL;
-		simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-		g_assert_no_error(error);
+		simulated_draft(path, description);
 	}
 	return path;
 }

@@ -3,6 +3,7 @@
 #include "process/features.h"
 #include "process/model.h"
 #include "process/normals.h"
+#include "sim/truth.h"
 #include "tests/placed-scans.h"
 #include <stdlib.h>
 

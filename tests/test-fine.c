@@ -389,12 +389,8 @@ static void test_planes(void)
 
 static range_grid *record(const char *site_path, const char *description, uint32_t number)
 {
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
 	g_autoptr(GError) error = NULL;
-	simulated_scan(site_path, description, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
+	simulated_draft(site_path, description);
 	g_autoptr(site) s = site_open(site_path, &error);
 	g_autoptr(panorama) p = scan_load(s, number, false, &error);
 	g_assert_no_error(error);

@@ -19,12 +19,7 @@ static struct station stations[STATIONS];
 
 static void scan_into(const char *path, const char *description)
 {
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
-	g_autoptr(GError) error = NULL;
-	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
+	simulated_draft(path, description);
 }
 
 static struct pose pose_of(const truth *t)

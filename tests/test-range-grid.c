@@ -9,14 +9,10 @@ static panorama *scan_once(void)
 {
 	g_autofree char *folder = simulated_folder();
 	g_autofree char *path = g_build_filename(folder, "site", NULL);
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
 	g_autoptr(GError) error = NULL;
-	simulated_scan(path, ROOM, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
+	uint32_t number = simulated_draft(path, ROOM);
 	g_autoptr(site) s = site_open(path, &error);
-	panorama *p = scan_load(s, result.number, false, &error);
+	panorama *p = scan_load(s, number, false, &error);
 	g_assert_no_error(error);
 	return p;
 }

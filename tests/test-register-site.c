@@ -1,7 +1,6 @@
 /* A simulated site of ten scans, from nothing to one frame; then stopped, changed, decided upon by a person. */
 #include "firmware-io/files.h"
 #include "process/register-site.h"
-#include "sim/truth.h"
 #include "tests/simulated.h"
 #include <glib/gstdio.h>
 #include <string.h>
@@ -15,17 +14,8 @@ static void scan_station(uint32_t station)
 {
 	g_autofree char *description = g_strdup_printf(
 		"court?seed=23&ares=720&camera=none&divergence_mrad=0&station=%u", station);
-	struct scan_options options = { .preset = preset_find("draft") };
-	struct scan_result result;
-	uint32_t partial;
-	g_autoptr(GError) error = NULL;
-	simulated_scan(path, description, &options, NULL, NULL, &result, &partial, &error);
-	g_assert_no_error(error);
-	g_autoptr(truth) t = truth_new(description, &error);
-	struct pose *p = &truths[station - 1];
-	memcpy(p->translation_m, truth_station(t)->position_m, sizeof p->translation_m);
-	memcpy(p->rotation, truth_station(t)->rotation, sizeof p->rotation);
-	pose_orthonormalise(p);
+	simulated_draft(path, description);
+	truths[station - 1] = simulated_pose(description);
 }
 
 static site *open_site(void)
