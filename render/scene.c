@@ -1,4 +1,4 @@
-#include "render/scene.h"
+#include "render/scene-cover.h"
 #include <math.h>
 #include <string.h>
 
@@ -115,10 +115,17 @@ static void copy_point(scene *s, struct scene_chunk *c, uint32_t at, const struc
 	memcpy(s->rgba[at], p->rgba, sizeof p->rgba);
 	s->kind[at] = MIN(p->kind, FEATURE_KINDS - 1);
 	s->degree[at] = p->feature;
-	float spacing_m = s->spacing[at] * UNIT_M;
-	c->disc_most_m = fmaxf(c->disc_most_m, s->disc[at] * UNIT_M);
-	c->spacing_least_m = fminf(c->spacing_least_m, spacing_m);
-	c->spacing_most_m = fmaxf(c->spacing_most_m, spacing_m);
+}
+
+static void find_extremes(const scene *s, struct scene_chunk *c)
+{
+	c->spacing_least_m = INFINITY;
+	for (uint32_t i = c->first; i < c->first + c->count; i++) {
+		float spacing_m = s->spacing[i] * UNIT_M;
+		c->disc_most_m = fmaxf(c->disc_most_m, s->disc[i] * UNIT_M);
+		c->spacing_least_m = fminf(c->spacing_least_m, spacing_m);
+		c->spacing_most_m = fmaxf(c->spacing_most_m, spacing_m);
+	}
 }
 
 static void list_kinds(scene *s, struct scene_chunk *c)
@@ -185,7 +192,8 @@ static float list_spacing_m(const scene *s, const struct shares *h, uint32_t i)
 	switch (s->kind[i]) {
 	case FEATURE_DIRECTED: return spacing_m / RIDGE_WIDTH; /* along the edge */
 	case FEATURE_DITHER:
-		return 1 / sqrtf(s->dither_per_m2); /* as if it were black: fewer are fainter */
+		/* As if it were black, of which fewer are fainter; where beams are far apart they are all there are. */
+		return fmaxf(1 / sqrtf(s->dither_per_m2), spacing_m);
 	default: return spacing_m / sqrtf(fmaxf(share_at(s, h, i), 1e-3f));
 	}
 }
@@ -202,17 +210,24 @@ static void space_list(scene *s, struct scene_chunk *c, struct shares *h)
 	}
 }
 
+/* Of one thread. */
+struct room {
+	scene_cover *cover;
+	struct shares shares;
+};
+
 static void take_chunk(
-	scene *s, uint32_t n, const model *m, const struct model_chunk *from, struct shares *h)
+	scene *s, uint32_t n, const model *m, const struct model_chunk *from, struct room *room)
 {
 	struct scene_chunk *c = &s->chunk[n];
 	const struct model_point *p = model_points(m) + from->first;
 	place_chunk(s, c, from);
-	c->spacing_least_m = INFINITY;
 	for (uint32_t i = 0; i < c->count; i++)
 		copy_point(s, c, c->first + i, p + i);
+	scene_cover_chunk(room->cover, s, c);
+	find_extremes(s, c);
 	list_kinds(s, c);
-	space_list(s, c, h);
+	space_list(s, c, &room->shares);
 	product_forget(model_file(m), p, from->points * sizeof *p);
 }
 
@@ -284,10 +299,12 @@ scene *scene_new(const model *m, GError **error)
 	find_origin(s, chunk);
 #pragma omp parallel
 	{
-		g_autofree struct shares *h = g_new(struct shares, 1);
+		g_autofree struct room *room = g_new(struct room, 1);
+		room->cover = scene_cover_new();
 #pragma omp for schedule(dynamic, 8)
 		for (uint32_t n = 0; n < s->chunks; n++)
-			take_chunk(s, n, m, &chunk[n], h);
+			take_chunk(s, n, m, &chunk[n], room);
+		scene_cover_free(room->cover);
 	}
 	find_levels(s);
 	return s;

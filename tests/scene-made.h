@@ -17,6 +17,7 @@ struct made_point {
 	uint8_t kind, degree;
 	uint16_t leaf;
 	float apart_m;
+	float claimed_m; /* spacing that its beam claims; 0: apart_m */
 };
 
 typedef struct made made;
@@ -231,7 +232,8 @@ static inline struct part_point made_pack(const struct made_point *p)
 		.feature = p->degree,
 		.kind = p->kind,
 		.size = (uint16_t)CLAMP(p->apart_m * 1e4f + 0.5f, 1, 65535),
-		.spacing = (uint16_t)CLAMP(p->apart_m * 1e4f + 0.5f, 1, 65535),
+		.spacing = (uint16_t)CLAMP(
+			(p->claimed_m > 0 ? p->claimed_m : p->apart_m) * 1e4f + 0.5f, 1, 65535),
 		.plane_error = p->kind == FEATURE_UNDIRECTED ? MODEL_ERROR_NONE : 10,
 		.k1 = MODEL_HALF_NONE,
 		.k2 = MODEL_HALF_NONE };

@@ -154,6 +154,38 @@ static void test_shares(void)
 	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_NONE), <, 0.02 * sqrt(4 / 3.) * 1.02);
 }
 
+static double mean_spacing_m(const scene *s)
+{
+	double sum = 0;
+	for (uint32_t i = 0; i < s->count; i++)
+		sum += s->spacing[i] * 1e-4;
+	return sum / s->count;
+}
+
+/* Whatever beams claim, points stand for what their discs cover; but twice as many are not told from two layers. */
+static void test_cover(void)
+{
+	static const struct {
+		double claimed, wanted;
+	} part[] = { { 0.6, 1 }, { 0.85, 1 }, { 1, 1 }, { 1.1, 1 }, { 2, 2 * 0.866 } };
+	for (size_t n = 0; n < G_N_ELEMENTS(part); n++)
+		for (int axis = 0; axis < 3; axis++) {
+			g_auto(made) m = made_new();
+			struct made_plane p = { .apart_m = 0.02, .order = MADE_JITTERED };
+			p.a_m[(axis + 1) % 3] = p.b_m[(axis + 2) % 3] = 4;
+			p.b_m[axis] = 1;
+			made_add_plane(&m, &p);
+			for (guint i = 0; i < m.points->len; i++)
+				g_array_index(m.points, struct made_point, i).claimed_m =
+					(float)(0.02 * part[n].claimed);
+			double spacing_m = mean_spacing_m(made_read(&m));
+			g_test_message("axis %d, %.2f claimed: %.4f of %.4f m", axis,
+				part[n].claimed, spacing_m, 0.02 * part[n].wanted);
+			g_assert_cmpfloat(
+				fabs(spacing_m / 0.02 - part[n].wanted), <, 0.08 * part[n].wanted);
+		}
+}
+
 static void test_edges_and_dither(void)
 {
 	g_auto(made) m = made_court();
@@ -293,6 +325,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene/court", test_court);
 	g_test_add_func("/scene/far-away", test_far_away);
 	g_test_add_func("/scene/shares", test_shares);
+	g_test_add_func("/scene/cover", test_cover);
 	g_test_add_func("/scene/edges-and-dither", test_edges_and_dither);
 	g_test_add_func("/scene/measures", test_measures);
 	g_test_add_func("/scene/no-points", test_no_points);
