@@ -51,7 +51,9 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 	}
 	if (kernel == KERNEL_TEXTURE) {
 		const stroke_texture *t = l->texture;
-		uint32_t variant = (uint32_t)(stroke_chance(s->point, 4) * (float)t->variants);
+		uint32_t variant =
+			(uint32_t)(stroke_chance(s->point, stroke_salt(s->copy, SALT_VARIANT)) *
+				   (float)t->variants);
 		p.texel_pitch = t->length + 1;
 		p.texels = l->texels + (size_t)variant * p.texel_pitch * (t->width + 1);
 		p.texels_along = (float)t->length / (2 * p.half_length);

@@ -9,7 +9,7 @@
 struct cell {
 	float covered; /* pixels */
 	float wanted;  /* points that are needed, strokes that still fade in counted */
-	float points;  /* that are shown */
+	float points;  /* that are shown, with their copies */
 	float strokes; /* that are drawn, each by how far it has faded in */
 };
 
@@ -50,8 +50,15 @@ static void add_wanted(const struct cells *c, const struct frame_layer *l, const
 
 /* ---- what there is ---- */
 
+static float strokes_of(const struct frame_layer *l, const scene *s, uint32_t point)
+{
+	bool is_flat =
+		s->kind[point] < FEATURE_UNDIRECTED && s->normal[point][0] != MODEL_NORMAL_NONE;
+	return is_flat ? (float)frame_copies(l) : 1;
+}
+
 static void add_point(const struct cells *c, const visibility_mask *m, const struct chunk_view *v,
-	const scene *s, uint32_t i, const struct camera *camera)
+	const scene *s, uint32_t i, float strokes, const struct camera *camera)
 {
 	float at[3];
 	uint32_t point = v->chunk->first + i;
@@ -67,7 +74,7 @@ static void add_point(const struct cells *c, const visibility_mask *m, const str
 	if (!cell || at[2] > mask_depth(mask_key(m, (int32_t)x, (int32_t)y)))
 		return;
 #pragma omp atomic
-	cell->points++;
+	cell->points += strokes;
 }
 
 static void add_points(
@@ -80,7 +87,8 @@ static void add_points(
 			continue;
 		for (uint32_t i = 0; i < chunk->count; i++)
 			if (l->kinds >> f->scene->kind[chunk->first + i] & 1)
-				add_point(c, s->mask, &s->views[n], f->scene, i, &s->camera);
+				add_point(c, s->mask, &s->views[n], f->scene, i,
+					strokes_of(l, f->scene, chunk->first + i), &s->camera);
 	}
 }
 

@@ -40,8 +40,8 @@ struct stroke_tally {
 };
 #define STEP_MOST 0.15f
 /* Adds one layer. scratch: two planes of a float for each point, all 0, and so again afterwards. */
-void stroke_tally_add(struct stroke_tally *t, const scene *s, const struct shot *before,
-	const struct shot *now, uint32_t layer, float *const scratch[2]);
+void stroke_tally_add(struct stroke_tally *t, const struct shot *before, const struct shot *now,
+	uint32_t layer, float *const scratch[2]);
 
 /* ---- density ---- */
 
@@ -62,7 +62,7 @@ struct density density_of(
 drawing *tone_drawing(drawing *d);
 
 struct tone_sums {
-	double curve2, reach2; /* squared differences to the curve, and to what it can reach */
+	double error2; /* squared differences to the curve */
 	double light, wanted;
 	uint64_t tiles;
 };
@@ -77,7 +77,7 @@ struct coherence_row {
 	/* NAN where the style has nothing of the kind. */
 	double kept_least, kept, step_most, jumped_share;
 	double density_least, density_most, limited_share, cv, cv_all;
-	double warp, warp_soft, tone, tone_reach, tone_drift;
+	double warp, warp_soft, tone, tone_bias, tone_drift;
 	bool is_static;
 };
 void coherence_print_heading(const struct bench_coherence_options *o);

@@ -1,29 +1,19 @@
 #include "render/bench-coherence-private.h"
 #include <math.h>
 
-static const struct scene_chunk *chunk_of(const scene *s, uint32_t point)
+/* Where it is drawn. */
+static void place_of(const struct camera *c, const struct stroke *s, double ret_m[3])
 {
-	uint32_t low = 0, high = s->chunks;
-	while (high - low > 1) {
-		uint32_t middle = low + (high - low) / 2;
-		if (s->chunk[middle].first <= point)
-			low = middle;
-		else
-			high = middle;
-	}
-	return &s->chunk[low];
+	const double px[2] = { s->x_px, s->y_px };
+	reproject_seen(c, px, 1 / (double)s->q, ret_m);
 }
 
-static void place_of(const scene *s, uint32_t point, double ret_m[3])
-{
-	const struct scene_chunk *c = chunk_of(s, point);
-	scene_position(s, c, point - c->first, ret_m);
-}
-
-static void lay_out(const stroke_list *l, float *alpha_of_point, bool clear)
+/* Of one copy of each point. */
+static void lay_out(const stroke_list *l, uint32_t copy, float *alpha_of_point, bool clear)
 {
 	for (uint32_t n = 0; n < l->count; n++)
-		alpha_of_point[l->stroke[n].point] = clear ? 0 : l->stroke[n].alpha;
+		if (l->stroke[n].copy == copy)
+			alpha_of_point[l->stroke[n].point] = clear ? 0 : l->stroke[n].alpha;
 }
 
 static void compare(struct stroke_tally *t, float before, float now)
@@ -34,33 +24,50 @@ static void compare(struct stroke_tally *t, float before, float now)
 	t->step_most = fmaxf(t->step_most, step);
 }
 
-void stroke_tally_add(struct stroke_tally *t, const scene *s, const struct shot *before,
-	const struct shot *now, uint32_t layer, float *const scratch[2])
+static void add_copy(struct stroke_tally *t, const struct shot *before, const struct shot *now,
+	uint32_t layer, uint32_t copy, float *const scratch[2])
 {
 	const stroke_list *was = &before->lists[layer], *is = &now->lists[layer];
-	lay_out(was, scratch[0], false);
-	lay_out(is, scratch[1], false);
+	double place_m[3];
+	lay_out(was, copy, scratch[0], false);
+	lay_out(is, copy, scratch[1], false);
 	for (uint32_t n = 0; n < was->count; n++) {
-		uint32_t point = was->stroke[n].point;
-		double place_m[3];
-		place_of(s, point, place_m);
+		const struct stroke *s = &was->stroke[n];
+		if (s->copy != copy)
+			continue;
+		place_of(&before->camera, s, place_m);
 		if (!reproject_shows(&now->camera, now->mask, place_m))
 			continue;
 		t->shown++;
-		t->kept += scratch[1][point] > 0;
+		t->kept += scratch[1][s->point] > 0;
 		if (reproject_shows(&before->camera, before->mask, place_m))
-			compare(t, was->stroke[n].alpha, scratch[1][point]);
+			compare(t, s->alpha, scratch[1][s->point]);
 	}
 	for (uint32_t n = 0; n < is->count; n++) {
-		uint32_t point = is->stroke[n].point;
-		double place_m[3];
-		if (scratch[0][point] > 0)
+		const struct stroke *s = &is->stroke[n];
+		if (s->copy != copy || scratch[0][s->point] > 0)
 			continue;
-		place_of(s, point, place_m);
+		place_of(&now->camera, s, place_m);
 		if (reproject_shows(&before->camera, before->mask, place_m) &&
 			reproject_shows(&now->camera, now->mask, place_m))
-			compare(t, 0, is->stroke[n].alpha);
+			compare(t, 0, s->alpha);
 	}
-	lay_out(was, scratch[0], true);
-	lay_out(is, scratch[1], true);
+	lay_out(was, copy, scratch[0], true);
+	lay_out(is, copy, scratch[1], true);
+}
+
+static uint32_t copies_of(const stroke_list *l)
+{
+	uint32_t most = 0;
+	for (uint32_t n = 0; n < l->count; n++)
+		most = MAX(most, l->stroke[n].copy + 1);
+	return most;
+}
+
+void stroke_tally_add(struct stroke_tally *t, const struct shot *before, const struct shot *now,
+	uint32_t layer, float *const scratch[2])
+{
+	uint32_t copies = MAX(copies_of(&before->lists[layer]), copies_of(&now->lists[layer]));
+	for (uint32_t copy = 0; copy < copies; copy++)
+		add_copy(t, before, now, layer, copy, scratch);
 }

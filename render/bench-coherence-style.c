@@ -106,7 +106,7 @@ static void tally_strokes(struct styled *s, float *const scratch[2])
 {
 	struct stroke_tally t = { 0 };
 	for (uint32_t l = 0; l < s->frame->layers; l++)
-		stroke_tally_add(&t, s->frame->scene, &s->before, &s->now, l, scratch);
+		stroke_tally_add(&t, &s->before, &s->now, l, scratch);
 	s->tally.shown += t.shown;
 	s->tally.kept += t.kept;
 	s->tally.compared += t.compared;
@@ -165,8 +165,9 @@ static bool measure_tone(
 	struct tone_sums t = { 0 };
 	if (!tone_add(&t, s->toned_frame, &s->now, lightness, picture, error))
 		return false;
-	s->tone.curve2 += t.curve2;
-	s->tone.reach2 += t.reach2;
+	s->tone.error2 += t.error2;
+	s->tone.light += t.light;
+	s->tone.wanted += t.wanted;
 	s->tone.tiles += t.tiles;
 	if (!t.tiles)
 		return true;
@@ -211,8 +212,8 @@ struct coherence_row styled_row(
 		.cv_all = by(s->cv_all, s->cvs_all),
 		.warp = warp_of(s == baseline, s->error2, baseline->error2),
 		.warp_soft = warp_of(s == baseline, s->soft_error2, baseline->soft_error2),
-		.tone = sqrt(by(s->tone.curve2, (double)s->tone.tiles)),
-		.tone_reach = sqrt(by(s->tone.reach2, (double)s->tone.tiles)),
+		.tone = sqrt(by(s->tone.error2, (double)s->tone.tiles)),
+		.tone_bias = by(s->tone.light - s->tone.wanted, (double)s->tone.tiles),
 		.tone_drift = s->tone.tiles ? s->tone_mean_most - s->tone_mean_least : NAN,
 		.is_static = s->is_static };
 }

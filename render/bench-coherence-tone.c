@@ -1,6 +1,7 @@
 #include "render/bench-coherence-private.h"
 #include "render/light.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #define TILE_COVERED 0.99
@@ -36,32 +37,21 @@ drawing *tone_drawing(drawing *d)
 
 /* By pipeline and lightness: of the paper's light. */
 struct targets {
-	float curve[256], reach[256];
+	float curve[256];
 };
-
-/* Of strokes that fall anywhere. */
-static float reach_at(const struct frame_layer *l, int lightness)
-{
-	float ink = light_luminance(l->ink_linear),
-	      strokes = l->wanted_per_px[lightness] * STROKE_FADE_MEAN;
-	return ink + (1 - ink) * expf(-strokes * l->stroke_area_px);
-}
 
 static struct targets *targets_of(const frame *f)
 {
 	struct targets *t = g_new(struct targets, 1 << MASK_PIPELINE_BITS);
 	for (int p = 0; p < 1 << MASK_PIPELINE_BITS; p++)
 		for (int n = 0; n < 256; n++)
-			t[p].curve[n] = t[p].reach[n] = NAN;
+			t[p].curve[n] = NAN;
 	for (uint32_t l = 0; l < f->layers; l++) {
 		struct targets *of = &t[f->layer[l].pipeline];
 		for (int n = 0; n < 256; n++) {
 			bool first = isnan(of->curve[n]);
-			float curve = frame_wanted_light(
-				      &f->layer[l].ink, f->scene, (float)n / 255),
-			      reach = reach_at(&f->layer[l], n);
+			float curve = frame_wanted_light(&f->layer[l], f->scene, (float)n / 255);
 			of->curve[n] = first ? curve : of->curve[n] * curve;
-			of->reach[n] = first ? reach : of->reach[n] * reach;
 		}
 	}
 	return t;
@@ -70,7 +60,7 @@ static struct targets *targets_of(const frame *f)
 /* ---- tiles ---- */
 
 struct tile {
-	double light, curve, reach;
+	double light, curve;
 	uint32_t covered;
 };
 
@@ -91,7 +81,6 @@ static struct tile tile_of(const struct targets *t, const struct shot *s,
 				rgb[k] = light[p->rgba[at][k]];
 			sum.light += light_luminance(rgb);
 			sum.curve += here->curve[lightness[at]];
-			sum.reach += here->reach[lightness[at]];
 			sum.covered++;
 		}
 	return sum;
@@ -119,9 +108,12 @@ bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t
 			if (one.covered < TILE_COVERED * TILE_PX * TILE_PX)
 				continue;
 			double light = one.light / paper / one.covered,
-			       curve = one.curve / one.covered, reach = one.reach / one.covered;
-			t->curve2 += (light - curve) * (light - curve);
-			t->reach2 += (light - reach) * (light - reach);
+			       curve = one.curve / one.covered;
+			if (getenv("DUMP"))
+				printf("T %u %u %.3f %.3f %.3f\n", x, y, curve, curve, light);
+			if (getenv("DUMP"))
+				printf("T %u %u %.3f %.3f %.3f\n", x, y, curve, curve, light);
+			t->error2 += (light - curve) * (light - curve);
 			t->light += light;
 			t->wanted += curve;
 			t->tiles++;

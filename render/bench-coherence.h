@@ -8,16 +8,16 @@
  * least. Frames are drawn by cpu at a pixel to a pixel, without supersampling. Depths and cameras are known, so that motion is exact:
  *
  *     shown      a place in the picture, none of whose four nearest pixels the mask covers before it
- *     kept       of the strokes of a frame whose points are shown in the next one, those that are drawn in it, of all layers; the
+ *     kept       of the strokes of a frame whose places in the site are shown in the next one, those that are drawn in it, of all layers; the
  *                worst pair (>= 99 %)
- *     step       the largest change of alpha from a frame to the next of any stroke whose point is shown in both; what is not drawn
+ *     step       the largest change of alpha from a frame to the next of any stroke whose place is shown in both; what is not drawn
  *                has alpha 0 (<= 0.15). And the part of the strokes of both whose change is larger than that
  *     density    of layers that cover areas (points: surface, dithering, all): sum of alpha of their strokes by the alpha that a
  *                stroke of such a point has when it has faded in, to what the layer wants there: of every covered pixel, by the
  *                lightness that plain coloured points have in it. Over cells of 32 px that are at least half covered and that the
  *                data do not limit; least and most of all frames (0.9 to 1.1)
- *     limited    part of the covered area in cells where fewer points of the layer are to be seen than it wants: drawing all of them
- *                would not do. The engine calls that need > 1; here points are counted
+ *     limited    part of the covered area in cells where the points of the layer that are to be seen, with all copies that they may
+ *                give (step.h), are fewer than it wants
  *     cv         coefficient of variation of density over tiles of 64 px that are covered whole (99 %), not limited, and where 50
  *                strokes or more are wanted; mean of frames (<= 0.25). And with the limited tiles
  *     warp       mean of |V(t) - V(t-1) at the same place of the site|^2 over pixels that are covered in both frames at depths that
@@ -26,8 +26,8 @@
  *                And the same of means of 9 x 9 pixels, which is what remains of strokes too fine to be followed
  *     tone       of layers with the tone of the colour, drawn alone on paper without grain: mean luminance of tiles of 64 px that
  *                are covered whole, by the paper's, less what the layer's tone curve makes of the lightness of plain coloured
- *                points; root of the mean square (<= 0.04). And the same less what the curve can reach with strokes no closer
- *                than spacing_px
+ *                points (it ends at what strokes no closer than spacing_px can reach: frame_wanted_light); root of the mean square
+ *                (<= 0.04). And the mean
  *     static     the same camera gives the same bytes again
  *
  * Of several layers the worst one counts. */

@@ -9,7 +9,7 @@ struct chunk_view {
 	float base[3], axis[3][3]; /* [of q][x y z] */
 	float near_m, far_m;       /* depths of its box, at least the camera's near */
 	float margin_px;           /* how far discs of its points reach beyond that */
-	float nearest_m;           /* that any part of such a disc can be */
+	float nearest_m;           /* that any part of such a disc, and any stroke, can be */
 	float low_px[2],
 		high_px[2]; /* around its box on the screen; all of it when the box reaches behind the camera */
 };

@@ -33,6 +33,9 @@ struct frame_layer {
 	float own_way[2], turn[256][2];
 };
 
+/* Strokes that a point of surface with a normal gives at most: itself and its copies. */
+uint32_t frame_copies(const struct frame_layer *l);
+
 typedef struct frame frame;
 struct frame {
 	uint64_t serial; /* scene_serial(): of all but the camera */
@@ -54,8 +57,11 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
 /* Another camera with a picture of the same size; the layers stay. */
 bool frame_move(frame *f, const struct camera *c, GError **error);
 
-/* What a layer of TONE_COLOUR should let through of the paper's light where points have this lightness (0..1). */
-float frame_wanted_light(const struct ink_step *ink, const scene *s, float lightness);
+/* What so many strokes of a layer let through of the paper's light: about exp(-number * area) of it stays bare. */
+float frame_light_of(const struct frame_layer *l, float strokes_per_px);
+/* What a layer of TONE_COLOUR should let through where points have this lightness (0..1). Tones that are too dark for its strokes, which
+ * stand no closer than spacing_px, come near the darkest that they can be. */
+float frame_wanted_light(const struct frame_layer *l, const scene *s, float lightness);
 
 static inline const struct pipeline *frame_pipeline(const frame *f, uint32_t pipeline)
 {
@@ -64,6 +70,9 @@ static inline const struct pipeline *frame_pipeline(const frame *f, uint32_t pip
 
 /* The first step of that kind in a pipeline; NULL: it has none. */
 const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kind_name);
+
+/* Length of the longest ray of depth 1 to a place where a stroke of the layer may be seen. */
+float frame_ray_most(const frame *f, const struct frame_layer *l);
 
 /* A drawn picture: sRGB, 4 bytes a pixel, row by row, the last 255. */
 struct picture_buffer {

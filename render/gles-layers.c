@@ -43,7 +43,7 @@ static void describe(const struct frame_layer *l, struct layer_block *ret)
 		.opacity = { ink->opacity, ink->opacity_variation, ink->degree, ink->fade_m },
 		.texels = { 1, 1, 1 },
 		.which = { l->kinds, l->is_queue, kinds_along(ink), ink->colour == COLOUR_POINT },
-		.colour = { 0, band_blend_of(l) },
+		.colour = { 0, band_blend_of(l), frame_copies(l) },
 	};
 	memcpy(ret->wanted_per_px, l->wanted_per_px, sizeof ret->wanted_per_px);
 	memcpy(ret->dithering_per_m2, l->dithering_per_m2, sizeof ret->dithering_per_m2);

@@ -1,6 +1,8 @@
 #include "render/gles-views.h"
 #include "render/disc-lanes.h"
 #include "render/splat.h"
+#include "render/stroke.h"
+#include <math.h>
 #include <string.h>
 
 /* chunk_view of chunks.glsl. */
@@ -41,7 +43,7 @@ static void describe(const frame *f, const struct gles_slab *slab, const struct 
 	const struct points_step *points = splat_step(f, v->pipeline);
 	*ret = (struct view_block){ .mask = { mask->disc, mask->offset_m, mask->offset_relative,
 					    mask->backs == BACKS_HIDDEN },
-		.splat = { 0, 0, c->spacing_most_m },
+		.splat = { 0, 0, c->spacing_most_m, c->disc_most_m },
 		.at = { c->first - slab->first, c->first, c->count,
 			disc_prefix((float)f->camera.focal_px, v) },
 		.pipeline = { v->pipeline } };
@@ -57,15 +59,28 @@ static void describe(const frame *f, const struct gles_slab *slab, const struct 
 	}
 }
 
-static void add_to_runs(gles_views *v, const frame *f, uint32_t at, uint32_t slab, uint8_t pipeline)
+static float sparsest_of(const frame *f, const struct chunk_view *v)
 {
+	float moved_m = v->chunk->disc_most_m * stroke_reach(1, 1) * (float)G_SQRT2;
+	float apart_m = v->chunk->spacing_most_m;
+	for (int kind = 0; kind < FEATURE_UNDIRECTED; kind++)
+		apart_m = fmaxf(apart_m, v->chunk->list_spacing_most_m[kind]);
+	return apart_m / fmaxf(v->near_m - moved_m, (float)f->camera.near_m);
+}
+
+static void add_to_runs(
+	gles_views *v, const frame *f, uint32_t at, uint32_t slab, const struct chunk_view *view)
+{
+	uint8_t pipeline = view->pipeline;
+	float sparsest = sparsest_of(f, view);
 	struct gles_run *last =
 		v->runs->len ? &g_array_index(v->runs, struct gles_run, v->runs->len - 1) : NULL;
 	if (last && last->slab == slab && last->pipeline == pipeline) {
 		last->count++;
+		last->sparsest = fmaxf(last->sparsest, sparsest);
 		return;
 	}
-	struct gles_run next = { slab, at, 1, pipeline, splat_step(f, pipeline) != NULL };
+	struct gles_run next = { slab, at, 1, pipeline, splat_step(f, pipeline) != NULL, sparsest };
 	g_array_append_val(v->runs, next);
 }
 
@@ -83,7 +98,7 @@ bool gles_views_fill(
 		const struct chunk_view *view = &views[place[n].view];
 		uint32_t slab = place[n].key % g->slabs;
 		describe(f, &g->slab[slab], view, &block[n]);
-		add_to_runs(v, f, n, slab, view->pipeline);
+		add_to_runs(v, f, n, slab, view);
 		v->points += view->chunk->count;
 	}
 	GLsizeiptr bytes = (GLsizeiptr)(v->count * sizeof *block);

@@ -344,14 +344,15 @@ static bool tiles_of(
 	return true;
 }
 
-bool mask_hides(const visibility_mask *m, const struct chunk_view *v)
+bool mask_hides(const visibility_mask *m, const struct chunk_view *v, float behind)
 {
 	uint32_t low[2], high[2];
 	if (!tiles_of(m, v, low, high)) /* beside the picture; its strokes may reach into it */
 		return false;
 	for (uint32_t down = low[1]; down <= high[1]; down++)
 		for (uint32_t across = low[0]; across <= high[0]; across++)
-			if (m->deepest_m[down * m->tiles_across + across] >= v->nearest_m)
+			if (m->deepest_m[down * m->tiles_across + across] * (1 + behind) >=
+				v->nearest_m)
 				return false;
 	return true;
 }
@@ -424,7 +425,7 @@ static void draw(visibility_mask *m, const frame *f, const struct chunk_view *vi
 			path->look(m, down, &b);
 #pragma omp for schedule(dynamic, 2) reduction(+ : hidden)
 		for (uint32_t n = half; n < count; n++)
-			if (mask_hides(m, &views[n]))
+			if (mask_hides(m, &views[n], 0))
 				hidden++;
 			else
 				path->draw(f, &t, &views[n]);

@@ -42,8 +42,8 @@ void visibility_mask_free(visibility_mask *m); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(visibility_mask, visibility_mask_free)
 
 #define MASK_TILE 16 /* pixels a side */
-/* Whether nothing of the chunk can be seen: conservative. */
-bool mask_hides(const visibility_mask *m, const struct chunk_view *v);
+/* Whether all of the chunk is farther behind what is seen than this part of the depth: conservative. */
+bool mask_hides(const visibility_mask *m, const struct chunk_view *v, float behind);
 
 static inline int32_t mask_key(const visibility_mask *m, int32_t x, int32_t y)
 {

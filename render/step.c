@@ -90,8 +90,12 @@ static const char *const blend_names[] = {
 	NUMBER(ink_step, grow, RANGE(1, 8, 1, 4), 2, "",                                           \
 		"how much larger they may be where points are too few")
 #define SCATTER                                                                                    \
-	NUMBER(ink_step, scatter, PART, 0.8, "",                                                   \
+	NUMBER(ink_step, scatter, PART, 1, "",                                                     \
 		"how far points of surface are moved, so that rows of beams do not show")
+#define COPIES                                                                                     \
+	NUMBER(ink_step, copies, RANGE(1, 64, 1, 32), 16, "",                                      \
+		"strokes that a point of surface may give, in its patch, where points are too "    \
+		"few")
 #define DEGREE(start)                                                                              \
 	NUMBER(ink_step, degree, PART, start, "",                                                  \
 		"how much fainter weak features are than strong ones")
@@ -117,6 +121,7 @@ static const struct step_parameter sprite_parameters[] = {
 	DIAMETER(2.5),
 	LENGTH_VARIATION(0.2),
 	GROW,
+	COPIES,
 	SCATTER,
 	INK(0x2b2b2b),
 	OPACITY(0.8),
@@ -138,6 +143,7 @@ static const struct step_parameter line_parameters[] = {
 	WIDTH(1.2, 6),
 	LENGTH_VARIATION(0.2),
 	GROW,
+	COPIES,
 	SCATTER,
 	INK(0x2b2b2b),
 	OPACITY(0.7),
@@ -159,6 +165,7 @@ static const struct step_parameter stroke_parameters[] = {
 	WIDTH(4.5, 20),
 	LENGTH_VARIATION(0.2),
 	GROW,
+	COPIES,
 	SCATTER,
 	TEXTURE("pencil"),
 	INK(0x2b2b2b),

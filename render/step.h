@@ -90,6 +90,8 @@ struct ink_step {
 	float opacity;
 	float saturation; /* of COLOUR_POINT: 0 grey, 1 as it is */
 	float grow; /* factor: so much larger they may be where there are too few points to be as dense as wanted */
+	/* So many strokes a point of surface gives where points are too few: itself, and copies that lie scattered in its patch. */
+	float copies;
 	float scatter; /* 0..1: how far points of surface are moved inside their patches, so that rows of beams do not show */
 	float degree;  /* 0..1: how much fainter points of a low feature degree are */
 	float tone_strength; /* TONE_COLOUR: how much of the paper's lightness black takes away */

@@ -21,11 +21,13 @@ struct brush {
 	int kind;
 	float wanted_most; /* need is this * (px_per_m * spacing)^2 at most, of points on surface */
 	uint32_t list_from, list_count; /* of the kind in the chunk */
+	uint32_t copies;                /* that points may give, with themselves */
+	float moved_m;                  /* how far from their points strokes are at most */
 };
 
 /* A point that may become a stroke. */
 struct candidate {
-	uint32_t point;
+	uint32_t point, copy; /* struct stroke */
 	float rank, spacing_m;
 	float x_px, y_px, depth_m;
 };

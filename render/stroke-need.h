@@ -6,9 +6,10 @@
 #include "render/stroke-brush.h"
 
 /* A surface seen at a lower cosine counts as seen at this one. */
-#define COSINE_LEAST 0.05f
-/* Of points without a normal. */
-#define COSINE_UNKNOWN 0.5f
+#define COSINE_LEAST 0.1f
+/* Of points without a normal, and of feature points without a line that are drawn alone: most are leaves. They stand any way, but many of
+ * them are hidden by others where the mask has none. */
+#define COSINE_UNKNOWN 1.f
 
 /* Those of edges are as dense along them; but where a tone is shown they are surface like all other points. */
 INLINE bool is_on_edge(const struct brush *b)
@@ -35,13 +36,23 @@ INLINE vf octaves_of(vf depth_m)
 	return least(most(STROKE_FADE_NEAR_M / depth_m, all(1)), all(STROKE_FADE_MOST));
 }
 
+/* Where strokes of points at this depth may be. */
+INLINE vf nearest_of(const struct brush *b, vf depth_m)
+{
+	return most(depth_m - b->moved_m, all(b->near_m));
+}
+
 struct lane_candidates {
 	uint32_t point[LANES]; /* of the scene */
-	vf rank;       /* of its kind in the chunk, then: points to a square metre before it */
-	vf octaves;    /* that it fades in over */
-	vf last, need; /* points that there are, and strokes that are wanted, to a square metre */
+	uint32_t copy;
+	vf rank;    /* of its kind in the chunk, then: points to a square metre before it */
+	vf most;    /* no rank above it is drawn */
+	vf octaves; /* that it fades in over */
+	vf last; /* points that there are, to a square metre: so much higher is the rank of the next copy */
+	vf wanted, need; /* strokes to a square pixel, to a square metre */
 	vf x_px, y_px, depth_m, spacing_m;
 	vf normal[3]; /* as the camera sees it; 0 0 0: none */
+	vf site_normal[3];
 	vi is_flat;
 	unsigned left; /* which of them may be drawn */
 };
@@ -80,32 +91,38 @@ INLINE vf lanes_around_zero(const uint32_t point[LANES], uint32_t salt)
 	return __builtin_convertvector((vi)(x >> 8), vf) * (2.f / (1 << 24)) - 1;
 }
 
-/* Where a tone is shown all other points come after the dithering points, in one queue with them. */
+/* Where a tone is shown all other points come after the dithering points, in one queue with them; copies come after all points. */
 INLINE void find_place(
 	const struct brush *b, const uint32_t lightness[LANES], struct lane_candidates *c)
 {
 	vf per_m2 = 1 / (c->spacing_m * c->spacing_m);
 	c->last = per_m2;
-	if (!b->layer->is_queue) {
+	if (b->layer->is_queue) {
+		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * UNIT_M;
+		c->last = 1 / (spacing_m * spacing_m);
+		vf there = least((vf)gather(b->layer->dithering_per_m2, lightness), c->last);
+		c->rank = b->kind == FEATURE_DITHER ? c->rank * there
+						    : there + c->rank * (c->last - there);
+	} else
 		c->rank *= per_m2;
-		return;
-	}
-	vf there = (vf)gather(b->layer->dithering_per_m2, lightness);
-	vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * UNIT_M;
-	c->last = there + 1 / (spacing_m * spacing_m);
-	c->rank = b->kind == FEATURE_DITHER ? c->rank * there : there + c->rank * (c->last - there);
+}
+
+INLINE vf turn_lanes(const struct brush *b, int k, const vf v[3])
+{
+	return b->turn[k][0] * v[0] + b->turn[k][1] * v[1] + b->turn[k][2] * v[2];
 }
 
 INLINE void find_normals(const struct brush *b, struct lane_candidates *c)
 {
 	vi packed = gather(b->f->scene->normal, c->point);
-	vf n[3];
+	vf *n = c->site_normal;
 	unpack_lanes(packed, n);
 	vi some = (packed << 16 >> 16) != INT16_MIN;
 	vf unit = where(some, 1 / root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
 	for (int k = 0; k < 3; k++)
-		c->normal[k] =
-			unit * (b->turn[k][0] * n[0] + b->turn[k][1] * n[1] + b->turn[k][2] * n[2]);
+		n[k] *= unit;
+	for (int k = 0; k < 3; k++)
+		c->normal[k] = turn_lanes(b, k, n);
 	c->is_flat = b->kind < FEATURE_UNDIRECTED ? some : (vi){ 0 };
 }
 
@@ -119,19 +136,21 @@ INLINE void rays_of(const struct brush *b, const struct lane_candidates *c, vf r
 /* Moves points in their planes, inside the patches that they stand for. */
 INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 {
-	/* Two axes of the plane (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). */
-	const vf *n = c->normal;
+	/* Two axes of the plane (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"), which do not turn with the camera. */
+	const vf *n = c->site_normal;
 	vf sign = choose(n[2] >= 0, all(1), all(-1)), s = -1 / (sign + n[2]), t = n[0] * n[1] * s;
 	vf axis[2][3] = { { 1 + sign * n[0] * n[0] * s, sign * t, -sign * n[0] },
 		{ t, sign + n[1] * n[1] * s, -n[1] } };
-	vf reach_m = gather_u16(b->f->scene->disc, c->point) * (b->layer->ink.scatter * UNIT_M / 2);
-	vf by[2] = { reach_m * lanes_around_zero(c->point, 5),
-		reach_m * lanes_around_zero(c->point, 6) };
-	vf ray[2], at[3];
+	vf reach_m = gather_u16(b->f->scene->disc, c->point) *
+		     (stroke_reach(b->layer->ink.scatter, c->copy) * UNIT_M);
+	vf by[2] = { reach_m * lanes_around_zero(c->point, stroke_salt(c->copy, SALT_ACROSS)),
+		reach_m * lanes_around_zero(c->point, stroke_salt(c->copy, SALT_DOWN)) };
+	vf ray[2], moved[3], at[3];
 	rays_of(b, c, ray);
 	for (int k = 0; k < 3; k++)
-		at[k] = (k < 2 ? ray[k] : all(1)) * c->depth_m + by[0] * axis[0][k] +
-			by[1] * axis[1][k];
+		moved[k] = by[0] * axis[0][k] + by[1] * axis[1][k];
+	for (int k = 0; k < 3; k++)
+		at[k] = (k < 2 ? ray[k] : all(1)) * c->depth_m + turn_lanes(b, k, moved);
 	vi moves = c->is_flat & (at[2] >= b->near_m);
 	vf scale = b->focal_px / at[2];
 	c->depth_m = choose(moves, at[2], c->depth_m);
@@ -139,32 +158,50 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 	c->y_px = choose(moves, b->middle_y + at[1] * scale, c->y_px);
 }
 
-/* Leaves those that are wanted where they are, and seen from the front where backs are hidden. Their last, need and normal are known
- * then, and they are where they are drawn. */
-INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_candidates *c)
+/* Of the angle that a surface is seen at, times how much longer the ray is than the depth: a square metre of it covers so many
+ * (focal length / depth)^2. along: the normal along the ray. */
+INLINE vf cosine_of(const struct brush *b, const struct lane_candidates *c, vf along)
+{
+	vi none = (c->normal[0] == 0) & (c->normal[1] == 0) & (c->normal[2] == 0);
+	if (b->kind == FEATURE_UNDIRECTED && !b->layer->is_queue)
+		return all(COSINE_UNKNOWN);
+	return choose(none, all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
+}
+
+INLINE vf along_of(const struct brush *b, const struct lane_candidates *c)
+{
+	vf ray[2];
+	rays_of(b, c, ray);
+	return c->normal[0] * ray[0] + c->normal[1] * ray[1] + c->normal[2];
+}
+
+/* What is the same for all copies of the points, and how many of them may be wanted. */
+INLINE void find_wanted(const struct brush *b, struct lane_candidates *c)
 {
 	uint32_t lightness[LANES];
 	store_mask((int32_t *)lightness, lightness_of(gather(b->f->scene->rgba, c->point)));
-	vf wanted = (vf)gather(b->layer->wanted_per_px, lightness);
-	vf px_per_m = b->focal_px / c->depth_m;
+	vf nearest_m = nearest_of(b, c->depth_m), px_per_m = b->focal_px / nearest_m;
+	c->wanted = (vf)gather(b->layer->wanted_per_px, lightness);
 	find_place(b, lightness, c);
-	/* Scattered they are hardly nearer than this. */
-	vf more = STROKE_FADE_MORE(octaves_of(c->depth_m));
-	c->left &= bits(c->rank < wanted * px_per_m * px_per_m * more * b->ray_most);
+	c->most = c->wanted * px_per_m * px_per_m * STROKE_FADE_MORE(octaves_of(nearest_m));
+	c->left &= bits(c->rank < c->most * b->ray_most);
 	if (!c->left)
 		return;
 	find_normals(b, c);
+	/* Moved they are seen at another angle. */
+	vf turned = b->moved_m * b->ray_most / nearest_m;
+	c->most *= least(cosine_of(b, c, magnitude(along_of(b, c)) + turned), all(b->ray_most));
+	c->left &= bits(c->rank < c->most);
+}
+
+/* Leaves those that are wanted where they are, and seen from the front where backs are hidden. Their need is known then, and they are
+ * where they are drawn. */
+INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_candidates *c)
+{
 	if (b->layer->ink.scatter > 0)
 		scatter(b, c);
-	vf ray[2];
-	rays_of(b, c, ray);
-	vf along = c->normal[0] * ray[0] + c->normal[1] * ray[1] + c->normal[2];
-	vi none = (c->normal[0] == 0) & (c->normal[1] == 0) & (c->normal[2] == 0);
-	/* Of the angle that the surface is seen at, times how much longer the ray is than the depth: a square metre of it covers so
-	 * many (focal length / depth)^2. */
-	vf cosine = choose(none, all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
-	px_per_m = b->focal_px / c->depth_m;
-	c->need = wanted * px_per_m * px_per_m * cosine;
+	vf along = along_of(b, c), px_per_m = b->focal_px / c->depth_m;
+	c->need = c->wanted * px_per_m * px_per_m * cosine_of(b, c, along);
 	c->octaves = octaves_of(c->depth_m);
 	c->left &= bits(c->rank < c->need * STROKE_FADE_MORE(c->octaves));
 	if (backs_hidden)

@@ -12,6 +12,8 @@
 /* Part of the depth from which on what is behind the mask is gone. On the way there it fades: the mask is as rough as the points are,
  * and strokes must not come and go with it. What they may not cover they are kept from at each pixel. */
 #define HIDDEN_BEHIND 0.03f
+/* Surface whose back is hidden begins to fade at this cosine. */
+#define TURNED_AWAY 0.1f
 
 /* ---- hidden or not ---- */
 
@@ -71,7 +73,8 @@ INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t 
 
 INLINE void turn_along(const struct brush *b, struct stroke *s, const float along[2], float half_px)
 {
-	const float *turn = b->layer->turn[(int)(stroke_chance(s->point, 2) * 256)];
+	const float *turn = b->layer->turn[(
+		int)(stroke_chance(s->point, stroke_salt(s->copy, SALT_ANGLE)) * 256)];
 	s->along_px[0] = half_px * (along[0] * turn[0] - along[1] * turn[1]);
 	s->along_px[1] = half_px * (along[0] * turn[1] + along[1] * turn[0]);
 }
@@ -80,7 +83,9 @@ INLINE float opacity_of(const struct brush *b, const struct candidate *c)
 {
 	const struct ink_step *ink = &b->layer->ink;
 	float degree = b->f->scene->degree[c->point] / 255.f;
-	float alpha = ink->opacity * (1 - ink->opacity_variation * stroke_chance(c->point, 3));
+	float alpha = ink->opacity *
+		      (1 - ink->opacity_variation *
+				      stroke_chance(c->point, stroke_salt(c->copy, SALT_OPACITY)));
 	alpha *= 1 - ink->degree * (1 - degree);
 	return ink->fade_m > 0 ? alpha * exp2f(-c->depth_m / ink->fade_m) : alpha;
 }
@@ -90,9 +95,12 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	float growth, const struct line *line, const float *normal)
 {
 	const struct ink_step *ink = &b->layer->ink;
-	struct stroke s = { .x_px = c->x_px, .y_px = c->y_px, .alpha = alpha, .point = c->point };
+	struct stroke s = {
+		.x_px = c->x_px, .y_px = c->y_px, .alpha = alpha, .point = c->point, .copy = c->copy
+	};
 	float half_px = growth * ink->length_px / 2 *
-			(1 + ink->length_variation * around_zero(c->point, 1));
+			(1 + ink->length_variation *
+					around_zero(c->point, stroke_salt(c->copy, SALT_LENGTH)));
 	s.half_width_px = growth * ink->width_px / 2;
 	s.q = 1 / c->depth_m;
 	if (line) {
@@ -110,13 +118,19 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	return s;
 }
 
-INLINE bool is_seen_from_behind(
-	const struct brush *b, const struct candidate *c, const float normal[3])
+INLINE bool hides_backs(const struct brush *b)
+{
+	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN;
+}
+
+/* How far it is drawn where backs are hidden: surface that turns away fades. normal 0 0 0: there is none. */
+INLINE float facing(const struct brush *b, const struct candidate *c, const float normal[3])
 {
 	float ray[3];
+	if (!hides_backs(b) || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
+		return 1;
 	ray_of(b, c, ray);
-	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN &&
-	       vector3_dot(normal, ray) > 0;
+	return CLAMP(vector3_dot(normal, ray) * (-1 / TURNED_AWAY), 0, 1);
 }
 
 INLINE bool goes_along(const struct brush *b)
@@ -143,7 +157,8 @@ INLINE void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
 	bool has_line = line_of(b, c, &line);
 	float shown = visibility(b, c);
 	to_camera(b, b->f->scene->normal[c->point], normal);
-	if (shown <= 0 || is_seen_from_behind(b, c, normal) || !has_line)
+	shown *= facing(b, c, normal);
+	if (shown <= 0 || !has_line)
 		return;
 	float octaves = stroke_fade_octaves(c->depth_m),
 	      need = need_along(b, c, &line) * STROKE_FADE_MORE(octaves);
@@ -153,18 +168,19 @@ INLINE void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
 
 INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GArray *to)
 {
-	find_need(b, frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN, l);
+	find_need(b, hides_backs(b), l);
 	for (unsigned left = l->left; left; left &= left - 1) {
 		int k = __builtin_ctz(left);
-		struct candidate c = { l->point[k], l->rank[k], l->spacing_m[k], l->x_px[k],
-			l->y_px[k], l->depth_m[k] };
+		struct candidate c = { l->point[k], l->copy, l->rank[k], l->spacing_m[k],
+			l->x_px[k], l->y_px[k], l->depth_m[k] };
 		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
-		float shown = visibility(b, &c);
+		float shown = visibility(b, &c) * facing(b, &c, normal);
 		if (shown <= 0)
 			continue;
 		struct line line;
 		bool has_line = goes_along(b) && line_of(b, &c, &line);
-		float growth = stroke_growth(l->need[k] / l->last[k]);
+		float growth = stroke_growth(
+			l->need[k] / (l->last[k] * (l->is_flat[k] ? (float)b->copies : 1)));
 		float octaves = l->octaves[k], need = l->need[k] * STROKE_FADE_MORE(octaves);
 		add_stroke(b, &c, shown * stroke_fade(c.rank, need, octaves),
 			MIN(growth, b->layer->ink.grow), has_line ? &line : NULL,
@@ -178,8 +194,9 @@ INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GAr
 static float need_most(const struct brush *b)
 {
 	const struct scene_chunk *c = b->view->chunk;
-	float more = STROKE_FADE_MORE(stroke_fade_octaves(b->view->near_m));
-	float scale = b->focal_px / b->view->near_m *
+	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->near_m);
+	float more = STROKE_FADE_MORE(stroke_fade_octaves(nearest_m));
+	float scale = b->focal_px / nearest_m *
 		      (shares_queue(b) ? c->spacing_most_m : c->list_spacing_most_m[b->kind]);
 	if (is_on_edge(b))
 		return more * scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
@@ -187,17 +204,18 @@ static float need_most(const struct brush *b)
 }
 
 /* Those of eight that may be drawn, by what is quickly told. */
-INLINE unsigned promising(const struct brush *b, const struct lane_points *l, vf rank, vf spacing_m)
+INLINE unsigned promising(
+	const struct brush *b, const struct lane_points *l, const struct lane_candidates *c)
 {
-	vf octaves = octaves_of(l->depth_m);
-	float reach = b->layer->ink.length_px / 2;
-	vf scale = spacing_m * (b->focal_px / l->depth_m);
+	vf nearest_m = nearest_of(b, l->depth_m), octaves = octaves_of(nearest_m);
+	vf px_per_m = b->focal_px / nearest_m, scale = c->spacing_m * px_per_m;
+	vf reach = b->layer->ink.length_px / 2 + b->moved_m * px_per_m;
 	vf need = is_on_edge(b)
 			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
 			  : scale * scale * b->wanted_most;
 	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
 		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
-		    (rank < need * STROKE_FADE_MORE(octaves)));
+		    (c->rank < need * STROKE_FADE_MORE(octaves)));
 }
 
 /* The nearest pixels of the mask are far away. */
@@ -226,6 +244,7 @@ INLINE void find_candidates(
 		c->point[k] = chunk->first + s->list[at + k];
 	for (int axis = 0; axis < 3; axis++)
 		q[axis] = gather_u16(s->q[axis], c->point);
+	c->copy = 0;
 	struct lane_points l = project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
@@ -234,16 +253,29 @@ INLINE void find_candidates(
 	c->spacing_m = shares_queue(b) ? gather_u16(s->spacing, c->point) * UNIT_M
 				       : load_u16(s->list_spacing + at) * UNIT_M;
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
-	c->left &= promising(b, &l, c->rank, c->spacing_m);
+	c->left &= promising(b, &l, c);
 }
 
 INLINE void try_on_edges(const struct brush *b, const struct lane_candidates *l, GArray *to)
 {
 	for (unsigned left = l->left; left; left &= left - 1) {
 		int k = __builtin_ctz(left);
-		struct candidate c = { l->point[k], l->rank[k], l->spacing_m[k], l->x_px[k],
-			l->y_px[k], l->depth_m[k] };
+		struct candidate c = { l->point[k], l->copy, l->rank[k], l->spacing_m[k],
+			l->x_px[k], l->y_px[k], l->depth_m[k] };
 		try_on_edge(b, &c, to);
+	}
+}
+
+/* The points themselves too. */
+INLINE void try_copies(const struct brush *b, struct lane_candidates *c, GArray *to)
+{
+	find_wanted(b, c);
+	unsigned flat = c->left ? bits(c->is_flat) : 0;
+	for (; c->left && c->copy < b->copies; c->copy++) {
+		struct lane_candidates one = *c;
+		try_on_surface(b, &one, to);
+		c->rank += c->last;
+		c->left &= bits(c->rank < c->most) & flat;
 	}
 }
 
@@ -259,7 +291,7 @@ INLINE void choose_points(const struct brush *b, GArray *to)
 		if (is_on_edge(b))
 			try_on_edges(b, &c, to);
 		else
-			try_on_surface(b, &c, to);
+			try_copies(b, &c, to);
 	}
 }
 
@@ -287,11 +319,15 @@ static struct brush brush_of(const frame *f, const visibility_mask *m, const str
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
 			b.turn[k][n] = (float)row[k][n];
-	float reach = l->ink.length_px / 2;
-	float corner[3] = { (b.middle_x + reach) / b.focal_px, (b.middle_y + reach) / b.focal_px,
-		1 };
-	b.ray_most = vector3_length(corner);
+	b.ray_most = frame_ray_most(f, l);
 	return b;
+}
+
+/* By scatter(), along two axes. */
+static float moved_most(const struct brush *b)
+{
+	return b->view->chunk->disc_most_m * stroke_reach(b->layer->ink.scatter, b->copies > 1) *
+	       (float)G_SQRT2;
 }
 
 static void choose_kinds(struct brush *b, GArray *to)
@@ -303,6 +339,8 @@ static void choose_kinds(struct brush *b, GArray *to)
 		if (!(b->layer->kinds >> b->kind & 1) || !b->list_count)
 			continue;
 		b->wanted_most = b->layer->wanted_most[b->kind] * b->ray_most;
+		b->copies = b->kind < FEATURE_UNDIRECTED ? frame_copies(b->layer) : 1;
+		b->moved_m = b->kind < FEATURE_UNDIRECTED ? moved_most(b) : 0;
 		(wide ? choose_avx2 : choose_portable)(b, to);
 	}
 }
@@ -317,7 +355,7 @@ static void run_task(const frame *f, const visibility_mask *m, const struct chun
 	uint32_t count, struct task *t)
 {
 	for (uint32_t n = 0; n < count; n++) {
-		if (m && mask_hides(m, &views[n]))
+		if (m && mask_hides(m, &views[n], HIDDEN_BEHIND))
 			continue;
 		for (uint32_t l = 0; l < f->layers; l++) {
 			if (f->layer[l].pipeline != views[n].pipeline)

@@ -3,6 +3,9 @@
 /* The strokes of a frame, as they are drawn: the points of each layer that are dense enough on the screen for it (Xu & Chen 2004,
  * sections 6.2 to 7.4) and not hidden by the mask. Sprites and line segments are strokes too.
  *
+ * Where that asks for more strokes than there are points, points of surface give some more that lie scattered in their patches: the
+ * copies, whose ranks are behind those of all points.
+ *
  * A point is drawn when its rank among its kind in its chunk is below what the density at its very place asks for, and fades in over
  * the last half of its rank, or more near the eye. So density is even, and whatever is drawn in one frame is drawn in the next. */
 #include "render/mask.h"
@@ -16,6 +19,7 @@ struct stroke {
 	float q, slope[2];
 	uint8_t rgba[4];
 	uint32_t point; /* of the scene */
+	uint32_t copy;  /* 0: the point itself; else one of its patch's surface */
 };
 
 /* Strokes of one layer, in the order of chunk_views and ranks. */
@@ -30,6 +34,20 @@ stroke_list *stroke_lists_new(
 	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count);
 void stroke_lists_free(stroke_list *lists, uint32_t layers); /* NULL is fine */
 
+/* Copies lie so much farther away than points are moved: their rows are farther apart than patches are long where beams graze. */
+#define COPY_REACH 1.3f
+/* Along each of two axes, in diameters of the patch. */
+static inline float stroke_reach(float scatter, uint32_t copy)
+{
+	return scatter * (copy ? COPY_REACH : 1) / 2;
+}
+
+/* What depends on chance, of one stroke: a salt of its own. */
+enum { SALT_LENGTH = 1, SALT_ANGLE, SALT_OPACITY, SALT_VARIANT, SALT_ACROSS, SALT_DOWN, SALTS = 8 };
+static inline uint32_t stroke_salt(uint32_t copy, uint32_t salt)
+{
+	return copy * SALTS + salt;
+}
 /* 0 <= r < 1, of a point; another one for each salt. */
 static inline float stroke_chance(uint32_t point, uint32_t salt)
 {
@@ -45,7 +63,7 @@ static inline float stroke_chance(uint32_t point, uint32_t salt)
 /* What a layer's strokes at full need weigh less for fading in: the mean of stroke_fade over ranks. */
 #define STROKE_FADE_MEAN 0.7213f
 /* Octaves of need that a point comes in over: one, and more of them near the eye, where a step changes need much. */
-#define STROKE_FADE_NEAR_M 6.f
+#define STROKE_FADE_NEAR_M 12.f
 #define STROKE_FADE_MOST   3.f
 static inline float stroke_fade_octaves(float depth_m)
 {

@@ -1,4 +1,5 @@
 /* Which points become strokes, how dense, how dark, along what, and whether they stay from frame to frame. */
+#include "render/bench-reproject.h"
 #include "render/light.h"
 #include "tests/scene-made.h"
 
@@ -132,6 +133,112 @@ static void test_density(void)
 		}
 }
 
+/* ---- copies ---- */
+
+struct spot {
+	uint32_t point, copy;
+	double at_m[3];
+};
+
+static void free_spots(gpointer spots)
+{
+	g_array_unref(spots);
+}
+
+/* Strokes of the only layer, by points and copies, where they are in the site. */
+static GArray *spots_of(const frame *f)
+{
+	GArray *spots = g_array_new(FALSE, FALSE, sizeof(struct spot));
+	stroke_list *l = strokes_of(f, false);
+	for (uint32_t n = 0; n < l->count; n++) {
+		const struct stroke *s = &l->stroke[n];
+		struct spot spot = { .point = s->point, .copy = s->copy };
+		double px[2] = { (double)s->x_px, (double)s->y_px };
+		reproject_seen(&f->camera, px, 1 / (double)s->q, spot.at_m);
+		g_array_append_val(spots, spot);
+	}
+	stroke_lists_free(l, f->layers);
+	return spots;
+}
+
+static guint spot_hash(gconstpointer spot)
+{
+	const struct spot *s = spot;
+	return s->point * 31 + s->copy;
+}
+
+static gboolean spot_equal(gconstpointer a, gconstpointer b)
+{
+	const struct spot *x = a, *y = b;
+	return x->point == y->point && x->copy == y->copy;
+}
+
+/* Every one of them is another, and none is farther from its point than its patch goes. */
+static GHashTable *know_spots(const frame *f, GArray *spots, uint32_t *ret_copies)
+{
+	GHashTable *known = g_hash_table_new(spot_hash, spot_equal);
+	*ret_copies = 0;
+	for (guint n = 0; n < spots->len; n++) {
+		struct spot *s = &g_array_index(spots, struct spot, n);
+		const struct scene_chunk *c = &f->scene->chunk[0];
+		double point_m[3];
+		while (s->point >= c->first + c->count)
+			c++;
+		scene_position(f->scene, c, s->point - c->first, point_m);
+		double reach_m = f->scene->disc[s->point] * 1e-4 *
+				 (double)stroke_reach(1, s->copy) * G_SQRT2;
+		g_assert_cmpfloat(hypot(s->at_m[0] - point_m[0], s->at_m[2] - point_m[2]), <=,
+			reach_m + 1e-4);
+		g_assert_cmpfloat(fabs(s->at_m[1]), <, 1e-3);
+		g_assert_true(g_hash_table_add(known, s));
+		*ret_copies += s->copy > 0;
+	}
+	return known;
+}
+
+/* Points too far apart for what is wanted: strokes are as dense all the same, and they lie on the wall from wherever they are seen. */
+static void test_copies(void)
+{
+	g_auto(made) m = made_new();
+	add_wall(&m, 60, 0.1, 100, false);
+	const scene *s = made_read(&m);
+	g_autoptr(drawing) d = made_drawing(MADE_SITE(
+		"{\"step\":\"sprites\",\"points\":\"surface\",\"spacing_px\":16," STEADY "}"));
+	g_autoptr(GHashTable) known = NULL;
+	g_autoptr(GPtrArray) kept = g_ptr_array_new_with_free_func(free_spots);
+	for (int slant = 0; slant <= 60; slant += 30) {
+		struct camera c = before_wall(slant, 60, 400);
+		g_autoptr(frame) f = made_frame(s, d, &c);
+		stroke_list *l = strokes_of(f, false);
+		double variation, moved_m = 0;
+		g_auto(tiles) t = tiles_of(f, l, 2.8);
+		double density = density_of(&t, &variation) * 16;
+		stroke_lists_free(l, f->layers);
+		GArray *spots = spots_of(f);
+		g_ptr_array_add(kept, spots);
+		uint32_t copies, again = 0;
+		g_autoptr(GHashTable) these = know_spots(f, spots, &copies);
+		for (guint n = 0; known && n < spots->len; n++) {
+			const struct spot *now = &g_array_index(spots, struct spot, n),
+					  *before = g_hash_table_lookup(known, now);
+			for (int k = 0; before && k < 3; k++)
+				moved_m = fmax(moved_m, fabs(now->at_m[k] - before->at_m[k]));
+			again += before != NULL;
+		}
+		g_test_message(
+			"%d degrees: %.3f of what is wanted, tiles differ by %.3f; %u copies "
+			"of %u strokes; %u again, off by %.5f m",
+			slant, density, variation, copies, spots->len, again, moved_m);
+		g_assert_cmpfloat(fabs(density - 1), <=, 0.1);
+		g_assert_cmpfloat(variation, <=, 0.2);
+		g_assert_cmpuint(copies, >, spots->len / 2);
+		g_assert_true(!known || again > spots->len / 2);
+		g_assert_cmpfloat(moved_m, <, 1e-3);
+		g_clear_pointer(&known, g_hash_table_unref);
+		known = g_steal_pointer(&these);
+	}
+}
+
 /* ---- tone ---- */
 
 static double mean_light(const frame *f, double half_m)
@@ -254,15 +361,22 @@ static const struct way {
 	struct camera (*at)(double part);
 } ways[] = { { "dolly", dolly_at }, { "orbit", orbit_at }, { "pan", pan_at } };
 
-/* Of each layer and point: what it was drawn with; 0: it was not. */
+#define COPIES 16
+
+/* Of each layer, point and copy: what it was drawn with; 0: it was not. */
 static float **alphas_of(const frame *f)
 {
 	float **alpha = g_new0(float *, f->layers + 1);
 	stroke_list *l = strokes_of(f, true);
 	for (uint32_t n = 0; n < f->layers; n++) {
-		alpha[n] = g_new0(float, f->scene->count);
-		for (uint32_t i = 0; i < l[n].count; i++)
-			alpha[n][l[n].stroke[i].point] = l[n].stroke[i].alpha;
+		alpha[n] = g_new0(float, (size_t)f->scene->count *COPIES);
+		for (uint32_t i = 0; i < l[n].count; i++) {
+			const struct stroke *one = &l[n].stroke[i];
+			float *at = &alpha[n][(size_t)one->point * COPIES + one->copy];
+			g_assert_cmpuint(one->copy, <, COPIES);
+			g_assert_cmpfloat(*at, ==, 0);
+			*at = one->alpha;
+		}
 	}
 	stroke_lists_free(l, f->layers);
 	return alpha;
@@ -280,11 +394,14 @@ struct change {
 	double step_most;
 };
 
+/* How far from their points strokes may be. */
+#define MOVED_PX 20
+
 static bool is_inside(const struct camera *c, const double at[3])
 {
 	double px[2], depth_m;
-	return camera_project(c, at, px, &depth_m) && px[0] >= 0 && px[1] >= 0 &&
-	       px[0] < c->width && px[1] < c->height;
+	return camera_project(c, at, px, &depth_m) && px[0] >= MOVED_PX && px[1] >= MOVED_PX &&
+	       px[0] < c->width - MOVED_PX && px[1] < c->height - MOVED_PX;
 }
 
 static void compare(const frame *f, const struct camera *was, float *const *before,
@@ -298,8 +415,10 @@ static void compare(const frame *f, const struct camera *was, float *const *befo
 			scene_position(s, &s->chunk[n], i, at);
 			if (!is_inside(was, at) || !is_inside(&f->camera, at))
 				continue;
-			for (uint32_t l = 0; l < f->layers; l++) {
-				float a = before[l][point], b = now[l][point], step = fabsf(a - b);
+			for (uint32_t l = 0; l < f->layers * COPIES; l++) {
+				size_t one = (size_t)point * COPIES + l % COPIES;
+				float a = before[l / COPIES][one], b = now[l / COPIES][one],
+				      step = fabsf(a - b);
 				ret->drawn += a > 0.02f;
 				ret->survived += a > 0.02f && b > 0;
 				ret->jumped += step > 0.15f;
@@ -573,6 +692,7 @@ int main(int argc, char **argv)
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/stroke/fade", test_fade);
 	g_test_add_func("/stroke/density", test_density);
+	g_test_add_func("/stroke/copies", test_copies);
 	g_test_add_func("/stroke/tone", test_tone);
 	for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
 		g_autofree char *path = g_strconcat("/stroke/stays/", ways[i].name, NULL);

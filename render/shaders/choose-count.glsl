@@ -6,7 +6,8 @@ shared uint total;
 void main()
 {
 	uint n = first_view + gl_WorkGroupID.x, row = (n - layer_view) * MARKS;
-	uint thread = gl_LocalInvocationIndex, mark = 0u, count = views[n].at.z;
+	uint thread = gl_LocalInvocationIndex, mark = 0u;
+	uint count = may_give(n) ? views[n].at.z : 0u;
 	if (thread == 0u)
 		total = 0u;
 	memoryBarrierShared();

@@ -6,13 +6,14 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 5) buffer Marks {
 	uint marks[];
 };
-layout(std430, binding = 6) writeonly buffer Commands {
+layout(std430, binding = 6) buffer Commands {
 	uvec4 commands[64]; /* of each layer */
 	uint totals[64];
 };
 layout(location = 0) uniform uint count; /* of views */
 layout(location = 1) uniform uint layer;
 layout(location = 2) uniform uint capacity; /* of the buffer of strokes */
+layout(location = 3) uniform uint copy; /* whose strokes come after those of the copies before */
 const uint THREADS = 256u, MARKS = 257u;
 
 void main()
@@ -21,7 +22,9 @@ void main()
 	uint from = min(thread * share, count), end = min(from + share, count), sum = 0u;
 	for (uint n = from; n < end; n++)
 		sum += marks[n * MARKS + THREADS];
-	uint at = before(thread, sum);
+	uint at = before(thread, sum) + (copy == 0u ? 0u : totals[layer]);
+	memoryBarrierBuffer();
+	barrier();
 	for (uint n = from; n < end; n++) {
 		uint own = marks[n * MARKS + THREADS];
 		marks[n * MARKS + THREADS] = at;

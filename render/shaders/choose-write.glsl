@@ -7,9 +7,9 @@ layout(std430, binding = 6) writeonly buffer Strokes {
 layout(location = 2) uniform uint capacity;
 const uint WORDS = 10u;
 
-vec2 turned_along(vec2 along, float half_px, uint point)
+vec2 turned_along(vec2 along, float half_px, candidate c)
 {
-	int n = int(chance(point, 2u) * 256.0);
+	int n = int(chance(c, SALT_ANGLE) * 256.0);
 	vec2 turn_by = (n & 1) == 0 ? turns[n >> 1].xy : turns[n >> 1].zw;
 	return half_px * vec2(along.x * turn_by.x - along.y * turn_by.y,
 				 along.x * turn_by.y + along.y * turn_by.x);
@@ -36,20 +36,20 @@ vec2 plane_slope(candidate c, vec3 normal, float around_px)
 void write_stroke(uint at, candidate c, choice one)
 {
 	vec2 slope = vec2(0.0), along;
-	float half_px = one.growth * shape.x / 2.0 * (1.0 + shape.w * around_zero(c.point, 1u));
+	float half_px = one.growth * shape.x / 2.0 * (1.0 + shape.w * around_zero(c, SALT_LENGTH));
 	if (one.edge.is_there) {
 		half_px *= clamp(2.0 * one.edge.px_per_m * c.depth_m / lens.x, FORESHORTENED, 1.0);
-		along = turned_along(one.edge.along, half_px, c.point);
+		along = turned_along(one.edge.along, half_px, c);
 		slope = one.edge.slope * one.edge.along;
 	} else {
-		along = turned_along(own_way.xy, half_px, c.point);
+		along = turned_along(own_way.xy, half_px, c);
 		slope = plane_slope(c, one.normal, half_px);
 	}
 	float word[9] = float[9](c.at.x, c.at.y, along.x, along.y, one.growth * shape.y / 2.0, one.alpha,
 		1.0 / c.depth_m, slope.x, slope.y);
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
-	uint variant = uint(chance(c.point, 4u) * texels.z);
+	uint variant = uint(chance(c, SALT_VARIANT) * texels.z);
 	strokes[at * WORDS + 9u] = colour_of(c) | variant << 24;
 }
 

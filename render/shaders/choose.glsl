@@ -11,11 +11,14 @@ layout(std430, binding = 5) buffer Marks {
 	uint marks[];
 };
 layout(location = 1) uniform uint layer_view;
+/* The copy of points (stroke.h) that is chosen now; one after the other, and their strokes too. */
+layout(location = 3) uniform uint copy;
 
 const uint THREADS = 256u, MARKS = 257u;
 const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u;
-const float COSINE_LEAST = 0.05, COSINE_UNKNOWN = 0.5, FORESHORTENED = 0.25;
-const float ALPHA_LEAST = 1.0 / 255.0, FADE_MEAN = 0.7213;
+const uint SALT_LENGTH = 1u, SALT_ANGLE = 2u, SALT_OPACITY = 3u, SALT_VARIANT = 4u, SALT_ACROSS = 5u, SALT_DOWN = 6u, SALTS = 8u;
+const float COSINE_LEAST = 0.1, COSINE_UNKNOWN = 1.0, FORESHORTENED = 0.25;
+const float ALPHA_LEAST = 1.0 / 255.0, COPY_REACH = 1.3, FADE_MEAN = 0.7213;
 const uint NO_DIRECTION = 0x8000u;
 
 struct candidate {
@@ -38,9 +41,9 @@ struct choice {
 	vec3 normal;
 };
 
-float chance(uint point, uint salt)
+float chance(candidate c, uint salt)
 {
-	uint x = point * 0x9E3779B9u ^ salt * 0x85EBCA6Bu;
+	uint x = c.point * 0x9E3779B9u ^ (copy * SALTS + salt) * 0x85EBCA6Bu;
 	x ^= x >> 16;
 	x *= 0x7feb352du;
 	x ^= x >> 15;
@@ -49,9 +52,9 @@ float chance(uint point, uint salt)
 	return float(x >> 8) * (1.0 / 16777216.0);
 }
 
-float around_zero(uint point, uint salt)
+float around_zero(candidate c, uint salt)
 {
-	return 2.0 * chance(point, salt) - 1.0;
+	return 2.0 * chance(c, salt) - 1.0;
 }
 
 vec3 ray_of(candidate c)
@@ -61,7 +64,7 @@ vec3 ray_of(candidate c)
 
 float cosine_of(candidate c, vec3 normal)
 {
-	if (normal == vec3(0.0))
+	if ((c.kind == UNDIRECTED && which.y == 0u) || normal == vec3(0.0))
 		return COSINE_UNKNOWN;
 	return max(abs(dot(normal, ray_of(c))), COSINE_LEAST);
 }
@@ -109,7 +112,7 @@ float ray_most()
 /* That a point fades in over, and what need must be more for them (stroke.h). */
 float octaves_at(float depth_m)
 {
-	return clamp(6.0 / depth_m, 1.0, 3.0);
+	return clamp(12.0 / depth_m, 1.0, 3.0);
 }
 
 float more_of(float octaves)
@@ -130,16 +133,18 @@ float need_along(candidate c, line l)
 	return l.px_per_m * c.spacing_m / (shape.z * FADE_MEAN);
 }
 
-/* Points to a square metre before it, and the last one's. */
+/* Points to a square metre before it, and the last one's. Copies come after all points. */
 vec2 place_in_queue(candidate c)
 {
-	float per_m2 = 1.0 / (c.spacing_m * c.spacing_m);
-	if (which.y == 0u)
-		return vec2(c.rank * per_m2, per_m2);
-	uint n = lightness_of(looks[c.index].x);
-	float spacing_m = float(points[c.index].y >> 16) * UNIT_M;
-	float there = dithering_per_m2[n >> 2][n & 3u], last = there + 1.0 / (spacing_m * spacing_m);
-	return vec2(c.kind == DITHER ? c.rank * there : there + c.rank * (last - there), last);
+	float last = 1.0 / (c.spacing_m * c.spacing_m), rank = c.rank * last;
+	if (which.y != 0u) {
+		uint n = lightness_of(looks[c.index].x);
+		float spacing_m = float(points[c.index].y >> 16) * UNIT_M;
+		last = 1.0 / (spacing_m * spacing_m);
+		float there = min(dithering_per_m2[n >> 2][n & 3u], last);
+		rank = c.kind == DITHER ? c.rank * there : there + c.rank * (last - there);
+	}
+	return vec2(rank + float(copy) * last, last);
 }
 
 /* How much larger strokes must be where need is more than there are points for. */
@@ -153,16 +158,34 @@ float growth_of(float need)
 	return sqrt(need * FADE_MEAN / mean);
 }
 
-/* Moves the point in its plane, inside the patch that it stands for. */
-void scatter(vec3 normal, inout candidate c)
+/* Along each of two axes, in diameters of the patch: how far strokes are moved from their points. */
+float reach_of_copy()
 {
+	return look.y * (copy == 0u ? 1.0 : COPY_REACH) / 2.0;
+}
+
+float moved_most(uint n, uint kind)
+{
+	return kind < UNDIRECTED ? views[n].splat.w * reach_of_copy() * 1.41421356 : 0.0;
+}
+
+/* Where strokes of points at this depth may be. */
+float nearest_of(uint n, uint kind, float depth_m)
+{
+	return max(depth_m - moved_most(n, kind), lens.w);
+}
+
+/* Moves the point in its plane, inside the patch that it stands for. */
+void scatter(inout candidate c)
+{
+	vec3 normal = unpacked(points[c.index].w);
 	float facing = normal.z >= 0.0 ? 1.0 : -1.0, s = -1.0 / (facing + normal.z);
 	float t = normal.x * normal.y * s;
 	vec3 across = vec3(1.0 + facing * normal.x * normal.x * s, facing * t, -facing * normal.x);
 	vec3 down = vec3(t, facing + normal.y * normal.y * s, -normal.y);
-	float reach_m = look.y * float(points[c.index].z & 0xffffu) * (UNIT_M / 2.0);
-	vec3 at = ray_of(c) * c.depth_m + reach_m * (around_zero(c.point, 5u) * across +
-							    around_zero(c.point, 6u) * down);
+	float reach_m = reach_of_copy() * float(points[c.index].z & 0xffffu) * UNIT_M;
+	vec3 by = reach_m * (around_zero(c, SALT_ACROSS) * across + around_zero(c, SALT_DOWN) * down);
+	vec3 at = ray_of(c) * c.depth_m + to_camera(by);
 	if (at.z < lens.w)
 		return;
 	c.depth_m = at.z;
@@ -197,46 +220,69 @@ float visibility(candidate c)
 float opacity_of(candidate c)
 {
 	float degree = float(points[c.index].z >> 16 & 255u) / 255.0;
-	float alpha = opacity.x * (1.0 - opacity.y * chance(c.point, 3u));
+	float alpha = opacity.x * (1.0 - opacity.y * chance(c, SALT_OPACITY));
 	alpha *= 1.0 - opacity.z * (1.0 - degree);
 	return opacity.w > 0.0 ? alpha * exp2(-c.depth_m / opacity.w) : alpha;
 }
 
-/* Entry i of the list of view n, if its kind is drawn and it is in the picture. */
+/* Need is this * (pixels to its spacing)^2 at most; along edges it is not squared. */
+float need_once(uint kind)
+{
+	return ray_most() * (is_on_edge(kind) ? 1.0 / (shape.z * FADE_MEAN) : wanted_most[kind]);
+}
+
+/* No rank of the kind above it is drawn of the view. */
+float need_most(uint n, uint kind)
+{
+	float spacing_most_m = shares_queue(kind) ? views[n].splat.z : views[n].spacing_most_m[kind];
+	float nearest_m = nearest_of(n, kind, views[n].base.w), near = lens.x / nearest_m * spacing_most_m;
+	return need_once(kind) * (is_on_edge(kind) ? near : near * near) * more_of(octaves_at(nearest_m));
+}
+
+/* Copies lie in the planes of points, which feature points have not. */
+bool may_give(uint n)
+{
+	if (copy == 0u)
+		return true;
+	return look.y > 0.0 && max(need_most(n, 0u), need_most(n, DITHER)) > float(copy);
+}
+
+/* The copy of entry i of the list of view n, if its kind is drawn and it is in the picture. */
 bool candidate_of(uint n, uint i, out candidate c)
 {
 	uvec4 end = views[n].kind_end;
 	c.kind = i < end.x ? 0u : i < end.y ? 1u : i < end.z ? 2u : 3u;
-	if (i >= end.w || (which.x >> c.kind & 1u) == 0u)
+	if (i >= end.w || (which.x >> c.kind & 1u) == 0u || (copy != 0u && c.kind >= UNDIRECTED))
 		return false;
 	uint from = c.kind == 0u ? 0u : end[c.kind - 1u];
 	float many = float(end[c.kind] - from);
 	c.rank = (float(i - from) + 0.5) * (1.0 / many);
-	bool on_edge = is_on_edge(c.kind), shares = shares_queue(c.kind);
-	float spacing_most_m = shares ? views[n].splat.z : views[n].spacing_most_m[c.kind];
-	float near = lens.x / views[n].base.w * spacing_most_m;
-	float need_once = ray_most() * (on_edge ? 1.0 / (shape.z * FADE_MEAN) : wanted_most[c.kind]);
-	float most = need_once * (on_edge ? near : near * near) * more_of(octaves_at(views[n].base.w));
-	if (c.rank > most + 1.0 / many)
+	if (c.rank + float(copy) > need_most(n, c.kind) + 1.0 / many)
 		return false;
 	uint word = lists[views[n].at.x + i];
 	c.index = views[n].at.x + (word & 0xffffu);
 	c.point = views[n].at.y + (word & 0xffffu);
 	c.view = n;
-	c.spacing_m = float((shares ? points[c.index].y : word) >> 16) * UNIT_M;
+	c.spacing_m = float((shares_queue(c.kind) ? points[c.index].y : word) >> 16) * UNIT_M;
 	vec3 at = place_of(n, points[c.index]);
-	float around = shape.x / 2.0, scale = lens.x / at.z;
+	float nearest_m = nearest_of(n, c.kind, at.z), px_per_m = lens.x / nearest_m, scale = lens.x / at.z;
+	float around = shape.x / 2.0 + moved_most(n, c.kind) * px_per_m;
 	c.at = lens.yz + at.xy * scale;
 	c.depth_m = at.z;
-	float here = c.spacing_m * scale;
-	float need = need_once * (on_edge ? here : here * here) * more_of(octaves_at(at.z));
+	float here = c.spacing_m * px_per_m;
+	float need = need_once(c.kind) * (is_on_edge(c.kind) ? here : here * here) * more_of(octaves_at(nearest_m));
 	return at.z > lens.w && all(greaterThanEqual(c.at, vec2(-around))) &&
-	       all(lessThan(c.at, size.xy + around)) && c.rank < need;
+	       all(lessThan(c.at, size.xy + around)) && c.rank + float(copy) < need;
 }
 
-bool is_seen_from_behind(candidate c, vec3 normal)
+const float TURNED_AWAY = 0.1;
+
+/* How far it is drawn where backs are hidden. */
+float facing(candidate c, vec3 normal)
 {
-	return views[c.view].mask.w > 0.0 && dot(normal, ray_of(c)) > 0.0;
+	if (views[c.view].mask.w <= 0.0 || normal == vec3(0.0))
+		return 1.0;
+	return clamp(dot(normal, ray_of(c)) * (-1.0 / TURNED_AWAY), 0.0, 1.0);
 }
 
 bool goes_along(candidate c)
@@ -250,8 +296,8 @@ choice choice_on_edge(candidate c)
 	one.growth = 1.0;
 	one.edge = line_of(c);
 	one.normal = turned(points[c.index].w);
-	one.alpha = visibility(c);
-	if (one.alpha <= 0.0 || !one.edge.is_there || is_seen_from_behind(c, one.normal))
+	one.alpha = visibility(c) * facing(c, one.normal);
+	if (one.alpha <= 0.0 || !one.edge.is_there)
 		one.alpha = 0.0;
 	else {
 		float octaves = octaves_at(c.depth_m);
@@ -267,18 +313,23 @@ choice choice_on_surface(inout candidate c)
 	one.alpha = 0.0;
 	one.edge.is_there = false;
 	vec2 place = place_in_queue(c);
-	if (place.x >= need_on_surface(c, ray_most()) * more_of(octaves_at(c.depth_m)))
+	candidate nearest = c;
+	nearest.depth_m = nearest_of(c.view, c.kind, c.depth_m);
+	if (place.x >= need_on_surface(nearest, ray_most()) * more_of(octaves_at(nearest.depth_m)))
 		return one;
 	one.normal = turned(points[c.index].w);
 	bool is_flat = c.kind < UNDIRECTED && one.normal != vec3(0.0);
+	if (copy != 0u && !is_flat)
+		return one;
 	if (is_flat && look.y > 0.0)
-		scatter(one.normal, c);
+		scatter(c);
 	float octaves = octaves_at(c.depth_m), need = need_on_surface(c, cosine_of(c, one.normal));
 	float fade = fade_of(place.x, need * more_of(octaves), octaves);
-	if (fade <= 0.0 || is_seen_from_behind(c, one.normal))
+	float front = facing(c, one.normal);
+	if (fade <= 0.0 || front <= 0.0)
 		return one;
-	one.alpha = fade * visibility(c);
-	one.growth = min(growth_of(need / place.y), look.x);
+	one.alpha = fade * front * visibility(c);
+	one.growth = min(growth_of(need / (place.y * (is_flat ? float(colour.z) : 1.0))), look.x);
 	if (goes_along(c))
 		one.edge = line_of(c);
 	if (!is_flat)

@@ -2,7 +2,7 @@
 struct chunk_view {
 	vec4 base, axis[3];  /* camera coordinates of a point: base + q . axis; base.w: near_m of its box */
 	vec4 mask;           /* disc, offset_m, offset_relative; 1 where backs are hidden */
-	vec4 splat;          /* size, radius_least; size 0: shows no points; z: spacing_most_m of all kinds */
+	vec4 splat;          /* size, radius_least; size 0: shows no points; z: spacing_most_m, w: disc_most_m of all kinds */
 	vec4 spacing_most_m; /* of each kind's list */
 	uvec4 kind_end;
 	uvec4 at; /* first point in the slab and in the scene, count, how many of the first may stand for all */
@@ -25,8 +25,8 @@ vec3 place_of(uint n, uvec4 p)
 	       float(p.x >> 16) * views[n].axis[1].xyz + float(p.y & 0xffffu) * views[n].axis[2].xyz;
 }
 
-/* Of a packed normal, in the camera's frame; 0 0 0 where there is none. */
-vec3 turned(uint bits)
+/* A packed normal, in the site's frame; 0 0 0 where there is none. */
+vec3 unpacked(uint bits)
 {
 	int first = int(bits << 16) >> 16, second = int(bits) >> 16;
 	if (first == -32768)
@@ -36,6 +36,16 @@ vec3 turned(uint bits)
 	float over = max(-v.z, 0.0);
 	v.x += v.x >= 0.0 ? -over : over;
 	v.y += v.y >= 0.0 ? -over : over;
-	v = v / sqrt(dot(v, v));
+	return v / sqrt(dot(v, v));
+}
+
+/* From the site's frame to the camera's. */
+vec3 to_camera(vec3 v)
+{
 	return vec3(dot(turn[0].xyz, v), dot(turn[1].xyz, v), dot(turn[2].xyz, v));
+}
+
+vec3 turned(uint bits)
+{
+	return to_camera(unpacked(bits));
 }
