@@ -73,7 +73,7 @@ bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_v
 	bound(f, at, half, ret);
 	ret->margin_px = disc_margin_px(f, ret);
 	float tilted = MIN(DISC_STEEPEST * ret->margin_px / (float)f->camera.focal_px, 1 / 3.f);
-	float moved_m = c->disc_most_m * stroke_reach(1, 1) * (float)G_SQRT2;
+	float moved_m = stroke_moved_most_m(c, 1, 1);
 	ret->nearest_m = fminf(ret->near_m * (1 - tilted), ret->near_m - moved_m);
 	float margin = ret->margin_px + STROKES_REACH * f->px;
 	if (ret->high_px[0] < -margin || ret->high_px[1] < -margin ||

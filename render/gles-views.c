@@ -61,7 +61,7 @@ static void describe(const frame *f, const struct gles_slab *slab, const struct 
 
 static float sparsest_of(const frame *f, const struct chunk_view *v)
 {
-	float moved_m = v->chunk->disc_most_m * stroke_reach(1, 1) * (float)G_SQRT2;
+	float moved_m = stroke_moved_most_m(v->chunk, 1, 1);
 	float apart_m = v->chunk->spacing_most_m;
 	for (int kind = 0; kind < FEATURE_UNDIRECTED; kind++)
 		apart_m = fmaxf(apart_m, v->chunk->list_spacing_most_m[kind]);

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #define STEPS     65535.f /* of a position in its box */
-#define UNIT_M    1e-4f   /* of a spacing */
 #define SPACING_M 65535   /* in units: that or more */
 
 /* Of the spacing: discs of surface that was met aslant. */
@@ -88,7 +87,7 @@ static void place_chunk(scene *s, struct scene_chunk *c, const struct model_chun
 
 static uint16_t units(float m)
 {
-	return (uint16_t)fminf(fmaxf(m / UNIT_M + 0.5f, 1), SPACING_M);
+	return (uint16_t)fminf(fmaxf(m / SCENE_UNIT_M + 0.5f, 1), SPACING_M);
 }
 
 /* Surface that was met aslant has points far apart one way: the patch of each is long. Of leaves nobody knows how they stand. */
@@ -121,8 +120,8 @@ static void find_extremes(const scene *s, struct scene_chunk *c)
 {
 	c->spacing_least_m = INFINITY;
 	for (uint32_t i = c->first; i < c->first + c->count; i++) {
-		float spacing_m = s->spacing[i] * UNIT_M;
-		c->disc_most_m = fmaxf(c->disc_most_m, s->disc[i] * UNIT_M);
+		float spacing_m = s->spacing[i] * SCENE_UNIT_M;
+		c->disc_most_m = fmaxf(c->disc_most_m, s->disc[i] * SCENE_UNIT_M);
 		c->spacing_least_m = fminf(c->spacing_least_m, spacing_m);
 		c->spacing_most_m = fmaxf(c->spacing_most_m, spacing_m);
 	}
@@ -188,7 +187,7 @@ static float share_at(const scene *s, const struct shares *h, uint32_t i)
 
 static float list_spacing_m(const scene *s, const struct shares *h, uint32_t i)
 {
-	float spacing_m = s->spacing[i] * UNIT_M;
+	float spacing_m = s->spacing[i] * SCENE_UNIT_M;
 	switch (s->kind[i]) {
 	case FEATURE_DIRECTED: return spacing_m / RIDGE_WIDTH; /* along the edge */
 	case FEATURE_DITHER:
@@ -206,7 +205,7 @@ static void space_list(scene *s, struct scene_chunk *c, struct shares *h)
 		uint32_t point = c->first + s->list[k];
 		float *most_m = &c->list_spacing_most_m[s->kind[point]];
 		s->list_spacing[k] = units(list_spacing_m(s, h, point));
-		*most_m = fmaxf(*most_m, s->list_spacing[k] * UNIT_M);
+		*most_m = fmaxf(*most_m, s->list_spacing[k] * SCENE_UNIT_M);
 	}
 }
 

@@ -9,6 +9,8 @@
 #include "process/features.h"
 #include "process/model.h"
 
+#define SCENE_UNIT_M 1e-4f /* of lengths in it */
+
 struct scene_chunk {
 	float centre_m[3]; /* from the scene's origin */
 	float half_m[3];   /* of its box */

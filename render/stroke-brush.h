@@ -7,8 +7,6 @@
 #include "render/stroke.h"
 #include <math.h>
 
-#define UNIT_M 1e-4f /* of the scene's lengths */
-
 /* A layer as one chunk draws it. */
 struct brush {
 	const frame *f;

@@ -98,7 +98,7 @@ INLINE void find_place(
 	vf per_m2 = 1 / (c->spacing_m * c->spacing_m);
 	c->last = per_m2;
 	if (b->layer->is_queue) {
-		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * UNIT_M;
+		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * SCENE_UNIT_M;
 		c->last = 1 / (spacing_m * spacing_m);
 		vf there = least((vf)gather(b->layer->dithering_per_m2, lightness), c->last);
 		c->rank = b->kind == FEATURE_DITHER ? c->rank * there
@@ -142,7 +142,7 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 	vf axis[2][3] = { { 1 + sign * n[0] * n[0] * s, sign * t, -sign * n[0] },
 		{ t, sign + n[1] * n[1] * s, -n[1] } };
 	vf reach_m = gather_u16(b->f->scene->disc, c->point) *
-		     (stroke_reach(b->layer->ink.scatter, c->copy) * UNIT_M);
+		     (stroke_reach(b->layer->ink.scatter, c->copy) * SCENE_UNIT_M);
 	vf by[2] = { reach_m * lanes_around_zero(c->point, stroke_salt(c->copy, SALT_ACROSS)),
 		reach_m * lanes_around_zero(c->point, stroke_salt(c->copy, SALT_DOWN)) };
 	vf ray[2], moved[3], at[3];

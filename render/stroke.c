@@ -250,8 +250,8 @@ INLINE void find_candidates(
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
 	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
-	c->spacing_m = shares_queue(b) ? gather_u16(s->spacing, c->point) * UNIT_M
-				       : load_u16(s->list_spacing + at) * UNIT_M;
+	c->spacing_m = shares_queue(b) ? gather_u16(s->spacing, c->point) * SCENE_UNIT_M
+				       : load_u16(s->list_spacing + at) * SCENE_UNIT_M;
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
 	c->left &= promising(b, &l, c);
 }
@@ -323,13 +323,6 @@ static struct brush brush_of(const frame *f, const visibility_mask *m, const str
 	return b;
 }
 
-/* By scatter(), along two axes. */
-static float moved_most(const struct brush *b)
-{
-	return b->view->chunk->disc_most_m * stroke_reach(b->layer->ink.scatter, b->copies > 1) *
-	       (float)G_SQRT2;
-}
-
 static void choose_kinds(struct brush *b, GArray *to)
 {
 	bool wide = !b->f->portable && vectors_have_avx2();
@@ -340,7 +333,10 @@ static void choose_kinds(struct brush *b, GArray *to)
 			continue;
 		b->wanted_most = b->layer->wanted_most[b->kind] * b->ray_most;
 		b->copies = b->kind < FEATURE_UNDIRECTED ? frame_copies(b->layer) : 1;
-		b->moved_m = b->kind < FEATURE_UNDIRECTED ? moved_most(b) : 0;
+		b->moved_m = b->kind < FEATURE_UNDIRECTED
+				     ? stroke_moved_most_m(
+					       b->view->chunk, b->layer->ink.scatter, b->copies > 1)
+				     : 0;
 		(wide ? choose_avx2 : choose_portable)(b, to);
 	}
 }

@@ -41,6 +41,11 @@ static inline float stroke_reach(float scatter, uint32_t copy)
 {
 	return scatter * (copy ? COPY_REACH : 1) / 2;
 }
+/* From any point of the chunk. */
+static inline float stroke_moved_most_m(const struct scene_chunk *c, float scatter, uint32_t copy)
+{
+	return c->disc_most_m * stroke_reach(scatter, copy) * (float)G_SQRT2;
+}
 
 /* What depends on chance, of one stroke: a salt of its own. */
 enum { SALT_LENGTH = 1, SALT_ANGLE, SALT_OPACITY, SALT_VARIANT, SALT_ACROSS, SALT_DOWN, SALTS = 8 };
