@@ -3,9 +3,12 @@
 /* Eight cells side by side, in GCC's and clang's vectors: AVX2 in functions that are built for it, whatever the processor has
  * elsewhere. All is inlined, so that it takes on the caller's target. */
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-#if defined __SSE2__
+#if defined __AVX2__
+#include <immintrin.h>
+#elif defined __SSE2__
 #include <xmmintrin.h>
 #endif
 
@@ -63,7 +66,11 @@ INLINE void store_mask(int32_t *at, vi mask)
 
 INLINE vf choose(vi mask, vf yes, vf no)
 {
+#if defined __AVX2__
+	return _mm256_blendv_ps(no, yes, (vf)mask);
+#else
 	return (vf)(((vi)yes & mask) | ((vi)no & ~mask));
+#endif
 }
 
 INLINE vf where(vi mask, vf x)
@@ -71,14 +78,23 @@ INLINE vf where(vi mask, vf x)
 	return (vf)((vi)x & mask);
 }
 
+/* b where one of them is no number. */
 INLINE vf least(vf a, vf b)
 {
+#if defined __AVX2__
+	return _mm256_min_ps(a, b);
+#else
 	return choose(a < b, a, b);
+#endif
 }
 
 INLINE vf most(vf a, vf b)
 {
+#if defined __AVX2__
+	return _mm256_max_ps(a, b);
+#else
 	return choose(a > b, a, b);
+#endif
 }
 
 /* Lane by lane, which GCC finds the one instruction for. */
@@ -118,6 +134,21 @@ INLINE vf root(vf x)
 	return x;
 }
 
+/* Of four bytes each, which need not be aligned; bytes: from one place to the next. */
+INLINE vi gather(const void *from, vi at, int bytes)
+{
+#if defined __AVX2__
+	if (bytes == 4)
+		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 4);
+	if (bytes == 2)
+		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 2);
+#endif
+	vi ret;
+	for (int k = 0; k < LANES; k++)
+		memcpy((char *)&ret + 4 * k, (const char *)from + (ptrdiff_t)at[k] * bytes, 4);
+	return ret;
+}
+
 INLINE vf all(float x)
 {
 	vf one = { x };
@@ -134,7 +165,9 @@ INLINE float largest(vf x)
 /* A bit for each lane; masks are all ones or all zeros. */
 INLINE unsigned bits(vi mask)
 {
-#if defined __SSE2__
+#if defined __AVX2__
+	return (unsigned)_mm256_movemask_ps((vf)mask);
+#elif defined __SSE2__
 	__m128 low = (__m128)__builtin_shufflevector(mask, mask, 0, 1, 2, 3),
 	       high = (__m128)__builtin_shufflevector(mask, mask, 4, 5, 6, 7);
 	return (unsigned)_mm_movemask_ps(low) | (unsigned)_mm_movemask_ps(high) << 4;

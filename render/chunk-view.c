@@ -112,12 +112,3 @@ struct chunk_view *chunk_views_new(const frame *f, uint32_t *ret_count)
 	*ret_count = count;
 	return v;
 }
-
-bool vectors_have_avx2(void)
-{
-#if defined __x86_64__
-	return __builtin_cpu_supports("avx2");
-#else
-	return false;
-#endif
-}

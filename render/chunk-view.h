@@ -17,9 +17,6 @@ struct chunk_view {
 /* false: no part of its box is in view. */
 bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_view *ret);
 
-/* Whether this processor has the vectors that the wide paths are built for. */
-bool vectors_have_avx2(void);
-
 /* Those in view, from near to far. Free with g_free. */
 struct chunk_view *chunk_views_new(const frame *f, uint32_t *ret_count);
 

@@ -279,6 +279,7 @@ frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GErro
 	f->serial = scene_serial();
 	f->scene = s;
 	f->drawing = d;
+	f->lanes = lanes_path_widest();
 	f->px = (float)(c->height / FRAME_STYLE_HEIGHT);
 	f->layer = g_new0(struct frame_layer, FRAME_LAYERS_MAX + 1);
 	if (!frame_move(f, c, error) || !lay_paper(f, error) || !add_layers(f, error))

@@ -4,6 +4,7 @@
  * from the same snapshot, on either backend. */
 #include "process/segments.h"
 #include "render/camera.h"
+#include "render/lanes-path.h"
 #include "render/paper-texture.h"
 #include "render/scene.h"
 #include "render/stroke-texture.h"
@@ -48,7 +49,8 @@ struct frame {
 	uint32_t layers;
 	uint8_t *relief; /* of the paper, width x height, PAPER_TEXTURE_MEAN is flat */
 	uint32_t relief_width, relief_height;
-	bool portable, single_thread; /* for tests: without this processor's vectors */
+	enum lanes_path lanes; /* with what vectors cpu draws it; tests try them all */
+	bool single_thread;    /* for tests */
 };
 /* Scene and drawing must live longer. Errors of camera_validate, missing textures, more layers than FRAME_LAYERS_MAX. */
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error);

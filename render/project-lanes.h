@@ -23,14 +23,17 @@ INLINE struct lane_points project_lanes(
 		scale };
 }
 
-typedef uint16_t vs __attribute__((vector_size(16)));
 typedef uint16_t vs_loose __attribute__((vector_size(16), aligned(2), may_alias));
 
 /* Eight in a row. */
+INLINE vi load_u16_whole(const uint16_t *at)
+{
+	return __builtin_convertvector(*(const vs_loose *)at, vi);
+}
+
 INLINE vf load_u16(const uint16_t *at)
 {
-	vs v = *(const vs_loose *)at;
-	return __builtin_convertvector(__builtin_convertvector(v, vi), vf);
+	return __builtin_convertvector(load_u16_whole(at), vf);
 }
 
 /* Of packed normals, of any length; 0 0 0 where there is none. */

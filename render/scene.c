@@ -281,7 +281,7 @@ scene *scene_new(const model *m, GError **error)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
-	if (model_count(m) > UINT32_MAX - 4096) {
+	if (model_count(m) > INT32_MAX - 4096) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NO_SPACE,
 			"%s: %" G_GUINT64_FORMAT " points are more than can be drawn at once",
 			product_path(model_file(m)), model_count(m));

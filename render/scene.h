@@ -44,7 +44,7 @@ struct scene {
 	float darkest, lightest;
 	float dither_per_m2, tone_exponent; /* that the dithering points were chosen with */
 };
-/* Reads all of the model once, and gives its memory back behind itself. G_IO_ERROR_NO_SPACE when it is too large: 2^32 points. */
+/* Reads all of the model once, and gives its memory back behind itself. G_IO_ERROR_NO_SPACE when it is too large: 2^31 points. */
 scene *scene_new(const model *m, GError **error);
 void scene_free(scene *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scene, scene_free)

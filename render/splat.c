@@ -1,12 +1,4 @@
-#include "render/splat.h"
-#include "render/disc-lanes.h"
-#include "render/light.h"
-
-struct splat {
-	float x, y, radius, half[2], squash[2], tilt[2], depth_m, weight;
-	float light[3];
-	int32_t pipeline;
-};
+#include "render/splat-lanes.h"
 
 const struct points_step *splat_step(const frame *f, uint8_t pipeline)
 {
@@ -14,98 +6,15 @@ const struct points_step *splat_step(const frame *f, uint8_t pipeline)
 	return step ? &step->points : NULL;
 }
 
-INLINE void add(float *plane, ptrdiff_t at, vf x)
-{
-	store(plane + at, load(plane + at) + x);
-}
-
-INLINE void draw_splat(const struct band *b, const visibility_mask *m, const struct splat *s,
-	float *const light[3], float *weight)
-{
-	int from = MAX((int)floorf(s->y - s->half[1]), (int)b->from),
-	    to = MIN((int)floorf(s->y + s->half[1]), (int)(b->from + b->rows) - 1);
-	int left = MAX((int)floorf(s->x - s->half[0]), 0),
-	    right = MIN((int)floorf(s->x + s->half[0]), (int)b->width - 1);
-	float steep = 1 / (s->radius * s->radius);
-	for (int y = from; y <= to; y++)
-		for (int x = left; x <= right; x += LANES) {
-			vf dx = (float)x + 0.5f - s->x + lane_number;
-			float dy = (float)y + 0.5f - s->y;
-			vi key = *(const vi_loose *)(m->key + (ptrdiff_t)y * m->pitch + x);
-			vf across = s->squash[0] * dx + s->squash[1] * dy;
-			vf w = most(1 - (dx * dx + dy * dy + across * across) * steep, all(0)) *
-			       s->weight;
-			vf depth_m = s->depth_m + s->tilt[0] * dx + s->tilt[1] * dy;
-			w = where(((key & ((1 << MASK_PIPELINE_BITS) - 1)) == s->pipeline) &
-					  ((vf)key >= depth_m),
-				w);
-			ptrdiff_t at =
-				(ptrdiff_t)((uint32_t)y - b->from) * b->pitch + BAND_MARGIN + x;
-			for (int k = 0; k < 3; k++)
-				add(light[k], at, w * s->light[k]);
-			add(weight, at, w);
-		}
-}
-
-INLINE void splat_chunk(const struct band *b, const frame *f, const visibility_mask *m,
-	const struct chunk_view *v, const struct points_step *step, float *const light[3],
-	float *weight)
-{
-	struct disc_pass p = disc_pass_of(
-		f, v, step->size, fmaxf(step->least_px * f->px / 2, DISC_RADIUS_LEAST));
-	const float *linear = light_of_bytes();
-	for (uint32_t i = 0; i < p.end; i += LANES) {
-		struct disc_lanes d;
-		disc_lanes_find(f->scene, &p, v, i, 0, &d);
-		if (!d.drawn)
-			continue;
-		vi here = (d.y + d.half[1] >= (float)b->from) &
-			  (d.y - d.half[1] <= (float)(b->from + b->rows));
-		for (unsigned left = d.drawn & bits(here); left; left &= left - 1) {
-			int k = __builtin_ctz(left);
-			const uint8_t *rgba = f->scene->rgba[v->chunk->first + i + (uint32_t)k];
-			/* Those of the last ranks come and go softly. */
-			struct splat s = { d.x[k], d.y[k], d.radius[k],
-				{ d.half[0][k], d.half[1][k] }, { d.squash[0][k], d.squash[1][k] },
-				{ d.tilt[0][k], d.tilt[1][k] }, d.depth_m[k],
-				fminf(4 * (1 - d.rank[k]) + 1e-3f, 1),
-				{ linear[rgba[0]], linear[rgba[1]], linear[rgba[2]] },
-				v->pipeline };
-			draw_splat(b, m, &s, light, weight);
-		}
-	}
-}
-
-#define ARGUMENTS                                                                                  \
-	const struct band *b, const frame *f, const visibility_mask *m,                            \
-		const struct chunk_view *v, const struct points_step *step, float *const light[3], \
-		float *weight
-
-static void splat_portable(ARGUMENTS)
-{
-	splat_chunk(b, f, m, v, step, light, weight);
-}
-
-#if defined __x86_64__
-__attribute__((target("avx2"))) static void splat_avx2(ARGUMENTS)
-{
-	splat_chunk(b, f, m, v, step, light, weight);
-}
-#else
-#define splat_avx2 splat_portable
-#endif
-
 void splat_band(const struct band *b, const frame *f, const visibility_mask *m,
 	const struct chunk_view *views, uint32_t count, float *const light[3], float *weight)
 {
-	bool wide = !f->portable && vectors_have_avx2();
 	for (uint32_t n = 0; n < count; n++) {
 		const struct points_step *step = splat_step(f, views[n].pipeline);
 		float reach = 2 + (step ? step->size : 0) * views[n].chunk->disc_most_m *
 					  (float)f->camera.focal_px / views[n].near_m;
 		if (step && views[n].high_px[1] + reach >= (float)b->from &&
 			views[n].low_px[1] - reach <= (float)(b->from + b->rows))
-			(wide ? splat_avx2 : splat_portable)(
-				b, f, m, &views[n], step, light, weight);
+			LANES_OF(f->lanes, splat_chunk)(b, f, m, &views[n], step, light, weight);
 	}
 }

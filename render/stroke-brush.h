@@ -1,7 +1,7 @@
 #ifndef RENDER_STROKE_BRUSH_H
 #define RENDER_STROKE_BRUSH_H
 /* A layer as one chunk draws it, and what a point's surface looks like from the camera: where it goes on the screen, at what angle it
- * is seen, along what its edge runs. Internal to stroke.c; all is inlined. */
+ * is seen, along what its edge runs. Internal to stroke.c and stroke-lanes.c; all is inlined. */
 #include "process/lanes.h"
 #include "process/vector3.h"
 #include "render/stroke.h"
@@ -29,6 +29,12 @@ struct candidate {
 	float rank, spacing_m;
 	float x_px, y_px, depth_m;
 };
+
+/* Part of the depth from which on what is behind the mask is gone. On the way there it fades: the mask is as rough as the points are,
+ * and strokes must not come and go with it. What they may not cover they are kept from at each pixel. */
+#define HIDDEN_BEHIND 0.03f
+/* Of the kind of the brush, in its chunk. */
+LANES_DECLARE(void, stroke_choose, (const struct brush *b, GArray *to));
 
 /* -1 .. 1 */
 INLINE float around_zero(uint32_t point, uint32_t salt)

@@ -43,7 +43,7 @@ INLINE vf nearest_of(const struct brush *b, vf depth_m)
 }
 
 struct lane_candidates {
-	uint32_t point[LANES]; /* of the scene */
+	vi point; /* of the scene; so many as there may be in it fit (scene.h) */
 	uint32_t copy;
 	vf rank;    /* of its kind in the chunk, then: points to a square metre before it */
 	vf most;    /* no rank above it is drawn */
@@ -57,18 +57,10 @@ struct lane_candidates {
 	unsigned left; /* which of them may be drawn */
 };
 
-/* Of four bytes each. */
-INLINE vi gather(const void *from, const uint32_t at[LANES])
+/* Of planes of the scene. */
+INLINE vf gather_u16(const uint16_t *x, vi at)
 {
-	const int32_t *x = from;
-	return (vi){ x[at[0]], x[at[1]], x[at[2]], x[at[3]], x[at[4]], x[at[5]], x[at[6]],
-		x[at[7]] };
-}
-
-INLINE vf gather_u16(const uint16_t *x, const uint32_t at[LANES])
-{
-	vi ret = { x[at[0]], x[at[1]], x[at[2]], x[at[3]], x[at[4]], x[at[5]], x[at[6]], x[at[7]] };
-	return __builtin_convertvector(ret, vf);
+	return __builtin_convertvector(gather(x, at, sizeof *x) & UINT16_MAX, vf);
 }
 
 /* scene_lightness() */
@@ -80,9 +72,9 @@ INLINE vi lightness_of(vi rgba)
 }
 
 /* stroke_chance(), -1 .. 1 */
-INLINE vf lanes_around_zero(const uint32_t point[LANES], uint32_t salt)
+INLINE vf lanes_around_zero(vi point, uint32_t salt)
 {
-	vu x = (vu)load_mask((const int32_t *)point) * 0x9E3779B9u ^ salt * 0x85EBCA6Bu;
+	vu x = (vu)point * 0x9E3779B9u ^ salt * 0x85EBCA6Bu;
 	x ^= x >> 16;
 	x *= 0x7feb352du;
 	x ^= x >> 15;
@@ -92,15 +84,14 @@ INLINE vf lanes_around_zero(const uint32_t point[LANES], uint32_t salt)
 }
 
 /* Where a tone is shown all other points come after the dithering points, in one queue with them; copies come after all points. */
-INLINE void find_place(
-	const struct brush *b, const uint32_t lightness[LANES], struct lane_candidates *c)
+INLINE void find_place(const struct brush *b, vi lightness, struct lane_candidates *c)
 {
 	vf per_m2 = 1 / (c->spacing_m * c->spacing_m);
 	c->last = per_m2;
 	if (b->layer->is_queue) {
 		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * SCENE_UNIT_M;
 		c->last = 1 / (spacing_m * spacing_m);
-		vf there = least((vf)gather(b->layer->dithering_per_m2, lightness), c->last);
+		vf there = least((vf)gather(b->layer->dithering_per_m2, lightness, 4), c->last);
 		c->rank = b->kind == FEATURE_DITHER ? c->rank * there
 						    : there + c->rank * (c->last - there);
 	} else
@@ -114,7 +105,7 @@ INLINE vf turn_lanes(const struct brush *b, int k, const vf v[3])
 
 INLINE void find_normals(const struct brush *b, struct lane_candidates *c)
 {
-	vi packed = gather(b->f->scene->normal, c->point);
+	vi packed = gather(b->f->scene->normal, c->point, 4);
 	vf *n = c->site_normal;
 	unpack_lanes(packed, n);
 	vi some = (packed << 16 >> 16) != INT16_MIN;
@@ -178,10 +169,9 @@ INLINE vf along_of(const struct brush *b, const struct lane_candidates *c)
 /* What is the same for all copies of the points, and how many of them may be wanted. */
 INLINE void find_wanted(const struct brush *b, struct lane_candidates *c)
 {
-	uint32_t lightness[LANES];
-	store_mask((int32_t *)lightness, lightness_of(gather(b->f->scene->rgba, c->point)));
+	vi lightness = lightness_of(gather(b->f->scene->rgba, c->point, 4));
 	vf nearest_m = nearest_of(b, c->depth_m), px_per_m = b->focal_px / nearest_m;
-	c->wanted = (vf)gather(b->layer->wanted_per_px, lightness);
+	c->wanted = (vf)gather(b->layer->wanted_per_px, lightness, 4);
 	find_place(b, lightness, c);
 	c->most = c->wanted * px_per_m * px_per_m * STROKE_FADE_MORE(octaves_of(nearest_m));
 	c->left &= bits(c->rank < c->most * b->ray_most);

@@ -1,0 +1,275 @@
+#include "render/band-draw-lanes.h"
+#include "render/light.h"
+#include "render/project-lanes.h"
+#include <math.h>
+
+/* Of a sprite's Gaussian kernel: its diameter is so many sigmas. */
+#define SIGMAS 5.f
+
+/* Sides at a lower cosine to the rows than this bound none of them. */
+#define COSINE_LEAST 1e-3f
+#define REACH_MOST   1e5f
+/* Pixels, for what floats are rounded by. */
+#define ROUNDING 1e-3f
+
+/* A stroke with what its rows share. */
+struct pen {
+	const struct stroke *s;
+	float cosine, sine, half_length, half_width;
+	float reach_along, reach_across;
+	/* A row dy below the middle is inside from dy turn - reach to dy turn + reach: by its ends, and by its sides. */
+	float turn[2], reach[2];
+	float falloff;          /* of a sprite */
+	float strength;         /* of a line */
+	const uint32_t *texels; /* of the variant */
+	uint32_t texel_pitch;
+	float texels_along, texels_across; /* to a pixel */
+	float texel_ends[2];
+	float colour[3];
+};
+
+/* Lines are drawn a pixel wider than they are, with soft edges, which makes those that are thinner than that too strong. */
+INLINE float thinness(float half)
+{
+	return half < 0.5f ? 2 * half / ((half + 0.5f) * (half + 0.5f)) : 1;
+}
+
+INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
+{
+	struct pen p = { .s = s, .half_width = s->half_width_px };
+	p.half_length = sqrtf(s->along_px[0] * s->along_px[0] + s->along_px[1] * s->along_px[1]);
+	p.cosine = p.half_length > 0 ? s->along_px[0] / p.half_length : 1;
+	p.sine = p.half_length > 0 ? s->along_px[1] / p.half_length : 0;
+	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
+	p.reach_along = p.half_length + soft;
+	p.reach_across = p.half_width + soft;
+	p.strength = thinness(p.half_length) * thinness(p.half_width);
+	if (kernel == KERNEL_SPRITE) {
+		float sigma = 2 * p.half_length / SIGMAS;
+		p.falloff = 1 / (2 * sigma * sigma);
+	}
+	if (kernel == KERNEL_TEXTURE) {
+		const stroke_texture *t = l->texture;
+		uint32_t variant =
+			(uint32_t)(stroke_chance(s->point, stroke_salt(s->copy, SALT_VARIANT)) *
+				   (float)t->variants);
+		p.texel_pitch = t->length + 1;
+		p.texels = l->texels + (size_t)variant * p.texel_pitch * (t->width + 1);
+		p.texels_along = (float)t->length / (2 * p.half_length);
+		p.texels_across = (float)t->width / (2 * p.half_width);
+		p.texel_ends[0] = (float)t->length;
+		p.texel_ends[1] = (float)t->width;
+		/* Half a texel: from the last one to nothing. */
+		p.reach_along += 0.5f / p.texels_along;
+		p.reach_across += 0.5f / p.texels_across;
+	}
+	bool has_ends = fabsf(p.cosine) > COSINE_LEAST, has_sides = fabsf(p.sine) > COSINE_LEAST;
+	float by_cosine = has_ends ? 1 / p.cosine : 0, by_sine = has_sides ? 1 / p.sine : 0;
+	p.turn[0] = -p.sine * by_cosine;
+	p.turn[1] = p.cosine * by_sine;
+	p.reach[0] = has_ends ? p.reach_along * fabsf(by_cosine) + ROUNDING : REACH_MOST;
+	p.reach[1] = has_sides ? p.reach_across * fabsf(by_sine) + ROUNDING : REACH_MOST;
+	return p;
+}
+
+/* ---- alpha of eight pixels in a row ---- */
+
+INLINE vf clamp01(vf x)
+{
+	return least(most(x, all(0)), all(1));
+}
+
+INLINE vf gaussian(const struct pen *p, vf away2)
+{
+	vf e = 1 - away2 * (p->falloff / 256);
+	for (int n = 0; n < 8; n++) /* (1 - x/256)^256 */
+		e *= e;
+	return e;
+}
+
+INLINE vf sprite_alpha(const struct pen *p, vf dx, float dy)
+{
+	vf away2 = dx * dx + dy * dy;
+	return where(away2 <= p->half_length * p->half_length, gaussian(p, away2));
+}
+
+INLINE vf line_alpha(const struct pen *p, vf along, vf across)
+{
+	return clamp01(p->reach_along - magnitude(along)) *
+	       clamp01(p->reach_across - magnitude(across)) * p->strength;
+}
+
+INLINE vf texture_alpha(const struct pen *p, vf along, vf across)
+{
+	vf s = (along + p->half_length) * p->texels_along + 0.5f,
+	   t = (across + p->half_width) * p->texels_across + 0.5f;
+	vi in = (s >= 0) & (s < p->texel_ends[0] + 1) & (t >= 0) & (t < p->texel_ends[1] + 1);
+	s = where(in, s);
+	t = where(in, t);
+	vi column = __builtin_convertvector(s, vi), row = __builtin_convertvector(t, vi);
+	vf u = s - __builtin_convertvector(column, vf), v = t - __builtin_convertvector(row, vf);
+	vi at = row * (int32_t)p->texel_pitch + column, four = { 0 };
+	for (int k = 0; k < LANES; k++)
+		four[k] = (int32_t)p->texels[at[k]];
+	vf a = __builtin_convertvector(four & 255, vf),
+	   b = __builtin_convertvector(four >> 8 & 255, vf),
+	   c = __builtin_convertvector(four >> 16 & 255, vf),
+	   d = __builtin_convertvector(four >> 24 & 255, vf);
+	vf upper = a + u * (b - a), lower = c + u * (d - c);
+	return where(in, upper + v * (lower - upper)) * (1.f / 255);
+}
+
+INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
+{
+	if (kernel == KERNEL_SPRITE)
+		return sprite_alpha(p, dx, dy);
+	vf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
+	return kernel == KERNEL_LINE ? line_alpha(p, along, across)
+				     : texture_alpha(p, along, across);
+}
+
+/* ---- columns and rows ---- */
+
+INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
+{
+	vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+	return q * (vf) * (const vi_loose *)keys >= 1;
+}
+
+INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
+	const struct band_ink *ink, ptrdiff_t at)
+{
+	if (blend != BAND_COLOURED)
+		store(ink->bare + at, load(ink->bare + at) * (1 - alpha));
+	if (blend == BAND_COLOURED)
+		for (int k = 0; k < 3; k++)
+			store(ink->channel[k] + at,
+				load(ink->channel[k] + at) * (1 - alpha * (1 - p->colour[k])));
+	if (blend == BAND_PAINTED) {
+		for (int k = 0; k < 3; k++)
+			store(ink->channel[k] + at,
+				load(ink->channel[k] + at) + alpha * p->colour[k]);
+		store(ink->weight + at, load(ink->weight + at) + alpha);
+	}
+}
+
+/* Pixels of the row y, from left on. */
+INLINE void draw_row(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend, int y, int left,
+	int right)
+{
+	float dy = (float)y + 0.5f - p->s->y_px;
+	ptrdiff_t at = (ptrdiff_t)(y - (int)b->from) * b->pitch + BAND_MARGIN;
+	const int32_t *keys = m ? m->key + (ptrdiff_t)y * m->pitch : NULL;
+	for (; left < right; left += LANES) {
+		vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
+		vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
+		if (m)
+			alpha = where(shows(p, keys + left, dx, dy), alpha);
+		blend_at(p, blend, alpha, ink, at + left);
+	}
+}
+
+/* The first pixel whose middle is not before x, or 0. */
+INLINE int pixel_from(float x)
+{
+	return x > 0 ? (int)(x + 0.5f) : 0;
+}
+
+INLINE vi pixels_from(vf x)
+{
+	return __builtin_convertvector(most(x, all(0)) + 0.5f, vi);
+}
+
+/* Sprites with less than this have eight columns and rows at most. */
+#define SPRITE_SMALL 3.4f
+
+/* The Gaussian kernel is that of its columns times that of its rows. */
+INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum band_blend blend)
+{
+	const struct stroke *s = p->s;
+	int left = MAX((int)(s->x_px - p->half_length), 0),
+	    top = MAX((int)floorf(s->y_px - p->half_length), (int)b->from),
+	    end = MIN((int)(s->y_px + p->half_length) + 1, (int)(b->from + b->rows));
+	if (s->x_px + p->half_length < 0 || s->x_px - p->half_length >= (float)b->width)
+		return;
+	vf dx = (float)left + 0.5f - s->x_px + lane_number,
+	   dy = (float)top + 0.5f - s->y_px + lane_number;
+	vf dx2 = dx * dx, reach2 = p->half_length * p->half_length - dx2,
+	   across = gaussian(p, dx2) * s->alpha;
+	float down[LANES], down2[LANES];
+	store(down, gaussian(p, dy * dy));
+	store(down2, dy * dy);
+	ptrdiff_t at = (ptrdiff_t)(top - (int)b->from) * b->pitch + BAND_MARGIN + left;
+	for (int k = 0; top + k < end; k++, at += b->pitch) {
+		vf alpha = where(reach2 >= down2[k], across * down[k]);
+		if (m)
+			alpha = where(shows(p, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
+					      (float)(top + k) + 0.5f - s->y_px),
+				alpha);
+		blend_at(p, blend, alpha, ink, at);
+	}
+}
+
+INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
+{
+	const struct stroke *s = p->s;
+	if (kernel == KERNEL_SPRITE && p->half_length < SPRITE_SMALL) {
+		draw_small_sprite(p, b, m, ink, blend);
+		return;
+	}
+	float down = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
+	int top = MAX(pixel_from(s->y_px - down - ROUNDING), (int)b->from),
+	    end = MIN(pixel_from(s->y_px + down + ROUNDING), (int)(b->from + b->rows));
+	for (; top < end; top += LANES) {
+		vf dy = (float)top + 0.5f - s->y_px + lane_number;
+		vf low = most(dy * p->turn[0] - p->reach[0], dy * p->turn[1] - p->reach[1]),
+		   high = least(dy * p->turn[0] + p->reach[0], dy * p->turn[1] + p->reach[1]);
+		int32_t left[LANES], right[LANES];
+		store_mask(left, pixels_from(s->x_px + low));
+		store_mask(right, pixels_from(least(s->x_px + high, all((float)b->width))));
+		for (int k = 0; k < MIN(LANES, end - top); k++)
+			draw_row(p, b, m, ink, kernel, blend, top + k, left[k], right[k]);
+	}
+}
+
+INLINE void draw_all(const struct band *b, const struct frame_layer *l, const stroke_list *strokes,
+	const uint32_t *which, uint32_t count, const visibility_mask *m, const struct band_ink *ink,
+	enum kernel kernel, enum band_blend blend)
+{
+	const float *light = light_of_bytes();
+	for (uint32_t n = 0; n < count; n++) {
+		struct pen p = pen_of(l, &strokes->stroke[which[n]], kernel);
+		for (int k = 0; k < 3; k++)
+			p.colour[k] = light[p.s->rgba[k]];
+		draw_stroke(&p, b, m, ink, kernel, blend);
+	}
+}
+
+/* ---- which of them ---- */
+
+/* So that each kernel and way of blending has loops of its own. */
+#define WITH_BLEND(kernel)                                                                         \
+	switch (blend) {                                                                           \
+	case BAND_INKED: draw_all(b, l, strokes, which, count, m, ink, kernel, BAND_INKED); break; \
+	case BAND_COLOURED:                                                                        \
+		draw_all(b, l, strokes, which, count, m, ink, kernel, BAND_COLOURED);              \
+		break;                                                                             \
+	case BAND_PAINTED:                                                                         \
+		draw_all(b, l, strokes, which, count, m, ink, kernel, BAND_PAINTED);               \
+		break;                                                                             \
+	}                                                                                          \
+	break
+
+void LANES_NAME(band_draw)(const struct band *b, const struct frame_layer *l,
+	const stroke_list *strokes, const uint32_t *which, uint32_t count, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
+{
+	switch (kernel) {
+	case KERNEL_SPRITE: WITH_BLEND(KERNEL_SPRITE);
+	case KERNEL_LINE: WITH_BLEND(KERNEL_LINE);
+	case KERNEL_TEXTURE: WITH_BLEND(KERNEL_TEXTURE);
+	}
+}

@@ -1,0 +1,13 @@
+#ifndef RENDER_BAND_DRAW_LANES_H
+#define RENDER_BAND_DRAW_LANES_H
+/* Strokes of a band, eight pixels at a time. Internal to band-draw.c. */
+#include "render/bands.h"
+
+enum kernel { KERNEL_SPRITE, KERNEL_LINE, KERNEL_TEXTURE };
+
+LANES_DECLARE(void, band_draw,
+	(const struct band *b, const struct frame_layer *l, const stroke_list *strokes,
+		const uint32_t *which, uint32_t count, const visibility_mask *m,
+		const struct band_ink *ink, enum kernel kernel, enum band_blend blend));
+
+#endif

@@ -1,0 +1,261 @@
+#include "render/draw-lanes.h"
+#include "render/edl.h"
+#include "render/light.h"
+#include "render/project-lanes.h"
+#include "render/splat.h"
+#include <math.h>
+#include <string.h>
+
+INLINE void fill(const struct band *b, float *plane, float value)
+{
+	for (size_t i = 0; i < (size_t)b->pitch * b->rows; i += LANES)
+		store(plane + i, all(value));
+}
+
+/* ---- paper ---- */
+
+typedef uint8_t vb_loose __attribute__((vector_size(8), aligned(1), may_alias));
+
+INLINE void lay_row(const float colour[3], float grain, const uint8_t *height, uint32_t width,
+	float *relief, float *const canvas[3])
+{
+	for (uint32_t x = 0; x < width; x += LANES) {
+		vb_loose h = { 0 };
+		memcpy(&h, height + x, MIN(LANES, width - x));
+		vf up = (__builtin_convertvector(h, vf) - PAPER_TEXTURE_MEAN) * (1 / 128.f);
+		store(relief + x, up);
+		for (int k = 0; k < 3; k++)
+			store(canvas[k] + x, least(colour[k] * (1 + 0.5f * grain * up), all(1)));
+	}
+}
+
+INLINE void lay_paper(const struct draw_job *j, const struct band *b, struct draw_desk *d)
+{
+	const struct style_paper *paper = &j->f->drawing->paper;
+	float colour[3];
+	for (int k = 0; k < 3; k++)
+		colour[k] = light_of_srgb((float)paper->colour[k] / 255);
+	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
+		float *canvas[3] = { band_row(b, d->canvas[0], y), band_row(b, d->canvas[1], y),
+			band_row(b, d->canvas[2], y) };
+		lay_row(colour, paper->grain, j->f->relief + (size_t)y * b->width, b->width,
+			band_row(b, d->relief, y), canvas);
+	}
+}
+
+/* ---- coloured points ---- */
+
+static void show_pixel(const struct points_step *step, const float light[3], float ret[3])
+{
+	float s[3], grey;
+	for (int k = 0; k < 3; k++)
+		s[k] = ((light_to_srgb(light[k]) - 0.5f) * step->contrast + 0.5f) *
+		       step->brightness;
+	grey = 0.299f * s[0] + 0.587f * s[1] + 0.114f * s[2];
+	for (int k = 0; k < 3; k++)
+		ret[k] = light_of_srgb(CLAMP(grey + step->saturation * (s[k] - grey), 0, 1));
+}
+
+static bool is_plain(const struct points_step *s)
+{
+	return s->brightness == 1 && s->contrast == 1 && s->saturation == 1;
+}
+
+/* Of a pixel, in their planes. */
+static size_t points_at(const struct draw_desk *d, uint32_t x, uint32_t y)
+{
+	return (size_t)(y - d->together.from) * d->together.pitch + BAND_MARGIN + x;
+}
+
+/* The light of a pixel that a hole of the mask was filled in at: of the pixels around that points cover. */
+static bool light_around(const struct draw_job *j, const struct band *b, const struct draw_desk *d,
+	uint32_t x, uint32_t y, float ret[3])
+{
+	float sum[4] = { 0 }, depth_m = mask_depth(mask_key(j->mask, (int32_t)x, (int32_t)y));
+	for (int down = -2; down <= 2; down++)
+		for (int right = -2; right <= 2; right++) {
+			int at_x = (int)x + right, at_y = (int)y + down;
+			if (at_y < (int)b->from || at_y >= (int)(b->from + b->rows) || at_x < 0 ||
+				at_x >= (int)b->width)
+				continue;
+			size_t at = points_at(d, (uint32_t)at_x, (uint32_t)at_y);
+			float there_m = mask_depth(mask_key(j->mask, at_x, at_y));
+			if (!(d->weight[at] > 0) || fabsf(there_m - depth_m) > 0.05f * depth_m)
+				continue;
+			for (int k = 0; k < 3; k++)
+				sum[k] += d->light[k][at];
+			sum[3] += d->weight[at];
+		}
+	for (int k = 0; k < 3; k++)
+		ret[k] = sum[k] / MAX(sum[3], 1e-9f);
+	return sum[3] > 0;
+}
+
+static bool light_at(const struct draw_job *j, const struct band *b, const struct draw_desk *d,
+	uint32_t x, uint32_t y, const struct points_step *const *steps, float ret[3])
+{
+	int32_t key = mask_key(j->mask, (int32_t)x, (int32_t)y);
+	size_t at = points_at(d, x, y);
+	if (key >= MASK_EMPTY || !steps[key & 255])
+		return false;
+	if (!(d->weight[at] > 0))
+		return light_around(j, b, d, x, y, ret);
+	for (int k = 0; k < 3; k++)
+		ret[k] = d->light[k][at] / d->weight[at];
+	return true;
+}
+
+static void show_points(const struct draw_job *j, const struct band *b, struct draw_desk *d)
+{
+	const struct points_step *steps[256];
+	for (guint p = 0; p < 256; p++)
+		steps[p] = p < j->f->drawing->pipelines->len ? splat_step(j->f, (uint8_t)p) : NULL;
+	for (uint32_t y = b->from; y < b->from + b->rows; y++)
+		for (uint32_t x = 0; x < b->width; x++) {
+			float light[3];
+			if (!light_at(j, b, d, x, y, steps, light))
+				continue;
+			const struct points_step *step =
+				steps[mask_key(j->mask, (int32_t)x, (int32_t)y) & 255];
+			if (!is_plain(step))
+				show_pixel(step, light, light);
+			for (int k = 0; k < 3; k++)
+				band_row(b, d->canvas[k], y)[x] = light[k];
+		}
+}
+
+INLINE void draw_points(const struct draw_job *j, struct draw_desk *d)
+{
+	for (int k = 0; k < 3; k++)
+		fill(&d->together, d->light[k], 0);
+	fill(&d->together, d->weight, 0);
+	splat_band(&d->together, j->f, j->mask, j->views, j->count, d->light, d->weight);
+}
+
+/* ---- inks ---- */
+
+/* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
+INLINE vf on_relief(vf bare, vf relief, float tooth)
+{
+	vf cover = 1 - bare;
+	return 1 - least(most(cover * (1 + 4 * tooth * relief * bare), all(0)), all(1));
+}
+
+INLINE vf uncovered(
+	const struct frame_layer *l, const float *bare, const struct draw_desk *d, size_t at)
+{
+	return on_relief(load(bare + at), load(d->relief + at), l->ink.tooth);
+}
+
+INLINE void add_inked(const struct frame_layer *l, struct draw_desk *d, size_t at)
+{
+	vf bare = uncovered(l, d->ink.bare, d, at);
+	for (int k = 0; k < 3; k++)
+		store(d->canvas[k] + at,
+			load(d->canvas[k] + at) *
+				(l->ink_linear[k] + (1 - l->ink_linear[k]) * bare));
+}
+
+INLINE void add_coloured(const struct frame_layer *l, struct draw_desk *d, size_t at)
+{
+	for (int k = 0; k < 3; k++)
+		store(d->canvas[k] + at,
+			load(d->canvas[k] + at) * uncovered(l, d->ink.channel[k], d, at));
+}
+
+INLINE void add_painted(const struct frame_layer *l, struct draw_desk *d, size_t at)
+{
+	vf bare = uncovered(l, d->ink.bare, d, at), weight = load(d->ink.weight + at);
+	for (int k = 0; k < 3; k++) {
+		vf below = load(d->canvas[k] + at),
+		   paint = load(d->ink.channel[k] + at) / most(weight, all(1e-12f));
+		store(d->canvas[k] + at,
+			choose(weight > 0, below * bare + (1 - bare) * paint, below));
+	}
+}
+
+INLINE void add_layer(const struct frame_layer *l, const struct band *b, struct draw_desk *d)
+{
+	enum band_blend blend = band_blend_of(l);
+	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at += LANES)
+		if (blend == BAND_INKED)
+			add_inked(l, d, at);
+		else if (blend == BAND_COLOURED)
+			add_coloured(l, d, at);
+		else
+			add_painted(l, d, at);
+}
+
+INLINE void clear_ink(const struct frame_layer *l, const struct band *b, struct draw_desk *d)
+{
+	enum band_blend blend = band_blend_of(l);
+	if (blend != BAND_COLOURED)
+		fill(b, d->ink.bare, 1);
+	for (int k = 0; k < 3 && blend != BAND_INKED; k++)
+		fill(b, d->ink.channel[k], blend == BAND_PAINTED ? 0 : 1);
+	if (blend == BAND_PAINTED)
+		fill(b, d->ink.weight, 0);
+}
+
+INLINE void draw_layer(
+	const struct draw_job *j, const struct band *b, struct draw_desk *d, uint32_t n)
+{
+	const struct frame_layer *l = &j->f->layer[n];
+	const band_lists *lists = &j->lists[n];
+	uint32_t band = b->from / BAND_ROWS, first = band ? lists->end[band - 1] : 0;
+	if (lists->end[band] == first)
+		return;
+	clear_ink(l, b, d);
+	band_draw(b, j->f, l, &j->strokes[n], lists->which + first, lists->end[band] - first,
+		j->mask, &d->ink);
+	add_layer(l, b, d);
+}
+
+/* ---- a band ---- */
+
+INLINE void put_out(const struct draw_job *j, const struct band *b, const struct draw_desk *d)
+{
+	const uint8_t *srgb = light_srgb_bytes();
+	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
+		uint8_t(*to)[4] = j->to->rgba + (size_t)y * b->width;
+		size_t row = (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
+		for (uint32_t x = 0; x < b->width; x += LANES) {
+			int32_t step[3][LANES];
+			for (int k = 0; k < 3; k++) {
+				vf light =
+					least(most(load(d->canvas[k] + row + x), all(0)), all(1));
+				store_mask(step[k], __builtin_convertvector(
+							    light * (LIGHT_STEPS - 1) + 0.5f, vi));
+			}
+			for (uint32_t n = 0; n < MIN(LANES, b->width - x); n++) {
+				uint8_t rgba[4] = { srgb[step[0][n]], srgb[step[1][n]],
+					srgb[step[2][n]], 255 };
+				memcpy(to[x + n], rgba, 4);
+			}
+		}
+	}
+}
+
+INLINE void draw_band(const struct draw_job *j, const struct band *b, struct draw_desk *d)
+{
+	lay_paper(j, b, d);
+	if (d->points_memory)
+		show_points(j, b, d);
+	edl_shade(b, j->f, j->mask, d->canvas);
+	for (uint32_t n = 0; n < j->f->layers; n++)
+		draw_layer(j, b, d, n);
+	put_out(j, b, d);
+}
+
+/* Bands in a row, in d->together. */
+void LANES_NAME(draw_together)(const struct draw_job *j, struct draw_desk *d)
+{
+	const struct band *t = &d->together;
+	if (d->points_memory)
+		draw_points(j, d);
+	for (uint32_t from = t->from; from < t->from + t->rows; from += BAND_ROWS) {
+		struct band b = { t->width, from, MIN(BAND_ROWS, t->from + t->rows - from),
+			t->pitch };
+		draw_band(j, &b, d);
+	}
+}

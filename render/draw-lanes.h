@@ -1,0 +1,33 @@
+#ifndef RENDER_DRAW_LANES_H
+#define RENDER_DRAW_LANES_H
+/* Bands of a picture, eight pixels at a time. Internal to draw.c. */
+#include "render/bands.h"
+#include "render/draw.h"
+
+/* Bands whose coloured points are drawn together: fewer of the points are in several of these. */
+#define POINTS_BANDS 4
+
+/* One thread's planes of a band. */
+struct draw_desk {
+	float *memory, *canvas[3];
+	struct band_ink ink;
+	float *relief;        /* -1 .. 1, of the paper */
+	struct band together; /* POINTS_BANDS of them */
+	float *points_memory, *light[3],
+		*weight; /* of coloured points in these; NULL: there are none */
+};
+
+struct draw_job {
+	const frame *f;
+	const visibility_mask *mask;
+	const struct chunk_view *views;
+	uint32_t count;
+	const stroke_list *strokes;
+	const band_lists *lists; /* of each layer */
+	struct picture_buffer *to;
+};
+
+/* The bands of d->together. */
+LANES_DECLARE(void, draw_together, (const struct draw_job *j, struct draw_desk *d));
+
+#endif

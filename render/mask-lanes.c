@@ -1,0 +1,246 @@
+#include "render/mask-lanes.h"
+#include "render/disc-lanes.h"
+#include <math.h>
+#include <string.h>
+
+/* Of a disc's radius. */
+#define SLANT 1.f
+
+/* ---- discs ---- */
+
+/* Eight discs. Where c is a column and r a row from the first pixel of its box on, a pixel is inside where
+ * away + (along + flat c) c + (step + cross c) r + steep r (r - 1) <= 0, and depth_m + tilt . (c, r) deep there. */
+struct discs {
+	vf away, along, flat, step, cross, steep2, depth_m, tilt[2];
+	vi at, columns, rows;
+};
+
+/* The first pixel from 0 to end whose middle is not before x: also of those that are not drawn, which may be anywhere. */
+INLINE vi pixel_from(vf x, int32_t end)
+{
+	return __builtin_convertvector(least(most(x, all(0)), all((float)end)) + 0.5f, vi);
+}
+
+INLINE void find_discs(
+	const struct mask_target *t, const struct disc_lanes *d, vf pushed_m, struct discs *ret)
+{
+	vi left = pixel_from(d->x - d->half[0], t->width),
+	   top = pixel_from(d->y - d->half[1], t->height);
+	vf x = __builtin_convertvector(left, vf) + 0.5f - d->x,
+	   y = __builtin_convertvector(top, vf) + 0.5f - d->y;
+	vf flat = 1 + d->squash[0] * d->squash[0], steep = 1 + d->squash[1] * d->squash[1],
+	   cross = 2 * d->squash[0] * d->squash[1];
+	ret->flat = flat;
+	ret->cross = cross;
+	ret->steep2 = 2 * steep;
+	ret->away = flat * x * x + cross * x * y + steep * y * y - d->radius * d->radius;
+	ret->along = 2 * flat * x + cross * y;
+	ret->step = cross * x + steep * (2 * y + 1);
+	ret->depth_m = pushed_m + d->tilt[0] * x + d->tilt[1] * y;
+	ret->tilt[0] = d->tilt[0];
+	ret->tilt[1] = d->tilt[1];
+	ret->at = top * (int32_t)t->pitch + left;
+	ret->columns = pixel_from(d->x + d->half[0], t->width) - left;
+	ret->rows = pixel_from(d->y + d->half[1], t->height) - top;
+}
+
+INLINE vi keys_of(vf depth_m, int32_t pipeline)
+{
+	return ((vi)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | pipeline;
+}
+
+/* Eight columns of one disc, from column on; those outside have the highest key. */
+INLINE void draw_columns(
+	const struct mask_target *t, const struct discs *d, int k, int column, int32_t pipeline)
+{
+	vf c = (float)column + lane_number;
+	vf away = d->away[k] + (d->along[k] + d->flat[k] * c) * c,
+	   step = d->step[k] + d->cross[k] * c, depth_m = d->depth_m[k] + d->tilt[0][k] * c;
+	int32_t *at = t->key + d->at[k] + column;
+	for (int rows = d->rows[k]; rows > 0; rows--, at += t->pitch) {
+		store_mask(
+			at, lower_unsigned(load_mask(at), keys_of(depth_m, pipeline) | (away > 0)));
+		depth_m += d->tilt[1][k];
+		away += step;
+		step += d->steep2[k];
+	}
+}
+
+/* ---- points ---- */
+
+/* Discs are reckoned some at a time before they are drawn: how many rows one has is hard to foresee, and nothing that takes long
+ * should wait for it. */
+#define SHEET 32
+
+struct sheet {
+	struct discs discs[SHEET];
+	vi dot_at[SHEET], dot_key[SHEET];
+	uint8_t dots[SHEET], wide[SHEET];
+};
+
+/* Which of them to draw. */
+INLINE unsigned place_dots(const struct mask_target *t, const struct disc_lanes *d, vf pushed_m,
+	int32_t pipeline, vi *ret_at, vi *ret_key)
+{
+	vi inside =
+		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
+	vi column = __builtin_convertvector(where(inside, d->x), vi),
+	   row = __builtin_convertvector(where(inside, d->y), vi);
+	vf depth_m = pushed_m + d->tilt[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
+		     d->tilt[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
+	*ret_at = row * (int32_t)t->pitch + column;
+	*ret_key = keys_of(depth_m, pipeline);
+	return bits(inside);
+}
+
+INLINE void lay_out(const frame *f, const struct mask_target *t, const struct chunk_view *v,
+	const struct disc_pass *p, uint32_t i, struct sheet *to, uint32_t n)
+{
+	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
+	struct disc_lanes d;
+	disc_lanes_find(f->scene, p, v, i, MASK_DOT_RADIUS, &d);
+	to->dots[n] = to->wide[n] = 0;
+	if (!d.drawn)
+		return;
+	unsigned dots = bits(d.radius < MASK_DOT_RADIUS) & d.drawn, wide = d.drawn & ~dots;
+	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
+	vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
+		      SLANT * d.radius * d.depth_m * (1 / p->focal_px);
+	if (dots)
+		dots &= place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n], &to->dot_key[n]);
+	if (wide) {
+		find_discs(t, &d, pushed_m, &to->discs[n]);
+		wide &= bits((to->discs[n].columns > 0) & (to->discs[n].rows > 0));
+	}
+	to->dots[n] = (uint8_t)dots;
+	to->wide[n] = (uint8_t)wide;
+}
+
+INLINE void draw_sheet(
+	const struct mask_target *t, const struct sheet *s, uint32_t count, int32_t pipeline)
+{
+	for (uint32_t n = 0; n < count; n++)
+		for (unsigned left = s->dots[n]; left; left &= left - 1) {
+			int k = __builtin_ctz(left);
+			int32_t *at = t->key + s->dot_at[n][k];
+			*at = MIN(*at, s->dot_key[n][k]);
+		}
+	for (uint32_t n = 0; n < count; n++)
+		for (unsigned left = s->wide[n]; left; left &= left - 1) {
+			int k = __builtin_ctz(left);
+			for (int column = 0; column < s->discs[n].columns[k]; column += LANES)
+				draw_columns(t, &s->discs[n], k, column, pipeline);
+		}
+}
+
+void LANES_NAME(mask_draw)(const frame *f, const struct mask_target *t, const struct chunk_view *v)
+{
+	struct disc_pass p =
+		disc_pass_of(f, v, frame_pipeline(f, v->pipeline)->mask.disc, DISC_RADIUS_LEAST);
+	struct sheet sheet;
+	uint32_t n = 0;
+	for (uint32_t i = 0; i < p.end; i += LANES) {
+		lay_out(f, t, v, &p, i, &sheet, n);
+		if (++n < SHEET && i + LANES < p.end)
+			continue;
+		draw_sheet(t, &sheet, n, v->pipeline);
+		n = 0;
+	}
+}
+
+/* ---- holes ---- */
+
+INLINE vi keys_at(const int32_t *const rows[5], int down, int x)
+{
+	return *(const vi_loose *)(rows[down + 2] + x);
+}
+
+/* A pixel between two that are nearer, one or two pixels wide, belongs to them. */
+INLINE vi filled(const int32_t *const rows[5], int x)
+{
+	static const int pairs[8][4] = { { -1, 0, 1, 0 }, { 0, -1, 0, 1 }, { -1, -1, 1, 1 },
+		{ 1, -1, -1, 1 }, { -2, 0, 1, 0 }, { -1, 0, 2, 0 }, { 0, -2, 0, 1 },
+		{ 0, -1, 0, 2 } };
+	vi own = keys_at(rows, 0, x), between = own;
+	for (int n = 0; n < 8; n++)
+		between = lower(between, higher(keys_at(rows, pairs[n][1], x + pairs[n][0]),
+						 keys_at(rows, pairs[n][3], x + pairs[n][2])));
+	vi is_hole = (vf)between * MASK_HOLE < (vf)own;
+	return (between & is_hole) | (own & ~is_hole);
+}
+
+INLINE void fill_row(const int32_t *const rows[5], int32_t *to, uint32_t width)
+{
+	for (int x = 0; x < (int)width; x += LANES)
+		store_mask(to + x, filled(rows, x));
+}
+
+/* ---- threads' pictures together ---- */
+
+/* Nothing beyond the picture's edges, whatever discs there left, and nothing above and below. */
+INLINE void merge_row(const visibility_mask *m, int y, int32_t *to)
+{
+	const int32_t *row[MASK_THREADS_MOST];
+	if (y < 0 || y >= (int)m->height) {
+		mask_clear(to - MASK_MARGIN, m->pitch);
+		return;
+	}
+	for (uint32_t n = 0; n < m->threads; n++)
+		row[n] = mask_first_key(m, m->part[n]) + (ptrdiff_t)y * m->pitch;
+	for (int x = 0; x < (int)m->width; x += LANES) {
+		vi key = load_mask(row[0] + x);
+		for (uint32_t n = 1; n < m->threads; n++)
+			key = lower(key, load_mask(row[n] + x));
+		store_mask(to + x, key);
+	}
+	for (int x = 0; x < MASK_MARGIN; x++)
+		to[-1 - x] = to[(int)m->width + x] = MASK_EMPTY;
+}
+
+/* ---- tiles ---- */
+
+/* Keys of the deepest pixels so far of a row of tiles. */
+INLINE void deepen(const int32_t *row, uint32_t width, vi *deepest)
+{
+	vi column = __builtin_convertvector(lane_number, vi);
+	for (uint32_t x = 0; x < width; x += LANES)
+		deepest[x / MASK_TILE] = higher(deepest[x / MASK_TILE],
+			load_mask(row + x) & (column + (int32_t)x < (int32_t)width));
+}
+
+INLINE void put_tiles(visibility_mask *m, uint32_t down, vi *deepest)
+{
+	for (uint32_t across = 0; across < m->tiles_across; across++) {
+		int32_t most = 0;
+		for (int k = 0; k < LANES; k++)
+			most = MAX(most, deepest[across][k]);
+		m->deepest_m[down * m->tiles_across + across] = mask_depth(most);
+		deepest[across] = (vi){ 0 };
+	}
+}
+
+void LANES_NAME(mask_look)(visibility_mask *m, uint32_t down, struct mask_bench *b)
+{
+	uint32_t end = MIN((down + 1) * MASK_TILE, m->height);
+	for (uint32_t y = down * MASK_TILE; y < end; y++) {
+		merge_row(m, (int)y, b->row[0]);
+		deepen(b->row[0], m->width, b->deepest);
+	}
+	put_tiles(m, down, b->deepest);
+}
+
+void LANES_NAME(mask_finish)(visibility_mask *m, uint32_t down, struct mask_bench *b)
+{
+	int from = (int)(down * MASK_TILE), end = (int)MIN((down + 1) * MASK_TILE, m->height);
+	for (int k = 0; k < 4; k++)
+		merge_row(m, from - 2 + k, b->row[k]);
+	for (int y = from; y < end; y++) {
+		int32_t *to = m->key + (ptrdiff_t)y * m->pitch, *first = b->row[0];
+		merge_row(m, y + 2, b->row[4]);
+		fill_row((const int32_t *const *)b->row, to, m->width);
+		deepen(to, m->width, b->deepest);
+		memmove(b->row, b->row + 1, 4 * sizeof *b->row);
+		b->row[4] = first;
+	}
+	put_tiles(m, down, b->deepest);
+}

@@ -1,0 +1,71 @@
+#include "render/splat-lanes.h"
+#include "render/disc-lanes.h"
+#include "render/light.h"
+
+struct splat {
+	float x, y, radius, half[2], squash[2], tilt[2], depth_m, weight;
+	float light[3];
+	int32_t pipeline;
+};
+
+INLINE void add(float *plane, ptrdiff_t at, vf x)
+{
+	store(plane + at, load(plane + at) + x);
+}
+
+INLINE void draw_splat(const struct band *b, const visibility_mask *m, const struct splat *s,
+	float *const light[3], float *weight)
+{
+	int from = MAX((int)floorf(s->y - s->half[1]), (int)b->from),
+	    to = MIN((int)floorf(s->y + s->half[1]), (int)(b->from + b->rows) - 1);
+	int left = MAX((int)floorf(s->x - s->half[0]), 0),
+	    right = MIN((int)floorf(s->x + s->half[0]), (int)b->width - 1);
+	float steep = 1 / (s->radius * s->radius);
+	for (int y = from; y <= to; y++)
+		for (int x = left; x <= right; x += LANES) {
+			vf dx = (float)x + 0.5f - s->x + lane_number;
+			float dy = (float)y + 0.5f - s->y;
+			vi key = *(const vi_loose *)(m->key + (ptrdiff_t)y * m->pitch + x);
+			vf across = s->squash[0] * dx + s->squash[1] * dy;
+			vf w = most(1 - (dx * dx + dy * dy + across * across) * steep, all(0)) *
+			       s->weight;
+			vf depth_m = s->depth_m + s->tilt[0] * dx + s->tilt[1] * dy;
+			w = where(((key & ((1 << MASK_PIPELINE_BITS) - 1)) == s->pipeline) &
+					  ((vf)key >= depth_m),
+				w);
+			ptrdiff_t at =
+				(ptrdiff_t)((uint32_t)y - b->from) * b->pitch + BAND_MARGIN + x;
+			for (int k = 0; k < 3; k++)
+				add(light[k], at, w * s->light[k]);
+			add(weight, at, w);
+		}
+}
+
+void LANES_NAME(splat_chunk)(const struct band *b, const frame *f, const visibility_mask *m,
+	const struct chunk_view *v, const struct points_step *step, float *const light[3],
+	float *weight)
+{
+	struct disc_pass p = disc_pass_of(
+		f, v, step->size, fmaxf(step->least_px * f->px / 2, DISC_RADIUS_LEAST));
+	const float *linear = light_of_bytes();
+	for (uint32_t i = 0; i < p.end; i += LANES) {
+		struct disc_lanes d;
+		disc_lanes_find(f->scene, &p, v, i, 0, &d);
+		if (!d.drawn)
+			continue;
+		vi here = (d.y + d.half[1] >= (float)b->from) &
+			  (d.y - d.half[1] <= (float)(b->from + b->rows));
+		for (unsigned left = d.drawn & bits(here); left; left &= left - 1) {
+			int k = __builtin_ctz(left);
+			const uint8_t *rgba = f->scene->rgba[v->chunk->first + i + (uint32_t)k];
+			/* Those of the last ranks come and go softly. */
+			struct splat s = { d.x[k], d.y[k], d.radius[k],
+				{ d.half[0][k], d.half[1][k] }, { d.squash[0][k], d.squash[1][k] },
+				{ d.tilt[0][k], d.tilt[1][k] }, d.depth_m[k],
+				fminf(4 * (1 - d.rank[k]) + 1e-3f, 1),
+				{ linear[rgba[0]], linear[rgba[1]], linear[rgba[2]] },
+				v->pipeline };
+			draw_splat(b, m, &s, light, weight);
+		}
+	}
+}

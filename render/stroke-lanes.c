@@ -1,0 +1,281 @@
+#include "render/stroke-need.h"
+#include <string.h>
+
+/* Strokes along an edge that comes towards the camera are shorter, down to this part. */
+#define FORESHORTENED 0.25f
+#define ALPHA_LEAST   (1 / 255.f)
+
+/* Part of the depth from which on what is behind the mask is gone. On the way there it fades: the mask is as rough as the points are,
+ * and strokes must not come and go with it. What they may not cover they are kept from at each pixel. */
+#define HIDDEN_BEHIND 0.03f
+/* Surface whose back is hidden begins to fade at this cosine. */
+#define TURNED_AWAY 0.1f
+
+/* ---- hidden or not ---- */
+
+/* floorf, which has no instruction of its own on old processors. */
+INLINE int whole(float x)
+{
+	int towards_zero = (int)x;
+	return towards_zero - (x < (float)towards_zero);
+}
+
+INLINE float shows(const struct brush *b, int x, int y, float depth_m)
+{
+	const visibility_mask *m = b->mask;
+	x = CLAMP(x, 0, (int)m->width - 1);
+	y = CLAMP(y, 0, (int)m->height - 1);
+	float behind = depth_m / mask_depth(mask_key(m, x, y)) - 1;
+	return CLAMP(1 - behind * (1 / HIDDEN_BEHIND), 0, 1);
+}
+
+/* How far it is not hidden in the four pixels around. */
+INLINE float visibility(const struct brush *b, const struct candidate *c)
+{
+	if (!b->mask)
+		return 1;
+	float x = c->x_px - 0.5f, y = c->y_px - 0.5f;
+	int x0 = whole(x), y0 = whole(y);
+	float u = x - (float)x0, v = y - (float)y0;
+	return (1 - v) * ((1 - u) * shows(b, x0, y0, c->depth_m) +
+				 u * shows(b, x0 + 1, y0, c->depth_m)) +
+	       v * ((1 - u) * shows(b, x0, y0 + 1, c->depth_m) +
+			   u * shows(b, x0 + 1, y0 + 1, c->depth_m));
+}
+
+/* ---- the stroke ---- */
+
+INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[4])
+{
+	const struct ink_step *ink = &b->layer->ink;
+	const uint8_t *rgba = b->f->scene->rgba[c->point];
+	memcpy(ret, ink->ink, 4);
+	if (ink->colour != COLOUR_POINT || !rgba[3])
+		return;
+	float grey = scene_lightness(rgba);
+	for (int k = 0; k < 3; k++)
+		ret[k] = (uint8_t)CLAMP(grey + ink->saturation * (rgba[k] - grey) + 0.5f, 0, 255);
+}
+
+INLINE void turn_along(const struct brush *b, struct stroke *s, const float along[2], float half_px)
+{
+	const float *turn = b->layer->turn[(
+		int)(stroke_chance(s->point, stroke_salt(s->copy, SALT_ANGLE)) * 256)];
+	s->along_px[0] = half_px * (along[0] * turn[0] - along[1] * turn[1]);
+	s->along_px[1] = half_px * (along[0] * turn[1] + along[1] * turn[0]);
+}
+
+INLINE float opacity_of(const struct brush *b, const struct candidate *c)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	float degree = b->f->scene->degree[c->point] / 255.f;
+	float alpha = ink->opacity *
+		      (1 - ink->opacity_variation *
+				      stroke_chance(c->point, stroke_salt(c->copy, SALT_OPACITY)));
+	alpha *= 1 - ink->degree * (1 - degree);
+	return ink->fade_m > 0 ? alpha * exp2f(-c->depth_m / ink->fade_m) : alpha;
+}
+
+/* line NULL: at the layer's own angle; normal NULL: of one depth. */
+INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
+	float growth, const struct line *line, const float *normal)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	struct stroke s = {
+		.x_px = c->x_px, .y_px = c->y_px, .alpha = alpha, .point = c->point, .copy = c->copy
+	};
+	float half_px = growth * ink->length_px / 2 *
+			(1 + ink->length_variation *
+					around_zero(c->point, stroke_salt(c->copy, SALT_LENGTH)));
+	s.half_width_px = growth * ink->width_px / 2;
+	s.q = 1 / c->depth_m;
+	if (line) {
+		float whole = b->focal_px / c->depth_m;
+		half_px *= CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
+		turn_along(b, &s, line->along, half_px);
+		for (int k = 0; k < 2; k++)
+			s.slope[k] = line->slope * line->along[k];
+	} else {
+		turn_along(b, &s, b->layer->own_way, half_px);
+		if (normal)
+			plane_slope(b, c, normal, half_px, s.slope);
+	}
+	colour_of(b, c, s.rgba);
+	return s;
+}
+
+INLINE bool hides_backs(const struct brush *b)
+{
+	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN;
+}
+
+/* How far it is drawn where backs are hidden: surface that turns away fades. normal 0 0 0: there is none. */
+INLINE float facing(const struct brush *b, const struct candidate *c, const float normal[3])
+{
+	float ray[3];
+	if (!hides_backs(b) || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
+		return 1;
+	ray_of(b, c, ray);
+	return CLAMP(vector3_dot(normal, ray) * (-1 / TURNED_AWAY), 0, 1);
+}
+
+INLINE bool goes_along(const struct brush *b)
+{
+	int32_t direction = b->layer->ink.direction;
+	return direction == DIRECTION_LINE ||
+	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
+}
+
+INLINE void add_stroke(const struct brush *b, const struct candidate *c, float alpha, float growth,
+	const struct line *line, const float *normal, GArray *to)
+{
+	alpha *= opacity_of(b, c);
+	if (alpha < ALPHA_LEAST)
+		return;
+	struct stroke s = stroke_of(b, c, alpha, growth, line, normal);
+	g_array_append_val(to, s);
+}
+
+INLINE void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
+{
+	struct line line;
+	float normal[3];
+	bool has_line = line_of(b, c, &line);
+	float shown = visibility(b, c);
+	to_camera(b, b->f->scene->normal[c->point], normal);
+	shown *= facing(b, c, normal);
+	if (shown <= 0 || !has_line)
+		return;
+	float octaves = stroke_fade_octaves(c->depth_m),
+	      need = need_along(b, c, &line) * STROKE_FADE_MORE(octaves);
+	add_stroke(b, c, shown * stroke_fade(c->rank, need, octaves), 1,
+		goes_along(b) ? &line : NULL, normal, to);
+}
+
+INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GArray *to)
+{
+	find_need(b, hides_backs(b), l);
+	for (unsigned left = l->left; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		struct candidate c = { (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
+			l->x_px[k], l->y_px[k], l->depth_m[k] };
+		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
+		float shown = visibility(b, &c) * facing(b, &c, normal);
+		if (shown <= 0)
+			continue;
+		struct line line;
+		bool has_line = goes_along(b) && line_of(b, &c, &line);
+		float growth = stroke_growth(
+			l->need[k] / (l->last[k] * (l->is_flat[k] ? (float)b->copies : 1)));
+		float octaves = l->octaves[k], need = l->need[k] * STROKE_FADE_MORE(octaves);
+		add_stroke(b, &c, shown * stroke_fade(c.rank, need, octaves),
+			MIN(growth, b->layer->ink.grow), has_line ? &line : NULL,
+			l->is_flat[k] ? normal : NULL, to);
+	}
+}
+
+/* ---- a chunk's points ---- */
+
+/* No rank above it is drawn. */
+static float need_most(const struct brush *b)
+{
+	const struct scene_chunk *c = b->view->chunk;
+	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->near_m);
+	float more = STROKE_FADE_MORE(stroke_fade_octaves(nearest_m));
+	float scale = b->focal_px / nearest_m *
+		      (shares_queue(b) ? c->spacing_most_m : c->list_spacing_most_m[b->kind]);
+	if (is_on_edge(b))
+		return more * scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
+	return more * b->wanted_most * scale * scale;
+}
+
+/* Those of eight that may be drawn, by what is quickly told. */
+INLINE unsigned promising(
+	const struct brush *b, const struct lane_points *l, const struct lane_candidates *c)
+{
+	vf nearest_m = nearest_of(b, l->depth_m), octaves = octaves_of(nearest_m);
+	vf px_per_m = b->focal_px / nearest_m, scale = c->spacing_m * px_per_m;
+	vf reach = b->layer->ink.length_px / 2 + b->moved_m * px_per_m;
+	vf need = is_on_edge(b)
+			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
+			  : scale * scale * b->wanted_most;
+	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
+		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
+		    (c->rank < need * STROKE_FADE_MORE(octaves)));
+}
+
+/* The nearest pixels of the mask are far away. */
+INLINE void fetch(const struct brush *b, const struct lane_candidates *c)
+{
+	const visibility_mask *m = b->mask;
+	for (unsigned left = m ? c->left : 0; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		int x = CLAMP((int)(c->x_px[k] - 0.5f), 0, (int)m->width - 1),
+		    y = CLAMP((int)(c->y_px[k] - 0.5f), 0, (int)m->height - 1);
+		const int32_t *at = &m->key[(ptrdiff_t)y * m->pitch + x];
+		__builtin_prefetch(at);
+		__builtin_prefetch(at + m->pitch);
+	}
+}
+
+/* Those from i on of the list. */
+INLINE void find_candidates(
+	const struct brush *b, uint32_t i, uint32_t end, struct lane_candidates *c)
+{
+	const scene *s = b->f->scene;
+	const struct scene_chunk *chunk = b->view->chunk;
+	uint32_t at = chunk->first + b->list_from + i;
+	vf q[3];
+	c->point = (int32_t)chunk->first + load_u16_whole(s->list + at);
+	for (int axis = 0; axis < 3; axis++)
+		q[axis] = gather_u16(s->q[axis], c->point);
+	c->copy = 0;
+	struct lane_points l = project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
+	c->x_px = l.x_px;
+	c->y_px = l.y_px;
+	c->depth_m = l.depth_m;
+	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
+	c->spacing_m = shares_queue(b) ? gather_u16(s->spacing, c->point) * SCENE_UNIT_M
+				       : load_u16(s->list_spacing + at) * SCENE_UNIT_M;
+	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
+	c->left &= promising(b, &l, c);
+}
+
+INLINE void try_on_edges(const struct brush *b, const struct lane_candidates *l, GArray *to)
+{
+	for (unsigned left = l->left; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		struct candidate c = { (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
+			l->x_px[k], l->y_px[k], l->depth_m[k] };
+		try_on_edge(b, &c, to);
+	}
+}
+
+/* The points themselves too. */
+INLINE void try_copies(const struct brush *b, struct lane_candidates *c, GArray *to)
+{
+	find_wanted(b, c);
+	unsigned flat = c->left ? bits(c->is_flat) : 0;
+	for (; c->left && c->copy < b->copies; c->copy++) {
+		struct lane_candidates one = *c;
+		try_on_surface(b, &one, to);
+		c->rank += c->last;
+		c->left &= bits(c->rank < c->most) & flat;
+	}
+}
+
+void LANES_NAME(stroke_choose)(const struct brush *b, GArray *to)
+{
+	uint32_t end = (uint32_t)MIN(need_most(b) * (float)b->list_count + 1, (float)b->list_count);
+	for (uint32_t i = 0; i < end; i += LANES) {
+		struct lane_candidates c;
+		find_candidates(b, i, end, &c);
+		if (!c.left)
+			continue;
+		fetch(b, &c);
+		if (is_on_edge(b))
+			try_on_edges(b, &c, to);
+		else
+			try_copies(b, &c, to);
+	}
+}
