@@ -9,6 +9,8 @@
 /* Sides at a lower cosine to the rows than this bound none of them. */
 #define COSINE_LEAST 1e-3f
 #define REACH_MOST   1e5f
+/* Between texels there are so many places, either way. */
+#define TEXEL_BITS 7
 /* Pixels, for what floats are rounded by. */
 #define ROUNDING 1e-3f
 
@@ -19,12 +21,12 @@ struct pen {
 	float reach_along, reach_across;
 	/* A row dy below the middle is inside from dy turn - reach to dy turn + reach: by its ends, and by its sides. */
 	float turn[2], reach[2];
-	float falloff;          /* of a sprite */
-	float strength;         /* of a line */
-	const uint32_t *texels; /* of the variant */
-	uint32_t texel_pitch;
-	float texels_along, texels_across; /* to a pixel */
-	float texel_ends[2];
+	float falloff;  /* of a sprite */
+	float strength; /* of a line */
+	/* Of a texture: the variant, and where a pixel is in it, along and across, in parts of texels: x dx + y dy + middle. */
+	const uint32_t *texels;
+	uint32_t texel_shift;
+	float texel_x[2], texel_y[2], texel_middle[2], texel_end[2];
 	float colour[3];
 };
 
@@ -53,15 +55,21 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		uint32_t variant =
 			(uint32_t)(stroke_chance(s->point, stroke_salt(s->copy, SALT_VARIANT)) *
 				   (float)t->variants);
-		p.texel_pitch = t->length + 1;
-		p.texels = l->texels + (size_t)variant * p.texel_pitch * (t->width + 1);
-		p.texels_along = (float)t->length / (2 * p.half_length);
-		p.texels_across = (float)t->width / (2 * p.half_width);
-		p.texel_ends[0] = (float)t->length;
-		p.texel_ends[1] = (float)t->width;
+		p.texels = l->texels + frame_texels(l) * variant;
+		p.texel_shift = l->texel_shift;
+		float along = (float)t->length / (2 * p.half_length),
+		      across = (float)t->width / (2 * p.half_width);
+		p.texel_x[0] = p.cosine * along * (1 << TEXEL_BITS);
+		p.texel_y[0] = p.sine * along * (1 << TEXEL_BITS);
+		p.texel_x[1] = -p.sine * across * (1 << TEXEL_BITS);
+		p.texel_y[1] = p.cosine * across * (1 << TEXEL_BITS);
+		p.texel_end[0] = (float)(t->length + 1) * (1 << TEXEL_BITS);
+		p.texel_end[1] = (float)(t->width + 1) * (1 << TEXEL_BITS);
+		for (int k = 0; k < 2; k++)
+			p.texel_middle[k] = p.texel_end[k] / 2;
 		/* Half a texel: from the last one to nothing. */
-		p.reach_along += 0.5f / p.texels_along;
-		p.reach_across += 0.5f / p.texels_across;
+		p.reach_along += 0.5f / along;
+		p.reach_across += 0.5f / across;
 	}
 	bool has_ends = fabsf(p.cosine) > COSINE_LEAST, has_sides = fabsf(p.sine) > COSINE_LEAST;
 	float by_cosine = has_ends ? 1 / p.cosine : 0, by_sine = has_sides ? 1 / p.sine : 0;
@@ -93,39 +101,59 @@ INLINE vf sprite_alpha(const struct pen *p, vf dx, float dy)
 	return where(away2 <= p->half_length * p->half_length, gaussian(p, away2));
 }
 
-INLINE vf line_alpha(const struct pen *p, vf along, vf across)
+INLINE vf line_alpha(const struct pen *p, vf dx, float dy)
 {
+	vf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
 	return clamp01(p->reach_along - magnitude(along)) *
 	       clamp01(p->reach_across - magnitude(across)) * p->strength;
 }
 
-INLINE vf texture_alpha(const struct pen *p, vf along, vf across)
+typedef int16_t vh __attribute__((vector_size(32)));
+
+/* Of numbers below 2^15, whose product is too. */
+INLINE vi multiply(vi a, vi b)
 {
-	vf s = (along + p->half_length) * p->texels_along + 0.5f,
-	   t = (across + p->half_width) * p->texels_across + 0.5f;
-	vi in = (s >= 0) & (s < p->texel_ends[0] + 1) & (t >= 0) & (t < p->texel_ends[1] + 1);
-	s = where(in, s);
-	t = where(in, t);
-	vi column = __builtin_convertvector(s, vi), row = __builtin_convertvector(t, vi);
-	vf u = s - __builtin_convertvector(column, vf), v = t - __builtin_convertvector(row, vf);
-	vi at = row * (int32_t)p->texel_pitch + column, four = { 0 };
-	for (int k = 0; k < LANES; k++)
-		four[k] = (int32_t)p->texels[at[k]];
-	vf a = __builtin_convertvector(four & 255, vf),
-	   b = __builtin_convertvector(four >> 8 & 255, vf),
-	   c = __builtin_convertvector(four >> 16 & 255, vf),
-	   d = __builtin_convertvector(four >> 24 & 255, vf);
-	vf upper = a + u * (b - a), lower = c + u * (d - c);
-	return where(in, upper + v * (lower - upper)) * (1.f / 255);
+	return (vi)((vh)a * (vh)b);
+}
+
+/* Of four bytes each with as many weights, which are 127 together. */
+INLINE vi weighted(vi bytes, vi weights)
+{
+#if defined __AVX2__
+	__m256i pairs = _mm256_maddubs_epi16((__m256i)bytes, (__m256i)weights);
+	return (vi)_mm256_madd_epi16(pairs, _mm256_set1_epi16(1));
+#else
+	vi sum = { 0 };
+	for (int shift = 0; shift < 32; shift += 8)
+		sum += (bytes >> shift & 255) * (weights >> shift & 255);
+	return sum;
+#endif
+}
+
+/* Between four texels, by whole numbers: the weights are within 1/127 of what they should be. */
+INLINE vf texture_alpha(const struct pen *p, vf dx, float dy)
+{
+	vi at[2], part[2];
+	for (int k = 0; k < 2; k++) {
+		vf place = dx * p->texel_x[k] + (dy * p->texel_y[k] + p->texel_middle[k]);
+		vi whole = __builtin_convertvector(
+			least(most(place, all(0)), all(p->texel_end[k])), vi);
+		at[k] = whole >> TEXEL_BITS;
+		part[k] = whole & ((1 << TEXEL_BITS) - 1);
+	}
+	vi four = gather(p->texels, (at[1] << (int32_t)p->texel_shift) + at[0], 4);
+	vi last = (multiply(part[0], part[1]) + ((1 << TEXEL_BITS) - 1)) >> TEXEL_BITS;
+	vi weights = (((1 << TEXEL_BITS) - 1) - part[0] - part[1] + last) | (part[0] - last) << 8 |
+		     (part[1] - last) << 16 | last << 24;
+	return __builtin_convertvector(weighted(four, weights), vf) *
+	       (1.f / (255 * ((1 << TEXEL_BITS) - 1)));
 }
 
 INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 {
 	if (kernel == KERNEL_SPRITE)
 		return sprite_alpha(p, dx, dy);
-	vf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
-	return kernel == KERNEL_LINE ? line_alpha(p, along, across)
-				     : texture_alpha(p, along, across);
+	return kernel == KERNEL_LINE ? line_alpha(p, dx, dy) : texture_alpha(p, dx, dy);
 }
 
 /* ---- columns and rows ---- */

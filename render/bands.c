@@ -9,36 +9,75 @@ static float reach_down(const struct stroke *s)
 	return fabsf(y) + across * s->half_width_px + 1;
 }
 
-static bool bands_of(
-	const struct stroke *s, uint32_t height, uint32_t *ret_first, uint32_t *ret_last)
+struct reach {
+	uint16_t first, end; /* bands */
+};
+
+static struct reach bands_of(const struct stroke *s, uint32_t height)
 {
 	float reach = reach_down(s), low = s->y_px - reach, high = s->y_px + reach;
 	if (high < 0 || low >= (float)height)
-		return false;
-	*ret_first = (uint32_t)fmaxf(low, 0) / BAND_ROWS;
-	*ret_last = (uint32_t)fminf(high, (float)(height - 1)) / BAND_ROWS;
-	return true;
+		return (struct reach){ 0 };
+	return (struct reach){ (uint16_t)(fmaxf(low, 0) / BAND_ROWS),
+		(uint16_t)(fminf(high, (float)(height - 1)) / BAND_ROWS + 1) };
 }
 
-void band_lists_fill(band_lists *b, const stroke_list *strokes, uint32_t height)
+/* Parts of a list that are looked at side by side: so many that threads are done at about the same time. */
+#define PARTS 16
+
+static void count_part(const stroke_list *strokes, uint32_t from, uint32_t to, uint32_t height,
+	struct reach *reach, uint32_t *count)
 {
-	uint32_t first, last, total = 0;
-	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
-	b->end = g_new0(uint32_t, b->bands + 1);
-	for (uint32_t n = 0; n < strokes->count; n++)
-		if (bands_of(&strokes->stroke[n], height, &first, &last))
-			for (uint32_t k = first; k <= last; k++)
-				b->end[k]++;
+	for (uint32_t n = from; n < to; n++) {
+		reach[n] = bands_of(&strokes->stroke[n], height);
+		for (uint32_t k = reach[n].first; k < reach[n].end; k++)
+			count[k]++;
+	}
+}
+
+/* Turns counts of all parts, band by band, into where each begins. */
+static void lay_out(band_lists *b, uint32_t *count)
+{
+	uint32_t total = 0;
 	for (uint32_t k = 0; k < b->bands; k++) {
-		uint32_t own = b->end[k];
-		b->end[k] = total; /* where it begins, for now */
-		total += own;
+		for (uint32_t part = 0; part < PARTS; part++) {
+			uint32_t own = count[part * b->bands + k];
+			count[part * b->bands + k] = total;
+			total += own;
+		}
+		b->end[k] = total;
 	}
 	b->which = g_new(uint32_t, total + 1);
-	for (uint32_t n = 0; n < strokes->count; n++)
-		if (bands_of(&strokes->stroke[n], height, &first, &last))
-			for (uint32_t k = first; k <= last; k++)
-				b->which[b->end[k]++] = n;
+}
+
+static void fill_part(
+	band_lists *b, uint32_t from, uint32_t to, const struct reach *reach, uint32_t *at)
+{
+	for (uint32_t n = from; n < to; n++)
+		for (uint32_t k = reach[n].first; k < reach[n].end; k++)
+			b->which[at[k]++] = n;
+}
+
+static uint32_t part_end(const stroke_list *strokes, uint32_t parts)
+{
+	return (uint32_t)((uint64_t)strokes->count * parts / PARTS);
+}
+
+void band_lists_fill(band_lists *b, const stroke_list *strokes, uint32_t height, bool single_thread)
+{
+	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
+	b->end = g_new0(uint32_t, b->bands + 1);
+	g_autofree struct reach *reach = g_new(struct reach, strokes->count + 1);
+	g_autofree uint32_t *at = g_new0(uint32_t, PARTS * b->bands);
+#pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
+	for (uint32_t n = 0; n < PARTS; n++)
+		count_part(strokes, part_end(strokes, n), part_end(strokes, n + 1), height, reach,
+			at + n * b->bands);
+	lay_out(b, at);
+#pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
+	for (uint32_t n = 0; n < PARTS; n++)
+		fill_part(b, part_end(strokes, n), part_end(strokes, n + 1), reach,
+			at + n * b->bands);
 }
 
 void band_lists_clear(band_lists *b)

@@ -22,7 +22,8 @@ struct band_lists {
 	uint32_t *end;   /* of each band's part of which */
 	uint32_t *which; /* strokes */
 };
-void band_lists_fill(band_lists *b, const stroke_list *strokes, uint32_t height);
+void band_lists_fill(
+	band_lists *b, const stroke_list *strokes, uint32_t height, bool single_thread);
 void band_lists_clear(band_lists *b);
 
 /* What strokes of one layer leave in a band. */

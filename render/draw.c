@@ -96,9 +96,8 @@ void draw_frame(
 	j.strokes = strokes;
 	t.choose_s = lap(&since_us);
 	g_autofree band_lists *lists = g_new0(band_lists, f->layers + 1);
-#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
 	for (uint32_t n = 0; n < f->layers; n++)
-		band_lists_fill(&lists[n], &strokes[n], to->height);
+		band_lists_fill(&lists[n], &strokes[n], to->height, f->single_thread);
 	j.lists = lists;
 	t.bin_s = lap(&since_us);
 	draw_bands(&j);

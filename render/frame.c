@@ -123,17 +123,19 @@ static uint32_t texel_at(const stroke_texture *t, uint32_t variant, int x, int y
 	return stroke_texture_variant(t, variant)[(uint32_t)y * t->length + (uint32_t)x];
 }
 
-static uint32_t *pack_texels(const stroke_texture *t)
+static void pack_texels(struct frame_layer *l)
 {
-	uint32_t *texels = g_new(uint32_t, (t->length + 1) * (t->width + 1) * t->variants),
-		 *at = texels;
+	const stroke_texture *t = l->texture;
+	l->texel_shift = g_bit_storage(t->length + 1);
+	l->texels = g_new0(uint32_t, frame_texels(l) * t->variants);
 	for (uint32_t v = 0; v < t->variants; v++)
 		for (int y = 0; y <= (int)t->width; y++)
 			for (int x = 0; x <= (int)t->length; x++)
-				*at++ = texel_at(t, v, x - 1, y - 1) |
-					texel_at(t, v, x, y - 1) << 8 |
-					texel_at(t, v, x - 1, y) << 16 | texel_at(t, v, x, y) << 24;
-	return texels;
+				l->texels[frame_texels(l) * v + ((uint32_t)y << l->texel_shift) +
+					  (uint32_t)x] = texel_at(t, v, x - 1, y - 1) |
+							 texel_at(t, v, x, y - 1) << 8 |
+							 texel_at(t, v, x - 1, y) << 16 |
+							 texel_at(t, v, x, y) << 24;
 }
 
 static bool load_texture(struct frame_layer *l, GError **error)
@@ -146,7 +148,7 @@ static bool load_texture(struct frame_layer *l, GError **error)
 			stroke_texture_scaled(whole, (uint32_t)fmaxf(l->ink.length_px + 0.5f, 4),
 				(uint32_t)fmaxf(l->ink.width_px + 0.5f, 2));
 	if (l->texture)
-		l->texels = pack_texels(l->texture);
+		pack_texels(l);
 	return whole;
 }
 

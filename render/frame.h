@@ -21,8 +21,8 @@ struct frame_layer {
 	uint32_t kinds; /* a bit for each enum feature_kind that it draws */
 	struct ink_step ink;
 	stroke_texture *texture; /* NULL: none; of about the size on the screen */
-	/* The texture, four texels that are mixed in one: length + 1 across, width + 1 down, variants below each other. */
-	uint32_t *texels;
+	/* The texture, four neighbouring texels in one, with nothing beyond its borders: rows of 2^texel_shift, variants below each other. */
+	uint32_t *texels, texel_shift;
 	float stroke_area_px; /* integral of a mean stroke's alpha */
 	bool is_queue; /* INK_DITHERING and TONE_COLOUR: dithering points, and behind them all others */
 	float wanted_most
@@ -33,6 +33,12 @@ struct frame_layer {
 	/* Directions on the screen, x right and y down: the layer's own, and 256 turns within its variation, as cosine and sine. */
 	float own_way[2], turn[256][2];
 };
+
+/* In one variant: a row more than there are between texels, and a column. */
+static inline size_t frame_texels(const struct frame_layer *l)
+{
+	return (size_t)(l->texture->width + 2) << l->texel_shift;
+}
 
 /* Strokes that a point of surface with a normal gives at most: itself and its copies. */
 uint32_t frame_copies(const struct frame_layer *l);

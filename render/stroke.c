@@ -48,6 +48,7 @@ static void choose_kinds(struct brush *b, GArray *to)
 
 struct task {
 	GArray *of_layer[FRAME_LAYERS_MAX];
+	uint32_t first[FRAME_LAYERS_MAX];
 };
 
 static void run_task(const frame *f, const visibility_mask *m, const struct chunk_view *views,
@@ -67,22 +68,14 @@ static void run_task(const frame *f, const visibility_mask *m, const struct chun
 	}
 }
 
-static void join(const struct task *task, uint32_t tasks, uint32_t layer, stroke_list *ret)
+/* Where a task's strokes of a layer go, behind those of the tasks before it. */
+static void join(struct task *t, uint32_t layer, stroke_list *to)
 {
-	size_t count = 0, at = 0;
-	for (uint32_t n = 0; n < tasks; n++)
-		count += task[n].of_layer[layer] ? task[n].of_layer[layer]->len : 0;
-	ret->stroke = g_new(struct stroke, count + 1);
-	ret->count = (uint32_t)count;
-	for (uint32_t n = 0; n < tasks; n++) {
-		GArray *a = task[n].of_layer[layer];
-		if (!a)
-			continue;
-		if (a->len)
-			memcpy(ret->stroke + at, a->data, a->len * sizeof(struct stroke));
-		at += a->len;
-		g_array_unref(a);
-	}
+	GArray *a = t->of_layer[layer];
+	if (!a)
+		return;
+	memcpy(to->stroke + t->first[layer], a->data, a->len * sizeof(struct stroke));
+	g_array_unref(a);
 }
 
 stroke_list *stroke_lists_new(
@@ -95,9 +88,17 @@ stroke_list *stroke_lists_new(
 	for (uint32_t n = 0; n < tasks; n++)
 		run_task(f, m, views + n * TASK_CHUNKS, MIN(TASK_CHUNKS, count - n * TASK_CHUNKS),
 			&task[n]);
+	for (uint32_t l = 0; l < f->layers; l++) {
+		for (uint32_t n = 0; n < tasks; n++) {
+			task[n].first[l] = lists[l].count;
+			lists[l].count += task[n].of_layer[l] ? task[n].of_layer[l]->len : 0;
+		}
+		lists[l].stroke = g_new(struct stroke, lists[l].count + 1);
+	}
 #pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
-	for (uint32_t l = 0; l < f->layers; l++)
-		join(task, tasks, l, &lists[l]);
+	for (uint32_t n = 0; n < tasks; n++)
+		for (uint32_t l = 0; l < f->layers; l++)
+			join(&task[n], l, &lists[l]);
 	return lists;
 }
 
