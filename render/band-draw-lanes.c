@@ -38,10 +38,11 @@ INLINE float thinness(float half)
 
 INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
 {
-	struct pen p = { .s = s, .half_width = s->half_width_px };
-	p.half_length = sqrtf(s->along_px[0] * s->along_px[0] + s->along_px[1] * s->along_px[1]);
-	p.cosine = p.half_length > 0 ? s->along_px[0] / p.half_length : 1;
-	p.sine = p.half_length > 0 ? s->along_px[1] / p.half_length : 0;
+	struct pen p = { .s = s,
+		.cosine = s->along[0],
+		.sine = s->along[1],
+		.half_length = s->half_length_px,
+		.half_width = s->half_width_px };
 	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
 	p.reach_along = p.half_length + soft;
 	p.reach_across = p.half_width + soft;
@@ -181,21 +182,15 @@ INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
 	}
 }
 
-/* Pixels of the row y, from left on. */
-INLINE void draw_row(const struct pen *p, const struct band *b, const visibility_mask *m,
-	const struct band_ink *ink, enum kernel kernel, enum band_blend blend, int y, int left,
-	int right)
+/* Eight pixels of a row, dy below the middle: those from left on; at: the first one of the row. */
+INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum kernel kernel,
+	enum band_blend blend, const int32_t *keys, ptrdiff_t at, float dy, int left)
 {
-	float dy = (float)y + 0.5f - p->s->y_px;
-	ptrdiff_t at = (ptrdiff_t)(y - (int)b->from) * b->pitch + BAND_MARGIN;
-	const int32_t *keys = m ? m->key + (ptrdiff_t)y * m->pitch : NULL;
-	for (; left < right; left += LANES) {
-		vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
-		vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
-		if (m)
-			alpha = where(shows(p, keys + left, dx, dy), alpha);
-		blend_at(p, blend, alpha, ink, at + left);
-	}
+	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
+	vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
+	if (keys)
+		alpha = where(shows(p, keys + left, dx, dy), alpha);
+	blend_at(p, blend, alpha, ink, at + left);
 }
 
 /* The first pixel whose middle is not before x, or 0. */
@@ -204,9 +199,9 @@ INLINE int pixel_from(float x)
 	return x > 0 ? (int)(x + 0.5f) : 0;
 }
 
-INLINE vi pixels_from(vf x)
+INLINE vi pixels_from(vf x, uint32_t end)
 {
-	return __builtin_convertvector(most(x, all(0)) + 0.5f, vi);
+	return __builtin_convertvector(least(most(x, all(0)), all((float)end)) + 0.5f, vi);
 }
 
 /* Sprites with less than this have eight columns and rows at most. */
@@ -249,17 +244,30 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 		return;
 	}
 	float down = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
-	int top = MAX(pixel_from(s->y_px - down - ROUNDING), (int)b->from),
+	int y = MAX(pixel_from(s->y_px - down - ROUNDING), (int)b->from),
 	    end = MIN(pixel_from(s->y_px + down + ROUNDING), (int)(b->from + b->rows));
-	for (; top < end; top += LANES) {
-		vf dy = (float)top + 0.5f - s->y_px + lane_number;
+	bool is_thin = 2 * MIN(p->reach[0], p->reach[1]) < LANES - 1;
+	ptrdiff_t at = (ptrdiff_t)(y - (int)b->from) * b->pitch + BAND_MARGIN;
+	const int32_t *keys = m ? m->key + (ptrdiff_t)y * m->pitch : NULL;
+	while (y < end) {
+		float first = (float)y + 0.5f - s->y_px;
+		vf dy = first + lane_number;
 		vf low = most(dy * p->turn[0] - p->reach[0], dy * p->turn[1] - p->reach[1]),
 		   high = least(dy * p->turn[0] + p->reach[0], dy * p->turn[1] + p->reach[1]);
 		int32_t left[LANES], right[LANES];
-		store_mask(left, pixels_from(s->x_px + low));
-		store_mask(right, pixels_from(least(s->x_px + high, all((float)b->width))));
-		for (int k = 0; k < MIN(LANES, end - top); k++)
-			draw_row(p, b, m, ink, kernel, blend, top + k, left[k], right[k]);
+		store_mask(left, pixels_from(s->x_px + low, b->width));
+		if (!is_thin)
+			store_mask(right, pixels_from(s->x_px + high, b->width));
+		for (int k = 0; k < LANES && y < end;
+			k++, y++, at += b->pitch, keys += m ? m->pitch : 0) {
+			if (is_thin)
+				draw_eight(
+					p, ink, kernel, blend, keys, at, first + (float)k, left[k]);
+			else
+				for (; left[k] < right[k]; left[k] += LANES)
+					draw_eight(p, ink, kernel, blend, keys, at,
+						first + (float)k, left[k]);
+		}
 	}
 }
 

@@ -2,11 +2,9 @@
 #include <math.h>
 
 /* Rows that the stroke may touch. */
-static float reach_down(const struct stroke *s)
+static inline float reach_down(const struct stroke *s)
 {
-	float x = s->along_px[0], y = s->along_px[1], length2 = x * x + y * y;
-	float across = length2 > 0 ? fabsf(x) / sqrtf(length2) : 1;
-	return fabsf(y) + across * s->half_width_px + 1;
+	return fabsf(s->along[1]) * s->half_length_px + fabsf(s->along[0]) * s->half_width_px + 1;
 }
 
 struct reach {

@@ -57,12 +57,12 @@ INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t 
 		ret[k] = (uint8_t)CLAMP(grey + ink->saturation * (rgba[k] - grey) + 0.5f, 0, 255);
 }
 
-INLINE void turn_along(const struct brush *b, struct stroke *s, const float along[2], float half_px)
+INLINE void turn_along(const struct brush *b, struct stroke *s, const float along[2])
 {
 	const float *turn = b->layer->turn[(
 		int)(stroke_chance(s->point, stroke_salt(s->copy, SALT_ANGLE)) * 256)];
-	s->along_px[0] = half_px * (along[0] * turn[0] - along[1] * turn[1]);
-	s->along_px[1] = half_px * (along[0] * turn[1] + along[1] * turn[0]);
+	s->along[0] = along[0] * turn[0] - along[1] * turn[1];
+	s->along[1] = along[0] * turn[1] + along[1] * turn[0];
 }
 
 INLINE float opacity_of(const struct brush *b, const struct candidate *c)
@@ -92,14 +92,15 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	if (line) {
 		float whole = b->focal_px / c->depth_m;
 		half_px *= CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
-		turn_along(b, &s, line->along, half_px);
+		turn_along(b, &s, line->along);
 		for (int k = 0; k < 2; k++)
 			s.slope[k] = line->slope * line->along[k];
 	} else {
-		turn_along(b, &s, b->layer->own_way, half_px);
+		turn_along(b, &s, b->layer->own_way);
 		if (normal)
 			plane_slope(b, c, normal, half_px, s.slope);
 	}
+	s.half_length_px = half_px;
 	colour_of(b, c, s.rgba);
 	return s;
 }

@@ -12,8 +12,8 @@
 
 struct stroke {
 	float x_px, y_px;
-	float along_px[2]; /* half of it: from its middle to its end */
-	float half_width_px;
+	float along[2]; /* of length 1 */
+	float half_length_px, half_width_px;
 	float alpha;
 	/* 1/depth at a pixel is q + (x - x_px) slope[0] + (y - y_px) slope[1]. */
 	float q, slope[2];

@@ -246,8 +246,8 @@ static double off_line_deg(const frame *f, const struct stroke *s)
 	double x = to[0] - from[0], y = to[1] - from[1];
 	if (hypot(x, y) < 0.05 * 1e-4 * f->camera.focal_px / depth_m)
 		return -1;
-	double cross = x * (double)s->along_px[1] - y * (double)s->along_px[0];
-	double dot = x * (double)s->along_px[0] + y * (double)s->along_px[1];
+	double cross = x * (double)s->along[1] - y * (double)s->along[0];
+	double dot = x * (double)s->along[0] + y * (double)s->along[1];
 	return atan2(fabs(cross), fabs(dot)) * 180 / G_PI;
 }
 
@@ -290,9 +290,13 @@ static void test_screen_angle(void)
 	g_assert_cmpuint(l->count, >, 100);
 	for (uint32_t n = 0; n < l->count; n++) {
 		g_assert_cmpfloat(
-			fabs((double)l->stroke[n].along_px[0] - 2.5 * cos(G_PI / 6)), <, 1e-3);
+			fabs((double)(l->stroke[n].along[0] * l->stroke[n].half_length_px) -
+				2.5 * cos(G_PI / 6)),
+			<, 1e-3);
 		g_assert_cmpfloat(
-			fabs((double)l->stroke[n].along_px[1] + 2.5 * sin(G_PI / 6)), <, 1e-3);
+			fabs((double)(l->stroke[n].along[1] * l->stroke[n].half_length_px) +
+				2.5 * sin(G_PI / 6)),
+			<, 1e-3);
 	}
 	stroke_lists_free(l, f->layers);
 }
@@ -301,10 +305,10 @@ static void test_screen_angle(void)
 
 static bool is_sound(const struct stroke *s)
 {
-	return isfinite(s->x_px) && isfinite(s->y_px) && isfinite(s->along_px[0]) &&
-	       isfinite(s->along_px[1]) && isfinite(s->half_width_px) && isfinite(s->alpha) &&
-	       isfinite(s->q) && isfinite(s->slope[0]) && isfinite(s->slope[1]) && s->alpha > 0 &&
-	       s->alpha <= 1;
+	return isfinite(s->x_px) && isfinite(s->y_px) && isfinite(s->along[0]) &&
+	       isfinite(s->along[1]) && isfinite(s->half_length_px) && isfinite(s->half_width_px) &&
+	       isfinite(s->alpha) && isfinite(s->q) && isfinite(s->slope[0]) &&
+	       isfinite(s->slope[1]) && s->alpha > 0 && s->alpha <= 1;
 }
 
 /* Lines that point at the eye, or have no direction; surfaces seen from the side, or without a normal; points at the near plane. */
