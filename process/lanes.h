@@ -142,6 +142,8 @@ INLINE vi gather(const void *from, vi at, int bytes)
 		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 4);
 	if (bytes == 2)
 		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 2);
+	if (bytes == 1)
+		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 1);
 #endif
 	vi ret;
 	for (int k = 0; k < LANES; k++)

@@ -21,11 +21,14 @@ $(BUILD)/librender.a: $(BUILD)/render/shader-texts.o
 lane_sources := $(wildcard render/*-lanes.c)
 $(lane_sources:%.c=$(BUILD)/%.o): house_cflags += -DLANES_BUILT_FOR=portable
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
-$(BUILD)/render/%-lanes.avx2.o: house_cflags += -DLANES_BUILT_FOR=avx2 -mavx2
-$(BUILD)/render/%-lanes.avx512.o: house_cflags += -DLANES_BUILT_FOR=avx512 -march=x86-64-v4 -mprefer-vector-width=256
-$(BUILD)/render/%.avx2.o $(BUILD)/render/%.avx512.o: render/%.c
-	@mkdir -p $(@D)
-	$(call say,CC)
-	$(q)$(CC) $(house_cflags) $(CFLAGS) $(sanitize_flags) -c -o $@ $<
-$(BUILD)/librender.a: $(lane_sources:%.c=$(BUILD)/%.avx2.o) $(lane_sources:%.c=$(BUILD)/%.avx512.o)
+lane_flags_avx2 := -mavx2
+lane_flags_avx512 := -march=x86-64-v4 -mprefer-vector-width=256
+define lane_path
+$$(BUILD)/render/%-lanes.$(1).o: render/%-lanes.c
+	@mkdir -p $$(@D)
+	$$(call say,CC)
+	$$(q)$$(CC) $$(house_cflags) -DLANES_BUILT_FOR=$(1) $$(lane_flags_$(1)) $$(CFLAGS) $$(sanitize_flags) -c -o $$@ $$<
+$$(BUILD)/librender.a: $$(lane_sources:%.c=$$(BUILD)/%.$(1).o)
+endef
+$(foreach path,avx2 avx512,$(eval $(call lane_path,$(path))))
 endif

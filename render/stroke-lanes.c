@@ -13,34 +13,57 @@
 
 /* ---- hidden or not ---- */
 
-/* floorf, which has no instruction of its own on old processors. */
-INLINE int whole(float x)
-{
-	int towards_zero = (int)x;
-	return towards_zero - (x < (float)towards_zero);
-}
-
-INLINE float shows(const struct brush *b, int x, int y, float depth_m)
+INLINE vf shows(const struct brush *b, vf x, vf y, vf depth_m)
 {
 	const visibility_mask *m = b->mask;
-	x = CLAMP(x, 0, (int)m->width - 1);
-	y = CLAMP(y, 0, (int)m->height - 1);
-	float behind = depth_m / mask_depth(mask_key(m, x, y)) - 1;
-	return CLAMP(1 - behind * (1 / HIDDEN_BEHIND), 0, 1);
+	vi column = __builtin_convertvector(least(most(x, all(0)), all((float)m->width - 1)), vi),
+	   row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
+	vi key = gather(m->key, row * (int32_t)m->pitch + column, 4);
+	vf behind = depth_m / (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1)) - 1;
+	return least(most(1 - behind * (1 / HIDDEN_BEHIND), all(0)), all(1));
 }
 
 /* How far it is not hidden in the four pixels around. */
-INLINE float visibility(const struct brush *b, const struct candidate *c)
+INLINE vf visibility(const struct brush *b, const struct lane_candidates *c)
 {
 	if (!b->mask)
-		return 1;
-	float x = c->x_px - 0.5f, y = c->y_px - 0.5f;
-	int x0 = whole(x), y0 = whole(y);
-	float u = x - (float)x0, v = y - (float)y0;
-	return (1 - v) * ((1 - u) * shows(b, x0, y0, c->depth_m) +
-				 u * shows(b, x0 + 1, y0, c->depth_m)) +
-	       v * ((1 - u) * shows(b, x0, y0 + 1, c->depth_m) +
-			   u * shows(b, x0 + 1, y0 + 1, c->depth_m));
+		return all(1);
+	vf x = c->x_px - 0.5f, y = c->y_px - 0.5f, x0 = floor_of(x), y0 = floor_of(y);
+	vf u = x - x0, v = y - y0;
+	vf upper = (1 - u) * shows(b, x0, y0, c->depth_m) + u * shows(b, x0 + 1, y0, c->depth_m),
+	   lower = (1 - u) * shows(b, x0, y0 + 1, c->depth_m) +
+		   u * shows(b, x0 + 1, y0 + 1, c->depth_m);
+	return (1 - v) * upper + v * lower;
+}
+
+INLINE bool hides_backs(const struct brush *b)
+{
+	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN;
+}
+
+/* How far it is drawn where backs are hidden: surface that turns away fades, but what has no normal. */
+INLINE vf facing(const struct brush *b, const struct lane_candidates *c)
+{
+	if (!hides_backs(b))
+		return all(1);
+	vf shown = least(most(along_of(b, c) * (-1 / TURNED_AWAY), all(0)), all(1));
+	return choose(has_no_normal(c), all(1), shown);
+}
+
+/* Of what is drawn whole. */
+INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	vf alpha = visibility(b, c) * facing(b, c) * ink->opacity;
+	if (ink->opacity_variation > 0)
+		alpha *= 1 - ink->opacity_variation *
+				     lanes_chance(c->point, stroke_salt(c->copy, SALT_OPACITY));
+	if (ink->degree > 0)
+		alpha *= 1 -
+			 ink->degree * (1 - gather_u8(b->f->scene->degree, c->point) * (1 / 255.f));
+	for (int k = 0; k < LANES && ink->fade_m > 0; k++)
+		alpha[k] *= exp2f(-c->depth_m[k] / ink->fade_m);
+	return alpha;
 }
 
 /* ---- the stroke ---- */
@@ -63,17 +86,6 @@ INLINE void turn_along(const struct brush *b, struct stroke *s, const float alon
 		int)(stroke_chance(s->point, stroke_salt(s->copy, SALT_ANGLE)) * 256)];
 	s->along[0] = along[0] * turn[0] - along[1] * turn[1];
 	s->along[1] = along[0] * turn[1] + along[1] * turn[0];
-}
-
-INLINE float opacity_of(const struct brush *b, const struct candidate *c)
-{
-	const struct ink_step *ink = &b->layer->ink;
-	float degree = b->f->scene->degree[c->point] / 255.f;
-	float alpha = ink->opacity *
-		      (1 - ink->opacity_variation *
-				      stroke_chance(c->point, stroke_salt(c->copy, SALT_OPACITY)));
-	alpha *= 1 - ink->degree * (1 - degree);
-	return ink->fade_m > 0 ? alpha * exp2f(-c->depth_m / ink->fade_m) : alpha;
 }
 
 /* line NULL: at the layer's own angle; normal NULL: of one depth. */
@@ -105,21 +117,6 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	return s;
 }
 
-INLINE bool hides_backs(const struct brush *b)
-{
-	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN;
-}
-
-/* How far it is drawn where backs are hidden: surface that turns away fades. normal 0 0 0: there is none. */
-INLINE float facing(const struct brush *b, const struct candidate *c, const float normal[3])
-{
-	float ray[3];
-	if (!hides_backs(b) || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
-		return 1;
-	ray_of(b, c, ray);
-	return CLAMP(vector3_dot(normal, ray) * (-1 / TURNED_AWAY), 0, 1);
-}
-
 INLINE bool goes_along(const struct brush *b)
 {
 	int32_t direction = b->layer->ink.direction;
@@ -127,51 +124,62 @@ INLINE bool goes_along(const struct brush *b)
 	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
 }
 
-INLINE void add_stroke(const struct brush *b, const struct candidate *c, float alpha, float growth,
-	const struct line *line, const float *normal, GArray *to)
+INLINE struct candidate candidate_of(const struct lane_candidates *l, int k)
 {
-	alpha *= opacity_of(b, c);
-	if (alpha < ALPHA_LEAST)
-		return;
-	struct stroke s = stroke_of(b, c, alpha, growth, line, normal);
-	g_array_append_val(to, s);
+	return (struct candidate){ (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
+		l->x_px[k], l->y_px[k], l->depth_m[k] };
 }
 
-INLINE void try_on_edge(const struct brush *b, struct candidate *c, GArray *to)
+/* Behind all that are there is room for eight. */
+INLINE struct stroke *room_for_eight(GArray *to)
 {
-	struct line line;
-	float normal[3];
-	bool has_line = line_of(b, c, &line);
-	float shown = visibility(b, c);
-	to_camera(b, b->f->scene->normal[c->point], normal);
-	shown *= facing(b, c, normal);
-	if (shown <= 0 || !has_line)
-		return;
-	float octaves = stroke_fade_octaves(c->depth_m),
-	      need = need_along(b, c, &line) * STROKE_FADE_MORE(octaves);
-	add_stroke(b, c, shown * stroke_fade(c->rank, need, octaves), 1,
-		goes_along(b) ? &line : NULL, normal, to);
+	guint count = to->len;
+	g_array_set_size(to, count + LANES);
+	to->len = count;
+	return (struct stroke *)(void *)to->data + count;
+}
+
+INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, GArray *to)
+{
+	find_normals(b, l);
+	vf whole = opacity_of(b, l);
+	struct stroke *room = room_for_eight(to);
+	for (unsigned left = l->left & bits(whole >= ALPHA_LEAST); left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		struct candidate c = candidate_of(l, k);
+		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
+		struct line line;
+		if (!line_of(b, &c, &line))
+			continue;
+		float octaves = stroke_fade_octaves(c.depth_m),
+		      need = need_along(b, &c, &line) * STROKE_FADE_MORE(octaves);
+		float alpha = whole[k] * stroke_fade(c.rank, need, octaves);
+		if (alpha < ALPHA_LEAST)
+			continue;
+		*room++ = stroke_of(b, &c, alpha, 1, goes_along(b) ? &line : NULL, normal);
+		to->len++;
+	}
 }
 
 INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GArray *to)
 {
 	find_need(b, hides_backs(b), l);
-	for (unsigned left = l->left; left; left &= left - 1) {
+	if (!l->left)
+		return;
+	vf need = l->need * STROKE_FADE_MORE(l->octaves);
+	vf alpha = opacity_of(b, l) * fade_of(l->rank, need, l->octaves);
+	vf short_of = l->need / (l->last * choose(l->is_flat, all((float)b->copies), all(1)));
+	struct stroke *room = room_for_eight(to);
+	for (unsigned left = l->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
-		struct candidate c = { (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
-			l->x_px[k], l->y_px[k], l->depth_m[k] };
+		struct candidate c = candidate_of(l, k);
 		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
-		float shown = visibility(b, &c) * facing(b, &c, normal);
-		if (shown <= 0)
-			continue;
 		struct line line;
 		bool has_line = goes_along(b) && line_of(b, &c, &line);
-		float growth = stroke_growth(
-			l->need[k] / (l->last[k] * (l->is_flat[k] ? (float)b->copies : 1)));
-		float octaves = l->octaves[k], need = l->need[k] * STROKE_FADE_MORE(octaves);
-		add_stroke(b, &c, shown * stroke_fade(c.rank, need, octaves),
-			MIN(growth, b->layer->ink.grow), has_line ? &line : NULL,
-			l->is_flat[k] ? normal : NULL, to);
+		*room++ = stroke_of(b, &c, alpha[k],
+			MIN(stroke_growth(short_of[k]), b->layer->ink.grow),
+			has_line ? &line : NULL, l->is_flat[k] ? normal : NULL);
+		to->len++;
 	}
 }
 
@@ -240,16 +248,6 @@ INLINE void find_candidates(
 				       : load_u16(s->list_spacing + at) * SCENE_UNIT_M;
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
 	c->left &= promising(b, &l, c);
-}
-
-INLINE void try_on_edges(const struct brush *b, const struct lane_candidates *l, GArray *to)
-{
-	for (unsigned left = l->left; left; left &= left - 1) {
-		int k = __builtin_ctz(left);
-		struct candidate c = { (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
-			l->x_px[k], l->y_px[k], l->depth_m[k] };
-		try_on_edge(b, &c, to);
-	}
 }
 
 /* The points themselves too. */

@@ -57,7 +57,35 @@ struct lane_candidates {
 	unsigned left; /* which of them may be drawn */
 };
 
+/* floorf */
+INLINE vf floor_of(vf x)
+{
+	vf whole = __builtin_convertvector(__builtin_convertvector(x, vi), vf);
+	return whole - where(whole > x, all(1));
+}
+
+/* Of numbers above 0, within 2e-5: ln m = 2 (s + s^3/3 + s^5/5 ..) with s = (m - 1) / (m + 1), and m from 1 to 2. */
+INLINE vf log2_of(vf x)
+{
+	vi exponent = ((vi)x >> 23) - 127;
+	vf m = (vf)(((vi)x & 0x7fffff) | 0x3f800000), s = (m - 1) / (m + 1), s2 = s * s;
+	vf ln = 2 * s * (1 + s2 * (1 / 3.f + s2 * (1 / 5.f + s2 * (1 / 7.f))));
+	return __builtin_convertvector(exponent, vf) + ln * (float)(1 / G_LN2);
+}
+
+/* stroke_fade() */
+INLINE vf fade_of(vf rank, vf need, vf octaves)
+{
+	vf fade = least(log2_of(need / rank) / octaves, all(1));
+	return where(rank < need, fade);
+}
+
 /* Of planes of the scene. */
+INLINE vf gather_u8(const uint8_t *x, vi at)
+{
+	return __builtin_convertvector(gather(x, at, sizeof *x) & UINT8_MAX, vf);
+}
+
 INLINE vf gather_u16(const uint16_t *x, vi at)
 {
 	return __builtin_convertvector(gather(x, at, sizeof *x) & UINT16_MAX, vf);
@@ -71,8 +99,8 @@ INLINE vi lightness_of(vi rgba)
 	return (light >> 8 & has_colour) | (128 & ~has_colour);
 }
 
-/* stroke_chance(), -1 .. 1 */
-INLINE vf lanes_around_zero(vi point, uint32_t salt)
+/* stroke_chance() */
+INLINE vf lanes_chance(vi point, uint32_t salt)
 {
 	vu x = (vu)point * 0x9E3779B9u ^ salt * 0x85EBCA6Bu;
 	x ^= x >> 16;
@@ -80,7 +108,13 @@ INLINE vf lanes_around_zero(vi point, uint32_t salt)
 	x ^= x >> 15;
 	x *= 0x846ca68bu;
 	x ^= x >> 16;
-	return __builtin_convertvector((vi)(x >> 8), vf) * (2.f / (1 << 24)) - 1;
+	return __builtin_convertvector((vi)(x >> 8), vf) * (1.f / (1 << 24));
+}
+
+/* -1 .. 1 */
+INLINE vf lanes_around_zero(vi point, uint32_t salt)
+{
+	return 2 * lanes_chance(point, salt) - 1;
 }
 
 /* Where a tone is shown all other points come after the dithering points, in one queue with them; copies come after all points. */
@@ -115,6 +149,11 @@ INLINE void find_normals(const struct brush *b, struct lane_candidates *c)
 	for (int k = 0; k < 3; k++)
 		c->normal[k] = turn_lanes(b, k, n);
 	c->is_flat = b->kind < FEATURE_UNDIRECTED ? some : (vi){ 0 };
+}
+
+INLINE vi has_no_normal(const struct lane_candidates *c)
+{
+	return (c->normal[0] == 0) & (c->normal[1] == 0) & (c->normal[2] == 0);
 }
 
 /* Of depth 1. */
@@ -153,10 +192,10 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
  * (focal length / depth)^2. along: the normal along the ray. */
 INLINE vf cosine_of(const struct brush *b, const struct lane_candidates *c, vf along)
 {
-	vi none = (c->normal[0] == 0) & (c->normal[1] == 0) & (c->normal[2] == 0);
 	if (b->kind == FEATURE_UNDIRECTED && !b->layer->is_queue)
 		return all(COSINE_UNKNOWN);
-	return choose(none, all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
+	return choose(
+		has_no_normal(c), all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
 }
 
 INLINE vf along_of(const struct brush *b, const struct lane_candidates *c)
