@@ -14,7 +14,7 @@ uint64_t bench_count_discs(const frame *f)
 		for (uint32_t i = 0; i < p.end; i += LANES) {
 			struct disc_lanes d;
 			disc_lanes_find(f->scene, &p, &views[n], i, 0, &d);
-			discs += (unsigned)__builtin_popcount(d.drawn);
+			discs += (unsigned)__builtin_popcount(bits(d.drawn));
 		}
 	}
 	return discs;

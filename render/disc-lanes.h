@@ -63,7 +63,7 @@ struct disc_lanes {
 	vf squash[2], tilt[2];
 	vf half[2]; /* of the box around it */
 	vf rank;    /* 0 .. 1, of those that are drawn here */
-	unsigned drawn;
+	vi drawn;
 };
 
 /* Where discs are seen at no angle there is nothing to tilt. */
@@ -97,7 +97,7 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], fl
 	   down = (d->y - p->middle_y) * (1 / p->focal_px);
 	vf along = n[0] * right + n[1] * down + n[2];
 	if (p->backs_hidden)
-		d->drawn &= bits(along <= 0);
+		d->drawn &= along <= 0;
 	vf aside2 = n[0] * n[0] + n[1] * n[1];
 	vi some = aside2 > ASIDE_LEAST * (aside2 + n[2] * n[2]);
 	/* depth = n . P / n . ray */
@@ -107,7 +107,7 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], fl
 	slope = choose(along >= 0, -slope, slope);
 	for (int k = 0; k < 2; k++)
 		d->tilt[k] = slope * n[k];
-	if (bits(d->radius >= flat_radius) & d->drawn)
+	if (any((d->radius >= flat_radius) & d->drawn))
 		squash_lanes(p, n, along, right * right + down * down + 1, aside2, some, d);
 	else
 		for (int k = 0; k < 2; k++)
@@ -137,8 +137,8 @@ INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const str
 	vi in = (l.depth_m > p->near_m) & (d->x > -d->radius) & (d->y > -d->radius) &
 		(d->x < 2 * p->middle_x + d->radius) & (d->y < 2 * p->middle_y + d->radius) &
 		(rank < limit) & (lane_number < (float)(p->end - i));
-	d->drawn = bits(in);
-	if (d->drawn)
+	d->drawn = in;
+	if (any(in))
 		tilt_lanes(p, s->normal + at, flat_radius, d);
 }
 

@@ -239,7 +239,7 @@ INLINE void put_out(const struct draw_job *j, const struct band *b, const struct
 INLINE void draw_band(const struct draw_job *j, const struct band *b, struct draw_desk *d)
 {
 	lay_paper(j, b, d);
-	if (d->points_memory)
+	if (d->has_points)
 		show_points(j, b, d);
 	edl_shade(b, j->f, j->mask, d->canvas);
 	for (uint32_t n = 0; n < j->f->layers; n++)
@@ -251,7 +251,7 @@ INLINE void draw_band(const struct draw_job *j, const struct band *b, struct dra
 void LANES_NAME(draw_together)(const struct draw_job *j, struct draw_desk *d)
 {
 	const struct band *t = &d->together;
-	if (d->points_memory)
+	if (d->has_points)
 		draw_points(j, d);
 	for (uint32_t from = t->from; from < t->from + t->rows; from += BAND_ROWS) {
 		struct band b = { t->width, from, MIN(BAND_ROWS, t->from + t->rows - from),

@@ -9,12 +9,15 @@
 
 /* One thread's planes of a band. */
 struct draw_desk {
-	float *memory, *canvas[3];
+	void *memory;
+	float *canvas[3];
 	struct band_ink ink;
 	float *relief;        /* -1 .. 1, of the paper */
-	struct band together; /* POINTS_BANDS of them */
-	float *points_memory, *light[3],
-		*weight; /* of coloured points in these; NULL: there are none */
+	struct band together; /* POINTS_BANDS of them, or one */
+	/* Of coloured points in these. */
+	bool has_points;
+	void *points_memory;
+	float *light[3], *weight;
 };
 
 struct draw_job {

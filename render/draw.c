@@ -1,8 +1,15 @@
 #include "render/draw-lanes.h"
+#include "render/large.h"
 #include "render/splat.h"
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 struct draw_room {
 	visibility_mask *mask;
+	/* Of each thread, for bands of a picture so wide. */
+	uint32_t desks, pitch;
+	struct draw_desk *desk;
 };
 
 draw_room *draw_room_new(void)
@@ -10,33 +17,62 @@ draw_room *draw_room_new(void)
 	return g_new0(draw_room, 1);
 }
 
+/* ---- desks ---- */
+
+static void desk_clear(struct draw_desk *d)
+{
+	large_free(d->memory);
+	large_free(d->points_memory);
+}
+
+static void desk_set_up_points(struct draw_desk *d, uint32_t pitch)
+{
+	size_t plane = (size_t)pitch * BAND_ROWS * POINTS_BANDS * sizeof(float);
+	char *at = d->points_memory = large_new(4 * large_part(plane));
+	for (int k = 0; k < 3; k++)
+		d->light[k] = large_take(&at, plane);
+	d->weight = large_take(&at, plane);
+}
+
+static void desk_set_up(struct draw_desk *d, uint32_t pitch)
+{
+	size_t plane = (size_t)pitch * BAND_ROWS * sizeof(float);
+	float **all[] = { &d->canvas[0], &d->canvas[1], &d->canvas[2], &d->ink.bare,
+		&d->ink.channel[0], &d->ink.channel[1], &d->ink.channel[2], &d->ink.weight,
+		&d->relief };
+	char *at = d->memory = large_new(G_N_ELEMENTS(all) * large_part(plane));
+	for (size_t n = 0; n < G_N_ELEMENTS(all); n++)
+		*all[n] = large_take(&at, plane);
+}
+
+static void clear_desks(draw_room *r)
+{
+	for (uint32_t n = 0; n < r->desks; n++)
+		desk_clear(&r->desk[n]);
+	g_clear_pointer(&r->desk, g_free);
+	r->desks = 0;
+}
+
+static void set_up_desks(draw_room *r, uint32_t threads, uint32_t pitch)
+{
+	if (r->desks == threads && r->pitch == pitch)
+		return;
+	clear_desks(r);
+	r->desks = threads;
+	r->pitch = pitch;
+	r->desk = g_new0(struct draw_desk, threads);
+}
+
 void draw_room_free(draw_room *r)
 {
 	if (!r)
 		return;
 	visibility_mask_free(r->mask);
+	clear_desks(r);
 	g_free(r);
 }
 
-static void set_up_points(struct draw_desk *d, const struct band *b)
-{
-	size_t plane = (size_t)b->pitch * BAND_ROWS * POINTS_BANDS;
-	d->points_memory = g_aligned_alloc(4 * plane, sizeof(float), 64);
-	for (int k = 0; k < 3; k++)
-		d->light[k] = d->points_memory + (size_t)k * plane;
-	d->weight = d->points_memory + 3 * plane;
-}
-
-static void set_up(struct draw_desk *d, const struct band *b)
-{
-	size_t plane = (size_t)b->pitch * BAND_ROWS;
-	d->memory = g_aligned_alloc(9 * plane, sizeof(float), 64);
-	float **all[] = { &d->canvas[0], &d->canvas[1], &d->canvas[2], &d->ink.bare,
-		&d->ink.channel[0], &d->ink.channel[1], &d->ink.channel[2], &d->ink.weight,
-		&d->relief };
-	for (size_t n = 0; n < G_N_ELEMENTS(all); n++)
-		*all[n] = d->memory + n * plane;
-}
+/* ---- bands ---- */
 
 static bool has_points(const frame *f)
 {
@@ -46,26 +82,28 @@ static bool has_points(const frame *f)
 	return false;
 }
 
-static void draw_bands(const struct draw_job *j)
+static void draw_bands(draw_room *r, const struct draw_job *j)
 {
 	bool points = has_points(j->f);
 	uint32_t width = j->to->width, height = j->to->height;
 	uint32_t rows = points ? POINTS_BANDS * BAND_ROWS : BAND_ROWS;
 	struct band b = { width, 0, rows, (width + 2 * BAND_MARGIN + 7) / 8 * 8 };
-#pragma omp parallel if (!j->f->single_thread)
+	set_up_desks(r, frame_threads(j->f), b.pitch);
+#pragma omp parallel num_threads((int)r->desks)
 	{
-		struct draw_desk d = { .together = b };
-		set_up(&d, &b);
-		if (points)
-			set_up_points(&d, &b);
+		struct draw_desk *d = &r->desk[omp_get_thread_num()];
+		d->together = b;
+		d->has_points = points;
+		if (!d->memory)
+			desk_set_up(d, b.pitch);
+		if (points && !d->points_memory)
+			desk_set_up_points(d, b.pitch);
 #pragma omp for schedule(dynamic, 1)
 		for (uint32_t from = 0; from < height; from += rows) {
-			d.together.from = from;
-			d.together.rows = MIN(rows, height - from);
-			LANES_OF(j->f->lanes, draw_together)(j, &d);
+			d->together.from = from;
+			d->together.rows = MIN(rows, height - from);
+			LANES_OF(j->f->lanes, draw_together)(j, d);
 		}
-		g_aligned_free(d.memory);
-		g_aligned_free(d.points_memory);
 	}
 }
 
@@ -100,7 +138,7 @@ void draw_frame(
 		band_lists_fill(&lists[n], &strokes[n], to->height, f->single_thread);
 	j.lists = lists;
 	t.bin_s = lap(&since_us);
-	draw_bands(&j);
+	draw_bands(r, &j);
 	t.draw_s = lap(&since_us);
 	t.chunks_in_view = j.count;
 	t.chunks_hidden = j.mask->chunks_hidden;
@@ -112,6 +150,7 @@ void draw_frame(
 	}
 	stroke_lists_free(strokes, f->layers);
 	visibility_mask_free(own.mask);
+	clear_desks(&own);
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)
 		*ret_times = t;

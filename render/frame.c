@@ -3,6 +3,9 @@
 #include "render/light.h"
 #include "render/stroke.h"
 #include <math.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 #include <string.h>
 
 #define DENSEST_PER_PX 4.f
@@ -287,6 +290,15 @@ frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GErro
 	if (!frame_move(f, c, error) || !lay_paper(f, error) || !add_layers(f, error))
 		return NULL;
 	return g_steal_pointer(&f);
+}
+
+uint32_t frame_threads(const frame *f)
+{
+#ifdef _OPENMP
+	if (!f->single_thread)
+		return (uint32_t)CLAMP(omp_get_max_threads(), 1, FRAME_THREADS_MOST);
+#endif
+	return 1;
 }
 
 void frame_free(frame *f)

@@ -10,7 +10,8 @@
 #include "render/stroke-texture.h"
 #include "render/style.h"
 
-#define FRAME_LAYERS_MAX 64
+#define FRAME_LAYERS_MAX   64
+#define FRAME_THREADS_MOST 64
 /* Height of the pictures that lengths in styles are for. */
 #define FRAME_STYLE_HEIGHT 1200.0
 
@@ -64,6 +65,9 @@ void frame_free(frame *f); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
 /* Another camera with a picture of the same size; the layers stay. */
 bool frame_move(frame *f, const struct camera *c, GError **error);
+
+/* Threads that cpu draws it with. */
+uint32_t frame_threads(const frame *f);
 
 /* What so many strokes of a layer let through of the paper's light: about exp(-number * area) of it stays bare. */
 float frame_light_of(const struct frame_layer *l, float strokes_per_px);

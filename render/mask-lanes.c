@@ -49,15 +49,15 @@ INLINE vi keys_of(vf depth_m, int32_t pipeline)
 	return ((vi)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | pipeline;
 }
 
-/* Eight columns of one disc, from column on; those outside have the highest key. */
-INLINE void draw_columns(
-	const struct mask_target *t, const struct discs *d, int k, int column, int32_t pipeline)
+/* Eight columns of one disc, from column on, and so many rows; what is outside has the highest key. */
+INLINE void draw_columns(const struct mask_target *t, const struct discs *d, int k, int column,
+	int rows, int32_t pipeline)
 {
 	vf c = (float)column + lane_number;
 	vf away = d->away[k] + (d->along[k] + d->flat[k] * c) * c,
 	   step = d->step[k] + d->cross[k] * c, depth_m = d->depth_m[k] + d->tilt[0][k] * c;
 	int32_t *at = t->key + d->at[k] + column;
-	for (int rows = d->rows[k]; rows > 0; rows--, at += t->pitch) {
+	for (; rows > 0; rows--, at += t->pitch) {
 		store_mask(
 			at, lower_unsigned(load_mask(at), keys_of(depth_m, pipeline) | (away > 0)));
 		depth_m += d->tilt[1][k];
@@ -68,18 +68,29 @@ INLINE void draw_columns(
 
 /* ---- points ---- */
 
-/* Discs are reckoned some at a time before they are drawn: how many rows one has is hard to foresee, and nothing that takes long
- * should wait for it. */
+/* Discs are reckoned some at a time before they are drawn, by how many rows they have, which is hard to foresee: nothing that takes
+ * long should wait for it. Those of few rows are drawn as if they had a few more. */
 #define SHEET 32
+enum { NONE, DOT, LOW, MIDDLE, HIGH, SIZES };
+#define ROWS_LOW    2
+#define ROWS_MIDDLE 4
 
 struct sheet {
 	struct discs discs[SHEET];
 	vi dot_at[SHEET], dot_key[SHEET];
-	uint8_t dots[SHEET], wide[SHEET];
+	/* Of each size: places in the sheet. */
+	uint16_t place[SIZES][SHEET * LANES];
+	uint32_t count[SIZES];
 };
 
-/* Which of them to draw. */
-INLINE unsigned place_dots(const struct mask_target *t, const struct disc_lanes *d, vf pushed_m,
+INLINE void sort_in(struct sheet *to, uint32_t n, vi size)
+{
+	for (int k = 0; k < LANES; k++)
+		to->place[size[k]][to->count[size[k]]++] = (uint16_t)(n * LANES + (uint32_t)k);
+}
+
+/* Whether they are in the picture. */
+INLINE vi place_dots(const struct mask_target *t, const struct disc_lanes *d, vf pushed_m,
 	int32_t pipeline, vi *ret_at, vi *ret_key)
 {
 	vi inside =
@@ -90,7 +101,7 @@ INLINE unsigned place_dots(const struct mask_target *t, const struct disc_lanes 
 		     d->tilt[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
 	*ret_at = row * (int32_t)t->pitch + column;
 	*ret_key = keys_of(depth_m, pipeline);
-	return bits(inside);
+	return inside;
 }
 
 INLINE void lay_out(const frame *f, const struct mask_target *t, const struct chunk_view *v,
@@ -99,38 +110,52 @@ INLINE void lay_out(const frame *f, const struct mask_target *t, const struct ch
 	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
 	struct disc_lanes d;
 	disc_lanes_find(f->scene, p, v, i, MASK_DOT_RADIUS, &d);
-	to->dots[n] = to->wide[n] = 0;
-	if (!d.drawn)
+	if (!any(d.drawn))
 		return;
-	unsigned dots = bits(d.radius < MASK_DOT_RADIUS) & d.drawn, wide = d.drawn & ~dots;
+	vi dots = d.drawn & (d.radius < MASK_DOT_RADIUS), wide = d.drawn & ~dots, size = { 0 };
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 	vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
 		      SLANT * d.radius * d.depth_m * (1 / p->focal_px);
-	if (dots)
-		dots &= place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n], &to->dot_key[n]);
-	if (wide) {
+	if (any(dots))
+		size = dots & DOT &
+		       place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n], &to->dot_key[n]);
+	if (any(wide)) {
+		const struct discs *w = &to->discs[n];
 		find_discs(t, &d, pushed_m, &to->discs[n]);
-		wide &= bits((to->discs[n].columns > 0) & (to->discs[n].rows > 0));
+		wide &= (w->columns > 0) & (w->rows > 0);
+		vi narrow = w->columns <= LANES;
+		vi low = narrow & (w->rows <= ROWS_LOW), middle = narrow & (w->rows <= ROWS_MIDDLE);
+		/* Each is the one before it and one more. */
+		size |= wide & (HIGH + middle + low);
 	}
-	to->dots[n] = (uint8_t)dots;
-	to->wide[n] = (uint8_t)wide;
+	sort_in(to, n, size);
 }
 
-INLINE void draw_sheet(
-	const struct mask_target *t, const struct sheet *s, uint32_t count, int32_t pipeline)
+INLINE void draw_size(
+	const struct mask_target *t, const struct sheet *s, int size, int rows, int32_t pipeline)
 {
-	for (uint32_t n = 0; n < count; n++)
-		for (unsigned left = s->dots[n]; left; left &= left - 1) {
-			int k = __builtin_ctz(left);
-			int32_t *at = t->key + s->dot_at[n][k];
-			*at = MIN(*at, s->dot_key[n][k]);
-		}
-	for (uint32_t n = 0; n < count; n++)
-		for (unsigned left = s->wide[n]; left; left &= left - 1) {
-			int k = __builtin_ctz(left);
-			for (int column = 0; column < s->discs[n].columns[k]; column += LANES)
-				draw_columns(t, &s->discs[n], k, column, pipeline);
-		}
+	for (uint32_t i = 0; i < s->count[size]; i++) {
+		const struct discs *d = &s->discs[s->place[size][i] / LANES];
+		int k = s->place[size][i] % LANES;
+		if (rows)
+			draw_columns(t, d, k, 0, rows, pipeline);
+		else
+			for (int column = 0; column < d->columns[k]; column += LANES)
+				draw_columns(t, d, k, column, d->rows[k], pipeline);
+	}
+}
+
+INLINE void draw_sheet(const struct mask_target *t, struct sheet *s, int32_t pipeline)
+{
+	for (uint32_t i = 0; i < s->count[DOT]; i++) {
+		uint32_t n = s->place[DOT][i] / LANES, k = s->place[DOT][i] % LANES;
+		int32_t *at = t->key + s->dot_at[n][k];
+		*at = MIN(*at, s->dot_key[n][k]);
+	}
+	draw_size(t, s, LOW, ROWS_LOW, pipeline);
+	draw_size(t, s, MIDDLE, ROWS_MIDDLE, pipeline);
+	draw_size(t, s, HIGH, 0, pipeline);
+	memset(s->count, 0, sizeof s->count);
 }
 
 void LANES_NAME(mask_draw)(const frame *f, const struct mask_target *t, const struct chunk_view *v)
@@ -139,11 +164,12 @@ void LANES_NAME(mask_draw)(const frame *f, const struct mask_target *t, const st
 		disc_pass_of(f, v, frame_pipeline(f, v->pipeline)->mask.disc, DISC_RADIUS_LEAST);
 	struct sheet sheet;
 	uint32_t n = 0;
+	memset(sheet.count, 0, sizeof sheet.count);
 	for (uint32_t i = 0; i < p.end; i += LANES) {
 		lay_out(f, t, v, &p, i, &sheet, n);
 		if (++n < SHEET && i + LANES < p.end)
 			continue;
-		draw_sheet(t, &sheet, n, v->pipeline);
+		draw_sheet(t, &sheet, v->pipeline);
 		n = 0;
 	}
 }
@@ -180,7 +206,7 @@ INLINE void fill_row(const int32_t *const rows[5], int32_t *to, uint32_t width)
 /* Nothing beyond the picture's edges, whatever discs there left, and nothing above and below. */
 INLINE void merge_row(const visibility_mask *m, int y, int32_t *to)
 {
-	const int32_t *row[MASK_THREADS_MOST];
+	const int32_t *row[FRAME_THREADS_MOST];
 	if (y < 0 || y >= (int)m->height) {
 		mask_clear(to - MASK_MARGIN, m->pitch);
 		return;

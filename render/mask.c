@@ -1,3 +1,4 @@
+#include "render/large.h"
 #include "render/mask-lanes.h"
 #ifdef _OPENMP
 #include <omp.h>
@@ -7,10 +8,8 @@ void visibility_mask_free(visibility_mask *m)
 {
 	if (!m)
 		return;
-	for (uint32_t n = 0; n < m->threads; n++)
-		g_aligned_free(m->part[n]);
 	g_free(m->part);
-	g_aligned_free(m->memory);
+	large_free(m->memory);
 	g_free(m->deepest_m);
 	g_free(m);
 }
@@ -20,27 +19,24 @@ static size_t keys_of_picture(const visibility_mask *m)
 	return (size_t)m->pitch * (m->height + 2 * MASK_MARGIN);
 }
 
-static int32_t *picture_new(const visibility_mask *m)
-{
-	return g_aligned_alloc(keys_of_picture(m), sizeof(int32_t), 64);
-}
-
 static visibility_mask *mask_alloc(const struct camera *c, uint32_t threads)
 {
 	visibility_mask *m = g_new0(visibility_mask, 1);
 	m->width = c->width;
 	m->height = c->height;
 	m->pitch = (c->width + 2 * MASK_MARGIN + 7) / 8 * 8;
-	m->memory = picture_new(m);
-	m->key = mask_first_key(m, m->memory);
+	size_t picture = keys_of_picture(m) * sizeof(int32_t);
+	char *at = m->memory = large_new((1 + threads) * large_part(picture));
+	int32_t *whole = large_take(&at, picture);
+	m->key = mask_first_key(m, whole);
 	m->threads = threads;
 	m->part = g_new(int32_t *, threads);
 	for (uint32_t n = 0; n < threads; n++)
-		m->part[n] = picture_new(m);
+		m->part[n] = large_take(&at, picture);
 	m->tiles_across = (m->width + MASK_TILE - 1) / MASK_TILE;
 	m->tiles_down = (m->height + MASK_TILE - 1) / MASK_TILE;
 	m->deepest_m = g_new(float, (size_t)m->tiles_across * m->tiles_down);
-	mask_clear(m->memory, keys_of_picture(m)); /* its margins */
+	mask_clear(whole, keys_of_picture(m)); /* its margins */
 	return m;
 }
 
@@ -140,8 +136,7 @@ visibility_mask *visibility_mask_renew(
 	visibility_mask *m, const frame *f, const struct chunk_view *views, uint32_t count)
 {
 	const struct camera *c = &f->camera;
-	int most = f->single_thread ? 1 : omp_get_max_threads();
-	uint32_t threads = (uint32_t)CLAMP(most, 1, MASK_THREADS_MOST);
+	uint32_t threads = frame_threads(f);
 	if (!m || m->width != c->width || m->height != c->height || m->threads != threads) {
 		visibility_mask_free(m);
 		m = mask_alloc(c, threads);

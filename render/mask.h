@@ -10,8 +10,7 @@
 
 #define MASK_PIPELINE_BITS 8
 #define MASK_EMPTY         0x7f7fff00 /* nothing there */
-#define MASK_THREADS_MOST  64
-#define MASK_MARGIN        16 /* pixels around, so that vectors may reach over the edge */
+#define MASK_MARGIN        16         /* pixels around, so that vectors may reach over the edge */
 /* Discs of less than this are the one pixel that their middle is in: they stand closer than pixels do. */
 #define MASK_DOT_RADIUS 0.8f
 /* What lies deeper than its neighbours on both sides, by more than this factor, is seen through a hole of a pixel or two, and is
@@ -22,7 +21,7 @@ typedef struct visibility_mask visibility_mask;
 struct visibility_mask {
 	uint32_t width, height, pitch;
 	int32_t *key; /* of pixel 0 0 */
-	int32_t *memory;
+	void *memory; /* of that and of part */
 	/* How deep the deepest pixel of each tile is: what is behind that everywhere needs not be looked at. */
 	uint32_t tiles_across, tiles_down;
 	float *deepest_m;

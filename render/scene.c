@@ -1,3 +1,4 @@
+#include "render/large.h"
 #include "render/scene-cover.h"
 #include <math.h>
 #include <string.h>
@@ -26,36 +27,31 @@ void scene_free(scene *s)
 {
 	if (!s)
 		return;
-	for (int k = 0; k < 3; k++)
-		g_free(s->q[k]);
+	large_free(s->memory);
 	g_free(s->chunk);
-	g_free(s->spacing);
-	g_free(s->disc);
-	g_free(s->normal);
-	g_free(s->direction);
-	g_free(s->rgba);
-	g_free(s->kind);
-	g_free(s->degree);
-	g_free(s->list);
-	g_free(s->list_spacing);
 	g_free(s);
 }
 
 static void allocate(scene *s)
 {
 	size_t n = (size_t)s->count + 16; /* vectors read beyond the end */
-	for (int k = 0; k < 3; k++)
-		s->q[k] = g_new(uint16_t, n);
+	struct {
+		void *plane;
+		size_t bytes;
+	} of_point[] = { { &s->q[0], sizeof *s->q[0] }, { &s->q[1], sizeof *s->q[1] },
+		{ &s->q[2], sizeof *s->q[2] }, { &s->spacing, sizeof *s->spacing },
+		{ &s->disc, sizeof *s->disc }, { &s->normal, sizeof *s->normal },
+		{ &s->direction, sizeof *s->direction }, { &s->rgba, sizeof *s->rgba },
+		{ &s->kind, sizeof *s->kind }, { &s->degree, sizeof *s->degree },
+		{ &s->list, sizeof *s->list }, { &s->list_spacing, sizeof *s->list_spacing } };
+	size_t bytes = 0;
+	for (size_t k = 0; k < G_N_ELEMENTS(of_point); k++)
+		bytes += large_part(n * of_point[k].bytes);
+	char *at = s->memory = large_new(bytes);
+	for (size_t k = 0; k < G_N_ELEMENTS(of_point); k++)
+		*(void **)of_point[k].plane = large_take(&at, n * of_point[k].bytes);
+	memset(s->list, 0, n * sizeof *s->list);
 	s->chunk = g_new0(struct scene_chunk, s->chunks + 1);
-	s->spacing = g_new(uint16_t, n);
-	s->disc = g_new(uint16_t, n);
-	s->normal = g_malloc(n * sizeof *s->normal);
-	s->direction = g_malloc(n * sizeof *s->direction);
-	s->rgba = g_malloc(n * sizeof *s->rgba);
-	s->kind = g_new(uint8_t, n);
-	s->degree = g_new(uint8_t, n);
-	s->list = g_new0(uint16_t, n);
-	s->list_spacing = g_new(uint16_t, n);
 }
 
 uint64_t scene_serial(void)

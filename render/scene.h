@@ -29,6 +29,7 @@ struct scene {
 	double origin_m[3];
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
+	void *memory; /* of all that follows */
 	/* Of each point. */
 	uint16_t *q[3];
 	uint16_t *spacing; /* edge of the square of surface that it stands for, 0.1 mm */

@@ -51,11 +51,11 @@ void LANES_NAME(splat_chunk)(const struct band *b, const frame *f, const visibil
 	for (uint32_t i = 0; i < p.end; i += LANES) {
 		struct disc_lanes d;
 		disc_lanes_find(f->scene, &p, v, i, 0, &d);
-		if (!d.drawn)
+		if (!any(d.drawn))
 			continue;
 		vi here = (d.y + d.half[1] >= (float)b->from) &
 			  (d.y - d.half[1] <= (float)(b->from + b->rows));
-		for (unsigned left = d.drawn & bits(here); left; left &= left - 1) {
+		for (unsigned left = bits(d.drawn & here); left; left &= left - 1) {
 			int k = __builtin_ctz(left);
 			const uint8_t *rgba = f->scene->rgba[v->chunk->first + i + (uint32_t)k];
 			/* Those of the last ranks come and go softly. */
