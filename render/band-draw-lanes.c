@@ -271,13 +271,13 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 	}
 }
 
-INLINE void draw_all(const struct band *b, const struct frame_layer *l, const stroke_list *strokes,
-	const uint32_t *which, uint32_t count, const visibility_mask *m, const struct band_ink *ink,
-	enum kernel kernel, enum band_blend blend)
+INLINE void draw_all(const struct band *b, const struct frame_layer *l,
+	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
 	const float *light = light_of_bytes();
 	for (uint32_t n = 0; n < count; n++) {
-		struct pen p = pen_of(l, &strokes->stroke[which[n]], kernel);
+		struct pen p = pen_of(l, which[n], kernel);
 		for (int k = 0; k < 3; k++)
 			p.colour[k] = light[p.s->rgba[k]];
 		draw_stroke(&p, b, m, ink, kernel, blend);
@@ -289,18 +289,14 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l, const st
 /* So that each kernel and way of blending has loops of its own. */
 #define WITH_BLEND(kernel)                                                                         \
 	switch (blend) {                                                                           \
-	case BAND_INKED: draw_all(b, l, strokes, which, count, m, ink, kernel, BAND_INKED); break; \
-	case BAND_COLOURED:                                                                        \
-		draw_all(b, l, strokes, which, count, m, ink, kernel, BAND_COLOURED);              \
-		break;                                                                             \
-	case BAND_PAINTED:                                                                         \
-		draw_all(b, l, strokes, which, count, m, ink, kernel, BAND_PAINTED);               \
-		break;                                                                             \
+	case BAND_INKED: draw_all(b, l, which, count, m, ink, kernel, BAND_INKED); break;          \
+	case BAND_COLOURED: draw_all(b, l, which, count, m, ink, kernel, BAND_COLOURED); break;    \
+	case BAND_PAINTED: draw_all(b, l, which, count, m, ink, kernel, BAND_PAINTED); break;      \
 	}                                                                                          \
 	break
 
 void LANES_NAME(band_draw)(const struct band *b, const struct frame_layer *l,
-	const stroke_list *strokes, const uint32_t *which, uint32_t count, const visibility_mask *m,
+	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
 	switch (kernel) {

@@ -6,8 +6,8 @@
 enum kernel { KERNEL_SPRITE, KERNEL_LINE, KERNEL_TEXTURE };
 
 LANES_DECLARE(void, band_draw,
-	(const struct band *b, const struct frame_layer *l, const stroke_list *strokes,
-		const uint32_t *which, uint32_t count, const visibility_mask *m,
-		const struct band_ink *ink, enum kernel kernel, enum band_blend blend));
+	(const struct band *b, const struct frame_layer *l, const struct stroke *const *which,
+		uint32_t count, const visibility_mask *m, const struct band_ink *ink,
+		enum kernel kernel, enum band_blend blend));
 
 #endif

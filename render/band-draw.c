@@ -15,9 +15,9 @@ enum band_blend band_blend_of(const struct frame_layer *l)
 }
 
 void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,
-	const stroke_list *strokes, const uint32_t *which, uint32_t count, const visibility_mask *m,
+	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
 	const struct band_ink *ink)
 {
 	LANES_OF(f->lanes, band_draw)
-	(b, l, strokes, which, count, m, ink, kernel_of(l), band_blend_of(l));
+	(b, l, which, count, m, ink, kernel_of(l), band_blend_of(l));
 }

@@ -20,16 +20,24 @@ static struct reach bands_of(const struct stroke *s, uint32_t height)
 		(uint16_t)(fminf(high, (float)(height - 1)) / BAND_ROWS + 1) };
 }
 
-/* Parts of a list that are looked at side by side: so many that threads are done at about the same time. */
+/* Parts of a layer that are looked at side by side: so many that threads are done at about the same time. */
 #define PARTS 16
 
-static void count_part(const stroke_list *strokes, uint32_t from, uint32_t to, uint32_t height,
+static uint32_t part_end(const struct stroke_blocks *strokes, uint32_t parts)
+{
+	return (uint32_t)((uint64_t)strokes->blocks * parts / PARTS);
+}
+
+static void count_part(const struct stroke_blocks *strokes, uint32_t part, uint32_t height,
 	struct reach *reach, uint32_t *count)
 {
-	for (uint32_t n = from; n < to; n++) {
-		reach[n] = bands_of(&strokes->stroke[n], height);
-		for (uint32_t k = reach[n].first; k < reach[n].end; k++)
-			count[k]++;
+	for (uint32_t k = part_end(strokes, part); k < part_end(strokes, part + 1); k++) {
+		const struct stroke_block *b = strokes->block[k];
+		for (uint32_t n = 0; n < b->count; n++) {
+			struct reach r = reach[b->first + n] = bands_of(&b->stroke[n], height);
+			for (uint32_t band = r.first; band < r.end; band++)
+				count[band]++;
+		}
 	}
 }
 
@@ -45,37 +53,36 @@ static void lay_out(band_lists *b, uint32_t *count)
 		}
 		b->end[k] = total;
 	}
-	b->which = g_new(uint32_t, total + 1);
+	b->which = g_new(const struct stroke *, total + 1);
 }
 
-static void fill_part(
-	band_lists *b, uint32_t from, uint32_t to, const struct reach *reach, uint32_t *at)
+static void fill_part(band_lists *to, const struct stroke_blocks *strokes, uint32_t part,
+	const struct reach *reach, uint32_t *at)
 {
-	for (uint32_t n = from; n < to; n++)
-		for (uint32_t k = reach[n].first; k < reach[n].end; k++)
-			b->which[at[k]++] = n;
+	for (uint32_t k = part_end(strokes, part); k < part_end(strokes, part + 1); k++) {
+		const struct stroke_block *b = strokes->block[k];
+		for (uint32_t n = 0; n < b->count; n++) {
+			struct reach r = reach[b->first + n];
+			for (uint32_t band = r.first; band < r.end; band++)
+				to->which[at[band]++] = &b->stroke[n];
+		}
+	}
 }
 
-static uint32_t part_end(const stroke_list *strokes, uint32_t parts)
-{
-	return (uint32_t)((uint64_t)strokes->count * parts / PARTS);
-}
-
-void band_lists_fill(band_lists *b, const stroke_list *strokes, uint32_t height, bool single_thread)
+void band_lists_fill(
+	band_lists *b, const struct stroke_blocks *strokes, uint32_t height, bool single_thread)
 {
 	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
 	b->end = g_new0(uint32_t, b->bands + 1);
 	g_autofree struct reach *reach = g_new(struct reach, strokes->count + 1);
 	g_autofree uint32_t *at = g_new0(uint32_t, PARTS * b->bands);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
-	for (uint32_t n = 0; n < PARTS; n++)
-		count_part(strokes, part_end(strokes, n), part_end(strokes, n + 1), height, reach,
-			at + n * b->bands);
+	for (uint32_t part = 0; part < PARTS; part++)
+		count_part(strokes, part, height, reach, at + part * b->bands);
 	lay_out(b, at);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
-	for (uint32_t n = 0; n < PARTS; n++)
-		fill_part(b, part_end(strokes, n), part_end(strokes, n + 1), reach,
-			at + n * b->bands);
+	for (uint32_t part = 0; part < PARTS; part++)
+		fill_part(b, strokes, part, reach, at + part * b->bands);
 }
 
 void band_lists_clear(band_lists *b)

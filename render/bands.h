@@ -15,15 +15,15 @@ static inline float *band_row(const struct band *b, float *plane, uint32_t y)
 	return plane + (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
 }
 
-/* Which strokes of a list touch which band, in their order. */
+/* Which strokes of a layer touch which band, in their order. */
 typedef struct band_lists band_lists;
 struct band_lists {
 	uint32_t bands;
-	uint32_t *end;   /* of each band's part of which */
-	uint32_t *which; /* strokes */
+	uint32_t *end; /* of each band's part of which */
+	const struct stroke **which;
 };
 void band_lists_fill(
-	band_lists *b, const stroke_list *strokes, uint32_t height, bool single_thread);
+	band_lists *b, const struct stroke_blocks *strokes, uint32_t height, bool single_thread);
 void band_lists_clear(band_lists *b);
 
 /* What strokes of one layer leave in a band. */
@@ -41,7 +41,7 @@ struct band_ink {
 };
 /* Draws strokes of the layer over the planes. m may be NULL. */
 void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,
-	const stroke_list *strokes, const uint32_t *which, uint32_t count, const visibility_mask *m,
+	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
 	const struct band_ink *ink);
 
 #endif

@@ -25,7 +25,6 @@ struct draw_job {
 	const visibility_mask *mask;
 	const struct chunk_view *views;
 	uint32_t count;
-	const stroke_list *strokes;
 	const band_lists *lists; /* of each layer */
 	struct picture_buffer *to;
 };

@@ -7,6 +7,7 @@
 
 struct draw_room {
 	visibility_mask *mask;
+	stroke_room *strokes;
 	/* Of each thread, for bands of a picture so wide. */
 	uint32_t desks, pitch;
 	struct draw_desk *desk;
@@ -63,12 +64,18 @@ static void set_up_desks(draw_room *r, uint32_t threads, uint32_t pitch)
 	r->desk = g_new0(struct draw_desk, threads);
 }
 
+static void clear_room(draw_room *r)
+{
+	visibility_mask_free(r->mask);
+	stroke_room_free(r->strokes);
+	clear_desks(r);
+}
+
 void draw_room_free(draw_room *r)
 {
 	if (!r)
 		return;
-	visibility_mask_free(r->mask);
-	clear_desks(r);
+	clear_room(r);
 	g_free(r);
 }
 
@@ -130,8 +137,10 @@ void draw_frame(
 	draw_room *r = room ? room : &own;
 	j.mask = r->mask = visibility_mask_renew(r->mask, f, j.views, j.count);
 	t.mask_s = lap(&since_us);
-	stroke_list *strokes = stroke_lists_new(f, j.mask, j.views, j.count);
-	j.strokes = strokes;
+	if (!r->strokes)
+		r->strokes = stroke_room_new();
+	const struct stroke_blocks *strokes =
+		stroke_room_fill(r->strokes, f, j.mask, j.views, j.count);
 	t.choose_s = lap(&since_us);
 	g_autofree band_lists *lists = g_new0(band_lists, f->layers + 1);
 	for (uint32_t n = 0; n < f->layers; n++)
@@ -148,9 +157,7 @@ void draw_frame(
 		t.strokes += strokes[n].count;
 		band_lists_clear(&lists[n]);
 	}
-	stroke_lists_free(strokes, f->layers);
-	visibility_mask_free(own.mask);
-	clear_desks(&own);
+	clear_room(&own);
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)
 		*ret_times = t;

@@ -7,6 +7,14 @@
 #include "render/stroke.h"
 #include <math.h>
 
+/* Blocks of one layer, as they are filled by one thread. */
+struct stroke_chain {
+	stroke_room *room;
+	struct stroke_block *first, *last;
+};
+/* Another block at its end. */
+void stroke_chain_grow(struct stroke_chain *c);
+
 /* A layer as one chunk draws it. */
 struct brush {
 	const frame *f;
@@ -34,7 +42,7 @@ struct candidate {
  * and strokes must not come and go with it. What they may not cover they are kept from at each pixel. */
 #define HIDDEN_BEHIND 0.03f
 /* Of the kind of the brush, in its chunk. */
-LANES_DECLARE(void, stroke_choose, (const struct brush *b, GArray *to));
+LANES_DECLARE(void, stroke_choose, (const struct brush *b, struct stroke_chain *to));
 
 /* -1 .. 1 */
 INLINE float around_zero(uint32_t point, uint32_t salt)

@@ -130,20 +130,19 @@ INLINE struct candidate candidate_of(const struct lane_candidates *l, int k)
 		l->x_px[k], l->y_px[k], l->depth_m[k] };
 }
 
-/* Behind all that are there is room for eight. */
-INLINE struct stroke *room_for_eight(GArray *to)
+/* A block with room for eight. */
+INLINE struct stroke_block *block_of(struct stroke_chain *to)
 {
-	guint count = to->len;
-	g_array_set_size(to, count + LANES);
-	to->len = count;
-	return (struct stroke *)(void *)to->data + count;
+	if (!to->last || to->last->count + LANES > STROKE_BLOCK)
+		stroke_chain_grow(to);
+	return to->last;
 }
 
-INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, GArray *to)
+INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struct stroke_chain *to)
 {
 	find_normals(b, l);
 	vf whole = opacity_of(b, l);
-	struct stroke *room = room_for_eight(to);
+	struct stroke_block *block = block_of(to);
 	for (unsigned left = l->left & bits(whole >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
 		struct candidate c = candidate_of(l, k);
@@ -156,12 +155,13 @@ INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, GArra
 		float alpha = whole[k] * stroke_fade(c.rank, need, octaves);
 		if (alpha < ALPHA_LEAST)
 			continue;
-		*room++ = stroke_of(b, &c, alpha, 1, goes_along(b) ? &line : NULL, normal);
-		to->len++;
+		block->stroke[block->count++] =
+			stroke_of(b, &c, alpha, 1, goes_along(b) ? &line : NULL, normal);
 	}
 }
 
-INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GArray *to)
+INLINE void try_on_surface(
+	const struct brush *b, struct lane_candidates *l, struct stroke_chain *to)
 {
 	find_need(b, hides_backs(b), l);
 	if (!l->left)
@@ -169,17 +169,16 @@ INLINE void try_on_surface(const struct brush *b, struct lane_candidates *l, GAr
 	vf need = l->need * STROKE_FADE_MORE(l->octaves);
 	vf alpha = opacity_of(b, l) * fade_of(l->rank, need, l->octaves);
 	vf short_of = l->need / (l->last * choose(l->is_flat, all((float)b->copies), all(1)));
-	struct stroke *room = room_for_eight(to);
+	struct stroke_block *block = block_of(to);
 	for (unsigned left = l->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
 		struct candidate c = candidate_of(l, k);
 		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
 		struct line line;
 		bool has_line = goes_along(b) && line_of(b, &c, &line);
-		*room++ = stroke_of(b, &c, alpha[k],
+		block->stroke[block->count++] = stroke_of(b, &c, alpha[k],
 			MIN(stroke_growth(short_of[k]), b->layer->ink.grow),
 			has_line ? &line : NULL, l->is_flat[k] ? normal : NULL);
-		to->len++;
 	}
 }
 
@@ -251,7 +250,7 @@ INLINE void find_candidates(
 }
 
 /* The points themselves too. */
-INLINE void try_copies(const struct brush *b, struct lane_candidates *c, GArray *to)
+INLINE void try_copies(const struct brush *b, struct lane_candidates *c, struct stroke_chain *to)
 {
 	find_wanted(b, c);
 	unsigned flat = c->left ? bits(c->is_flat) : 0;
@@ -263,7 +262,7 @@ INLINE void try_copies(const struct brush *b, struct lane_candidates *c, GArray 
 	}
 }
 
-void LANES_NAME(stroke_choose)(const struct brush *b, GArray *to)
+void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
 {
 	uint32_t end = (uint32_t)MIN(need_most(b) * (float)b->list_count + 1, (float)b->list_count);
 	for (uint32_t i = 0; i < end; i += LANES) {

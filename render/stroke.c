@@ -1,3 +1,4 @@
+#include "render/large.h"
 #include "render/stroke-brush.h"
 #include <string.h>
 
@@ -13,6 +14,62 @@ float stroke_growth(float need)
 	return sqrtf(need * STROKE_FADE_MEAN / mean);
 }
 
+/* ---- room ---- */
+
+/* Blocks that are made at once. */
+#define SLAB 144
+
+struct stroke_room {
+	GMutex lock;
+	GPtrArray *slabs;
+	guint taken; /* blocks of them */
+	struct stroke_blocks of_layer[FRAME_LAYERS_MAX];
+};
+
+stroke_room *stroke_room_new(void)
+{
+	stroke_room *r = g_new0(stroke_room, 1);
+	g_mutex_init(&r->lock);
+	r->slabs = g_ptr_array_new_with_free_func(large_free);
+	return r;
+}
+
+void stroke_room_free(stroke_room *r)
+{
+	if (!r)
+		return;
+	for (uint32_t l = 0; l < FRAME_LAYERS_MAX; l++)
+		g_free(r->of_layer[l].block);
+	g_ptr_array_unref(r->slabs);
+	g_mutex_clear(&r->lock);
+	g_free(r);
+}
+
+static struct stroke_block *take_block(stroke_room *r)
+{
+	g_mutex_lock(&r->lock);
+	guint n = r->taken++;
+	if (n / SLAB == r->slabs->len)
+		g_ptr_array_add(r->slabs, large_new(SLAB * sizeof(struct stroke_block)));
+	struct stroke_block *slab = g_ptr_array_index(r->slabs, n / SLAB);
+	g_mutex_unlock(&r->lock);
+	return slab + n % SLAB;
+}
+
+void stroke_chain_grow(struct stroke_chain *c)
+{
+	struct stroke_block *b = take_block(c->room);
+	b->next = NULL;
+	b->count = 0;
+	if (c->last)
+		c->last->next = b;
+	else
+		c->first = b;
+	c->last = b;
+}
+
+/* ---- a chunk ---- */
+
 static struct brush brush_of(const frame *f, const visibility_mask *m, const struct chunk_view *v,
 	const struct frame_layer *l)
 {
@@ -27,7 +84,7 @@ static struct brush brush_of(const frame *f, const visibility_mask *m, const str
 	return b;
 }
 
-static void choose_kinds(struct brush *b, GArray *to)
+static void choose_kinds(struct brush *b, struct stroke_chain *to)
 {
 	for (b->kind = 0; b->kind < FEATURE_KINDS; b->kind++) {
 		b->list_from = b->kind ? b->view->chunk->kind_end[b->kind - 1] : 0;
@@ -47,8 +104,7 @@ static void choose_kinds(struct brush *b, GArray *to)
 /* ---- all ---- */
 
 struct task {
-	GArray *of_layer[FRAME_LAYERS_MAX];
-	uint32_t first[FRAME_LAYERS_MAX];
+	struct stroke_chain of_layer[FRAME_LAYERS_MAX];
 };
 
 static void run_task(const frame *f, const visibility_mask *m, const struct chunk_view *views,
@@ -61,44 +117,59 @@ static void run_task(const frame *f, const visibility_mask *m, const struct chun
 			if (f->layer[l].pipeline != views[n].pipeline)
 				continue;
 			struct brush b = brush_of(f, m, &views[n], &f->layer[l]);
-			if (!t->of_layer[l])
-				t->of_layer[l] = g_array_new(FALSE, FALSE, sizeof(struct stroke));
-			choose_kinds(&b, t->of_layer[l]);
+			choose_kinds(&b, &t->of_layer[l]);
 		}
 	}
 }
 
-/* Where a task's strokes of a layer go, behind those of the tasks before it. */
-static void join(struct task *t, uint32_t layer, stroke_list *to)
+/* Puts the blocks of all tasks behind each other. */
+static void join(const struct task *task, uint32_t tasks, uint32_t layer, struct stroke_blocks *to)
 {
-	GArray *a = t->of_layer[layer];
-	if (!a)
-		return;
-	memcpy(to->stroke + t->first[layer], a->data, a->len * sizeof(struct stroke));
-	g_array_unref(a);
+	g_autoptr(GPtrArray) all = g_ptr_array_new();
+	to->count = 0;
+	for (uint32_t n = 0; n < tasks; n++)
+		for (struct stroke_block *b = task[n].of_layer[layer].first; b; b = b->next) {
+			b->first = to->count;
+			to->count += b->count;
+			g_ptr_array_add(all, b);
+		}
+	g_free(to->block);
+	to->blocks = all->len;
+	to->block = (struct stroke_block **)g_ptr_array_steal(all, NULL);
+}
+
+const struct stroke_blocks *stroke_room_fill(stroke_room *r, const frame *f,
+	const visibility_mask *m, const struct chunk_view *views, uint32_t count)
+{
+	uint32_t tasks = (count + TASK_CHUNKS - 1) / TASK_CHUNKS;
+	g_autofree struct task *task = g_new0(struct task, tasks + 1);
+	r->taken = 0;
+	for (uint32_t n = 0; n < tasks; n++)
+		for (uint32_t l = 0; l < f->layers; l++)
+			task[n].of_layer[l].room = r;
+#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
+	for (uint32_t n = 0; n < tasks; n++)
+		run_task(f, m, views + n * TASK_CHUNKS, MIN(TASK_CHUNKS, count - n * TASK_CHUNKS),
+			&task[n]);
+	for (uint32_t l = 0; l < f->layers; l++)
+		join(task, tasks, l, &r->of_layer[l]);
+	return r->of_layer;
 }
 
 stroke_list *stroke_lists_new(
 	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count)
 {
-	uint32_t tasks = (count + TASK_CHUNKS - 1) / TASK_CHUNKS;
-	g_autofree struct task *task = g_new0(struct task, tasks + 1);
+	g_autoptr(stroke_room) r = stroke_room_new();
+	const struct stroke_blocks *all = stroke_room_fill(r, f, m, views, count);
 	stroke_list *lists = g_new0(stroke_list, f->layers + 1);
-#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
-	for (uint32_t n = 0; n < tasks; n++)
-		run_task(f, m, views + n * TASK_CHUNKS, MIN(TASK_CHUNKS, count - n * TASK_CHUNKS),
-			&task[n]);
 	for (uint32_t l = 0; l < f->layers; l++) {
-		for (uint32_t n = 0; n < tasks; n++) {
-			task[n].first[l] = lists[l].count;
-			lists[l].count += task[n].of_layer[l] ? task[n].of_layer[l]->len : 0;
+		lists[l].count = all[l].count;
+		lists[l].stroke = g_new(struct stroke, all[l].count + 1);
+		for (uint32_t n = 0; n < all[l].blocks; n++) {
+			const struct stroke_block *b = all[l].block[n];
+			memcpy(lists[l].stroke + b->first, b->stroke, b->count * sizeof *b->stroke);
 		}
-		lists[l].stroke = g_new(struct stroke, lists[l].count + 1);
 	}
-#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
-	for (uint32_t n = 0; n < tasks; n++)
-		for (uint32_t l = 0; l < f->layers; l++)
-			join(&task[n], l, &lists[l]);
 	return lists;
 }
 

@@ -22,14 +22,34 @@ struct stroke {
 	uint32_t copy;  /* 0: the point itself; else one of its patch's surface */
 };
 
+/* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */
+#define STROKE_BLOCK 252u
+struct stroke_block {
+	struct stroke_block *next; /* of the same layer */
+	uint32_t first, count;     /* strokes before it, and in it */
+	struct stroke stroke[STROKE_BLOCK];
+};
+typedef struct stroke_room stroke_room;
+stroke_room *stroke_room_new(void);
+void stroke_room_free(stroke_room *r); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(stroke_room, stroke_room_free)
+
 /* Strokes of one layer, in the order of chunk_views and ranks. */
+struct stroke_blocks {
+	struct stroke_block **block;
+	uint32_t blocks, count;
+};
+/* Of all layers of the frame: f->layers of them, which are the room's, until it is asked again. m may be NULL: nothing is hidden. */
+const struct stroke_blocks *stroke_room_fill(stroke_room *r, const frame *f,
+	const visibility_mask *m, const struct chunk_view *views, uint32_t count);
+
+/* The same in one piece. */
 typedef struct stroke_list stroke_list;
 struct stroke_list {
 	struct stroke *stroke;
 	uint32_t count;
 };
-
-/* Of all layers of the frame: an array of f->layers lists. m may be NULL: nothing is hidden. Free with stroke_lists_free. */
+/* An array of f->layers lists. Free with stroke_lists_free. */
 stroke_list *stroke_lists_new(
 	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count);
 void stroke_lists_free(stroke_list *lists, uint32_t layers); /* NULL is fine */
