@@ -41,6 +41,16 @@ static void count_part(const struct stroke_blocks *strokes, uint32_t part, uint3
 	}
 }
 
+/* Memory for so many, of any content; a quarter more, so that the next frames have enough of it too. */
+static void *grown(void *memory, size_t *room, size_t count, size_t bytes)
+{
+	if (memory && count <= *room)
+		return memory;
+	g_free(memory);
+	*room = count + count / 4 + 1;
+	return g_malloc_n(*room, bytes);
+}
+
 /* Turns counts of all parts, band by band, into where each begins. */
 static void lay_out(band_lists *b, uint32_t *count)
 {
@@ -53,16 +63,16 @@ static void lay_out(band_lists *b, uint32_t *count)
 		}
 		b->end[k] = total;
 	}
-	b->which = g_new(const struct stroke *, total + 1);
+	b->which = grown(b->which, &b->room, total, sizeof *b->which);
 }
 
-static void fill_part(band_lists *to, const struct stroke_blocks *strokes, uint32_t part,
-	const struct reach *reach, uint32_t *at)
+static void fill_part(
+	band_lists *to, const struct stroke_blocks *strokes, uint32_t part, uint32_t *at)
 {
 	for (uint32_t k = part_end(strokes, part); k < part_end(strokes, part + 1); k++) {
 		const struct stroke_block *b = strokes->block[k];
 		for (uint32_t n = 0; n < b->count; n++) {
-			struct reach r = reach[b->first + n];
+			struct reach r = to->reach[b->first + n];
 			for (uint32_t band = r.first; band < r.end; band++)
 				to->which[at[band]++] = &b->stroke[n];
 		}
@@ -73,20 +83,22 @@ void band_lists_fill(
 	band_lists *b, const struct stroke_blocks *strokes, uint32_t height, bool single_thread)
 {
 	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
-	b->end = g_new0(uint32_t, b->bands + 1);
-	g_autofree struct reach *reach = g_new(struct reach, strokes->count + 1);
+	b->end = g_renew(uint32_t, b->end, b->bands + 1);
+	b->reach = grown(b->reach, &b->reach_room, strokes->count, sizeof *b->reach);
 	g_autofree uint32_t *at = g_new0(uint32_t, PARTS * b->bands);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
 	for (uint32_t part = 0; part < PARTS; part++)
-		count_part(strokes, part, height, reach, at + part * b->bands);
+		count_part(strokes, part, height, b->reach, at + part * b->bands);
 	lay_out(b, at);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
 	for (uint32_t part = 0; part < PARTS; part++)
-		fill_part(b, strokes, part, reach, at + part * b->bands);
+		fill_part(b, strokes, part, at + part * b->bands);
 }
 
 void band_lists_clear(band_lists *b)
 {
 	g_clear_pointer(&b->end, g_free);
-	g_clear_pointer(&b->which, g_free);
+	g_free(b->which);
+	g_free(b->reach);
+	*b = (band_lists){ 0 };
 }

@@ -147,9 +147,13 @@ INLINE vf uncovered(
 	return on_relief(load(bare + at), load(d->relief + at), l->ink.tooth);
 }
 
+/* Most of a picture has no ink of a layer. */
 INLINE void add_inked(const struct frame_layer *l, struct draw_desk *d, size_t at)
 {
+	if (!any(load(d->ink.bare + at) < 1))
+		return;
 	vf bare = uncovered(l, d->ink.bare, d, at);
+	store(d->ink.bare + at, all(1));
 	for (int k = 0; k < 3; k++)
 		store(d->canvas[k] + at,
 			load(d->canvas[k] + at) *
@@ -166,6 +170,7 @@ INLINE void add_coloured(const struct frame_layer *l, struct draw_desk *d, size_
 INLINE void add_painted(const struct frame_layer *l, struct draw_desk *d, size_t at)
 {
 	vf bare = uncovered(l, d->ink.bare, d, at), weight = load(d->ink.weight + at);
+	store(d->ink.bare + at, all(1));
 	for (int k = 0; k < 3; k++) {
 		vf below = load(d->canvas[k] + at),
 		   paint = load(d->ink.channel[k] + at) / most(weight, all(1e-12f));
@@ -186,11 +191,10 @@ INLINE void add_layer(const struct frame_layer *l, const struct band *b, struct 
 			add_painted(l, d, at);
 }
 
+/* All is bare before. */
 INLINE void clear_ink(const struct frame_layer *l, const struct band *b, struct draw_desk *d)
 {
 	enum band_blend blend = band_blend_of(l);
-	if (blend != BAND_COLOURED)
-		fill(b, d->ink.bare, 1);
 	for (int k = 0; k < 3 && blend != BAND_INKED; k++)
 		fill(b, d->ink.channel[k], blend == BAND_PAINTED ? 0 : 1);
 	if (blend == BAND_PAINTED)

@@ -11,7 +11,7 @@
 struct draw_desk {
 	void *memory;
 	float *canvas[3];
-	struct band_ink ink;
+	struct band_ink ink;  /* between layers all is bare */
 	float *relief;        /* -1 .. 1, of the paper */
 	struct band together; /* POINTS_BANDS of them, or one */
 	/* Of coloured points in these. */

@@ -8,6 +8,7 @@
 struct draw_room {
 	visibility_mask *mask;
 	stroke_room *strokes;
+	band_lists lists[FRAME_LAYERS_MAX];
 	/* Of each thread, for bands of a picture so wide. */
 	uint32_t desks, pitch;
 	struct draw_desk *desk;
@@ -44,6 +45,8 @@ static void desk_set_up(struct draw_desk *d, uint32_t pitch)
 	char *at = d->memory = large_new(G_N_ELEMENTS(all) * large_part(plane));
 	for (size_t n = 0; n < G_N_ELEMENTS(all); n++)
 		*all[n] = large_take(&at, plane);
+	for (size_t i = 0; i < (size_t)pitch * BAND_ROWS; i++)
+		d->ink.bare[i] = 1;
 }
 
 static void clear_desks(draw_room *r)
@@ -68,6 +71,8 @@ static void clear_room(draw_room *r)
 {
 	visibility_mask_free(r->mask);
 	stroke_room_free(r->strokes);
+	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
+		band_lists_clear(&r->lists[n]);
 	clear_desks(r);
 }
 
@@ -142,7 +147,7 @@ void draw_frame(
 	const struct stroke_blocks *strokes =
 		stroke_room_fill(r->strokes, f, j.mask, j.views, j.count);
 	t.choose_s = lap(&since_us);
-	g_autofree band_lists *lists = g_new0(band_lists, f->layers + 1);
+	band_lists *lists = r->lists;
 	for (uint32_t n = 0; n < f->layers; n++)
 		band_lists_fill(&lists[n], &strokes[n], to->height, f->single_thread);
 	j.lists = lists;
@@ -153,10 +158,8 @@ void draw_frame(
 	t.chunks_hidden = j.mask->chunks_hidden;
 	for (uint32_t n = 0; n < j.count; n++)
 		t.points_in_view += views[n].chunk->count;
-	for (uint32_t n = 0; n < f->layers; n++) {
+	for (uint32_t n = 0; n < f->layers; n++)
 		t.strokes += strokes[n].count;
-		band_lists_clear(&lists[n]);
-	}
 	clear_room(&own);
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)
