@@ -1,8 +1,6 @@
 #include "render/bench-coherence-private.h"
 #include "render/light.h"
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 #define TILE_COVERED 0.99
 
@@ -109,10 +107,6 @@ bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t
 				continue;
 			double light = one.light / paper / one.covered,
 			       curve = one.curve / one.covered;
-			if (getenv("DUMP"))
-				printf("T %u %u %.3f %.3f %.3f\n", x, y, curve, curve, light);
-			if (getenv("DUMP"))
-				printf("T %u %u %.3f %.3f %.3f\n", x, y, curve, curve, light);
 			t->error2 += (light - curve) * (light - curve);
 			t->light += light;
 			t->wanted += curve;
