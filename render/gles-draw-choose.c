@@ -1,6 +1,4 @@
 #include "render/gles-draw-private.h"
-#include "render/stroke.h"
-#include <math.h>
 
 /* Strokes of a layer that there is room for at first. */
 #define STROKES_LEAST (1u << 16)
@@ -19,31 +17,13 @@ static bool reserve(gles_draw *d, uint32_t layer, int64_t strokes, GError **erro
 /* Views of a layer: runs of its pipeline stand together. */
 struct choice {
 	uint32_t layer, capacity;
-	uint32_t copy, copies; /* chosen now; that may be wanted */
 	guint run, run_end;
 	uint32_t view, count;
 };
 
-/* Of points that stand so far apart, in metres by the depth that they are moved to at least. */
-static uint32_t copies_wanted(const frame *f, const struct frame_layer *l, float sparsest)
-{
-	float scale = (float)f->camera.focal_px * sparsest;
-	float wanted = fmaxf(l->wanted_most[FEATURE_NONE], l->wanted_most[FEATURE_DITHER]);
-	float most =
-		wanted * frame_ray_most(f, l) * scale * scale * STROKE_FADE_MORE(STROKE_FADE_MOST);
-	return (uint32_t)CLAMP(ceilf(most), 1, (float)frame_copies(l));
-}
-
-static void add_run(struct choice *c, const struct gles_run *r, float *sparsest)
-{
-	c->count += r->count;
-	*sparsest = fmaxf(*sparsest, r->sparsest);
-}
-
 static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t layer)
 {
 	struct choice c = { .layer = layer, .capacity = capacity_of(&d->strokes[layer]) };
-	float sparsest = 0;
 	const GArray *runs = d->views.runs;
 	while (c.run < runs->len && gles_draw_run(d, c.run)->pipeline != f->layer[layer].pipeline)
 		c.run++;
@@ -51,8 +31,7 @@ static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t laye
 	for (c.run_end = c.run; c.run_end < runs->len &&
 				gles_draw_run(d, c.run_end)->pipeline == f->layer[layer].pipeline;
 		c.run_end++)
-		add_run(&c, gles_draw_run(d, c.run_end), &sparsest);
-	c.copies = copies_wanted(f, &f->layer[layer], sparsest);
+		c.count += gles_draw_run(d, c.run_end)->count;
 	return c;
 }
 
@@ -61,7 +40,6 @@ static void go_through(gles_draw *d, const struct choice *c, enum gles_use use)
 	const struct gles_functions *gl = &d->c->gl;
 	gl->UseProgram(d->program[use]);
 	gl->Uniform1ui(1, c->view);
-	gl->Uniform1ui(3, c->copy);
 	if (use == GLES_WRITE)
 		gl->Uniform1ui(2, c->capacity);
 	for (guint k = c->run; k < c->run_end; k++) {
@@ -85,13 +63,12 @@ static void number(gles_draw *d, const struct choice *c)
 	gl->Uniform1ui(0, c->count);
 	gl->Uniform1ui(1, c->layer);
 	gl->Uniform1ui(2, c->capacity);
-	gl->Uniform1ui(3, c->copy);
 	gles_draw_bind_storage(d, 6, d->commands.name);
 	gl->DispatchCompute(1, 1, 1);
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-static void choose_copy(gles_draw *d, const struct choice *c)
+static void choose_layer(gles_draw *d, const struct choice *c)
 {
 	gles_draw_bind_storage(d, 1, d->views.buffer.name);
 	gles_draw_bind_storage(d, 5, d->marks.name);
@@ -113,8 +90,7 @@ bool gles_draw_choose(gles_draw *d, const frame *f, GError **error)
 			return false;
 		struct choice c = choice_of(d, f, n);
 		gles_layers_bind(d->c, &d->layers, n);
-		for (c.copy = 0; c.copy < c.copies; c.copy++)
-			choose_copy(d, &c);
+		choose_layer(d, &c);
 	}
 	d->c->gl.MemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
 			       GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -59,28 +59,17 @@ static void describe(const frame *f, const struct gles_slab *slab, const struct 
 	}
 }
 
-static float sparsest_of(const frame *f, const struct chunk_view *v)
-{
-	float moved_m = stroke_moved_most_m(v->chunk, 1, 1);
-	float apart_m = v->chunk->spacing_most_m;
-	for (int kind = 0; kind < FEATURE_UNDIRECTED; kind++)
-		apart_m = fmaxf(apart_m, v->chunk->list_spacing_most_m[kind]);
-	return apart_m / fmaxf(v->near_m - moved_m, (float)f->camera.near_m);
-}
-
 static void add_to_runs(
 	gles_views *v, const frame *f, uint32_t at, uint32_t slab, const struct chunk_view *view)
 {
 	uint8_t pipeline = view->pipeline;
-	float sparsest = sparsest_of(f, view);
 	struct gles_run *last =
 		v->runs->len ? &g_array_index(v->runs, struct gles_run, v->runs->len - 1) : NULL;
 	if (last && last->slab == slab && last->pipeline == pipeline) {
 		last->count++;
-		last->sparsest = fmaxf(last->sparsest, sparsest);
 		return;
 	}
-	struct gles_run next = { slab, at, 1, pipeline, splat_step(f, pipeline) != NULL, sparsest };
+	struct gles_run next = { slab, at, 1, pipeline, splat_step(f, pipeline) != NULL };
 	g_array_append_val(v->runs, next);
 }
 

@@ -10,7 +10,6 @@ struct gles_run {
 	uint32_t slab, first, count;
 	uint8_t pipeline;
 	bool has_points; /* its pipeline shows coloured points */
-	float sparsest;  /* how far apart points are at most, by their depth */
 };
 
 typedef struct gles_views gles_views;

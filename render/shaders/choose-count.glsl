@@ -6,20 +6,25 @@ shared uint total;
 void main()
 {
 	uint n = first_view + gl_WorkGroupID.x, row = (n - layer_view) * MARKS;
-	uint thread = gl_LocalInvocationIndex, mark = 0u;
-	uint count = may_give(n) ? views[n].at.z : 0u;
+	uint thread = gl_LocalInvocationIndex, mark = 0u, own = 0u, count = views[n].at.z;
 	if (thread == 0u)
 		total = 0u;
 	memoryBarrierShared();
 	barrier();
 	for (uint slice = 0u; slice * THREADS < count; slice++) {
+		giver g;
 		candidate c;
-		if (candidate_of(n, slice * THREADS + thread, c) && choice_of(c).alpha > 0.0)
+		uint given = 0u;
+		if (giver_of(n, slice * THREADS + thread, g))
+			for (begin(); has_more(g); next(g))
+				given += choice_of(g, c).alpha > 0.0 ? 1u : 0u;
+		if (given != 0u)
 			mark |= 1u << slice;
+		own += given;
 	}
-	marks[row + thread] = mark;
-	if (mark != 0u)
-		atomicAdd(total, uint(bitCount(mark)));
+	marks[row + thread] = mark | own << 16;
+	if (own != 0u)
+		atomicAdd(total, own);
 	memoryBarrierShared();
 	barrier();
 	if (thread == 0u)

@@ -13,7 +13,6 @@ layout(std430, binding = 6) buffer Commands {
 layout(location = 0) uniform uint count; /* of views */
 layout(location = 1) uniform uint layer;
 layout(location = 2) uniform uint capacity; /* of the buffer of strokes */
-layout(location = 3) uniform uint copy; /* whose strokes come after those of the copies before */
 const uint THREADS = 256u, MARKS = 257u;
 
 void main()
@@ -22,7 +21,7 @@ void main()
 	uint from = min(thread * share, count), end = min(from + share, count), sum = 0u;
 	for (uint n = from; n < end; n++)
 		sum += marks[n * MARKS + THREADS];
-	uint at = before(thread, sum) + (copy == 0u ? 0u : totals[layer]);
+	uint at = before(thread, sum);
 	memoryBarrierBuffer();
 	barrier();
 	for (uint n = from; n < end; n++) {

@@ -59,12 +59,16 @@ void main()
 	uint from = marks[row + THREADS];
 	if (from == marks[row + MARKS + THREADS])
 		return;
-	uint thread = gl_LocalInvocationIndex, mark = marks[row + thread];
-	uint at = from + before(thread, uint(bitCount(mark)));
-	for (; mark != 0u && at < capacity; mark &= mark - 1u) {
+	uint thread = gl_LocalInvocationIndex, word = marks[row + thread];
+	uint at = from + before(thread, word >> 16);
+	for (uint mark = word & 0xffffu; mark != 0u; mark &= mark - 1u) {
+		giver g;
 		candidate c;
-		candidate_of(n, uint(findLSB(mark)) * THREADS + thread, c);
-		choice one = choice_of(c);
-		write_stroke(at++, c, one);
+		if (giver_of(n, uint(findLSB(mark)) * THREADS + thread, g))
+			for (begin(); has_more(g) && at < capacity; next(g)) {
+				choice one = choice_of(g, c);
+				if (one.alpha > 0.0)
+					write_stroke(at++, c, one);
+			}
 	}
 }

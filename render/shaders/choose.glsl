@@ -5,14 +5,14 @@ layout(std430, binding = 3) readonly buffer Looks {
 layout(std430, binding = 4) readonly buffer Lists {
 	uint lists[]; /* index in the chunk, list_spacing */
 };
-/* Of each view of the layer: a word of each thread, whose bits are its points that are drawn; and how many there are in all, then
- * how many there are before. One more at the end. */
+/* Of each view of the layer: a word of each thread, whose lower half has a bit for each of its points that gives strokes, and whose
+ * upper half is how many; and how many there are in all, then how many there are before. One more at the end. */
 layout(std430, binding = 5) buffer Marks {
 	uint marks[];
 };
 layout(location = 1) uniform uint layer_view;
-/* The copy of points (stroke.h) that is chosen now; one after the other, and their strokes too. */
-layout(location = 3) uniform uint copy;
+/* The copy of a point (stroke.h) that is looked at. */
+uint copy = 0u;
 
 const uint THREADS = 256u, MARKS = 257u;
 const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u;
@@ -120,12 +120,18 @@ float more_of(float octaves)
 	return 1.0 + (octaves - 1.0) * (0.3095 + 0.0238 * (octaves - 1.0));
 }
 
-/* Strokes wanted to a square metre of its surface. */
-float need_on_surface(candidate c, float cosine)
+/* Strokes wanted to a square pixel where a surface of that colour is seen from the front. */
+float wanted_at(candidate c)
 {
 	uint n = lightness_of(looks[c.index].x);
-	float px_per_m = lens.x / c.depth_m;
-	return wanted_per_px[n >> 2][n & 3u] * px_per_m * px_per_m * cosine;
+	return wanted_per_px[n >> 2][n & 3u];
+}
+
+/* The same to a square metre of it. */
+float need_on_surface(float wanted, float depth_m, float cosine)
+{
+	float px_per_m = lens.x / depth_m;
+	return wanted * px_per_m * px_per_m * cosine;
 }
 
 float need_along(candidate c, line l)
@@ -144,7 +150,7 @@ vec2 place_in_queue(candidate c)
 		float there = min(dithering_per_m2[n >> 2][n & 3u], last);
 		rank = c.kind == DITHER ? c.rank * there : there + c.rank * (last - there);
 	}
-	return vec2(rank + float(copy) * last, last);
+	return vec2(rank, last);
 }
 
 /* How much larger strokes must be where need is more than there are points for. */
@@ -159,14 +165,15 @@ float growth_of(float need)
 }
 
 /* Along each of two axes, in diameters of the patch: how far strokes are moved from their points. */
-float reach_of_copy()
+float reach_of(bool is_copy)
 {
-	return look.y * (copy == 0u ? 1.0 : COPY_REACH) / 2.0;
+	return look.y * (is_copy ? COPY_REACH : 1.0) / 2.0;
 }
 
+/* Of all copies. */
 float moved_most(uint n, uint kind)
 {
-	return kind < UNDIRECTED ? views[n].splat.w * reach_of_copy() * 1.41421356 : 0.0;
+	return kind < UNDIRECTED ? views[n].splat.w * reach_of(colour.z > 1u) * 1.41421356 : 0.0;
 }
 
 /* Where strokes of points at this depth may be. */
@@ -183,7 +190,7 @@ void scatter(inout candidate c)
 	float t = normal.x * normal.y * s;
 	vec3 across = vec3(1.0 + facing * normal.x * normal.x * s, facing * t, -facing * normal.x);
 	vec3 down = vec3(t, facing + normal.y * normal.y * s, -normal.y);
-	float reach_m = reach_of_copy() * float(points[c.index].z & 0xffffu) * UNIT_M;
+	float reach_m = reach_of(copy != 0u) * float(points[c.index].z & 0xffffu) * UNIT_M;
 	vec3 by = reach_m * (around_zero(c, SALT_ACROSS) * across + around_zero(c, SALT_DOWN) * down);
 	vec3 at = ray_of(c) * c.depth_m + to_camera(by);
 	if (at.z < lens.w)
@@ -239,25 +246,17 @@ float need_most(uint n, uint kind)
 	return need_once(kind) * (is_on_edge(kind) ? near : near * near) * more_of(octaves_at(nearest_m));
 }
 
-/* Copies lie in the planes of points, which feature points have not. */
-bool may_give(uint n)
-{
-	if (copy == 0u)
-		return true;
-	return look.y > 0.0 && max(need_most(n, 0u), need_most(n, DITHER)) > float(copy);
-}
-
-/* The copy of entry i of the list of view n, if its kind is drawn and it is in the picture. */
+/* Entry i of the list of view n, if its kind is drawn and it is in the picture. */
 bool candidate_of(uint n, uint i, out candidate c)
 {
 	uvec4 end = views[n].kind_end;
 	c.kind = i < end.x ? 0u : i < end.y ? 1u : i < end.z ? 2u : 3u;
-	if (i >= end.w || (which.x >> c.kind & 1u) == 0u || (copy != 0u && c.kind >= UNDIRECTED))
+	if (i >= end.w || (which.x >> c.kind & 1u) == 0u)
 		return false;
 	uint from = c.kind == 0u ? 0u : end[c.kind - 1u];
 	float many = float(end[c.kind] - from);
 	c.rank = (float(i - from) + 0.5) * (1.0 / many);
-	if (c.rank + float(copy) > need_most(n, c.kind) + 1.0 / many)
+	if (c.rank > need_most(n, c.kind) + 1.0 / many)
 		return false;
 	uint word = lists[views[n].at.x + i];
 	c.index = views[n].at.x + (word & 0xffffu);
@@ -272,7 +271,7 @@ bool candidate_of(uint n, uint i, out candidate c)
 	float here = c.spacing_m * px_per_m;
 	float need = need_once(c.kind) * (is_on_edge(c.kind) ? here : here * here) * more_of(octaves_at(nearest_m));
 	return at.z > lens.w && all(greaterThanEqual(c.at, vec2(-around))) &&
-	       all(lessThan(c.at, size.xy + around)) && c.rank + float(copy) < need;
+	       all(lessThan(c.at, size.xy + around)) && c.rank < need;
 }
 
 const float TURNED_AWAY = 0.1;
@@ -307,47 +306,91 @@ choice choice_on_edge(candidate c)
 	return one;
 }
 
-choice choice_on_surface(inout candidate c)
+/* A point with what is the same for all its copies. */
+struct giver {
+	candidate c;
+	vec3 normal;
+	bool is_flat;
+	uint copies;
+	float wanted, rank, last, most; /* points to a square metre: no rank above the most is drawn */
+};
+
+bool giver_of(uint n, uint i, out giver g)
+{
+	if (!candidate_of(n, i, g.c))
+		return false;
+	g.copies = 1u;
+	g.rank = 0.0;
+	g.most = 1.0;
+	if (is_on_edge(g.c.kind))
+		return true;
+	float nearest_m = nearest_of(n, g.c.kind, g.c.depth_m);
+	vec2 place = place_in_queue(g.c);
+	g.rank = place.x;
+	g.last = place.y;
+	g.wanted = wanted_at(g.c);
+	g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
+	if (g.rank >= g.most)
+		return false;
+	g.normal = turned(points[g.c.index].w);
+	g.is_flat = g.c.kind < UNDIRECTED && g.normal != vec3(0.0);
+	if (g.is_flat)
+		g.copies = colour.z;
+	return true;
+}
+
+choice choice_on_surface(giver g, inout candidate c)
 {
 	choice one;
 	one.alpha = 0.0;
 	one.edge.is_there = false;
-	vec2 place = place_in_queue(c);
-	candidate nearest = c;
-	nearest.depth_m = nearest_of(c.view, c.kind, c.depth_m);
-	if (place.x >= need_on_surface(nearest, ray_most()) * more_of(octaves_at(nearest.depth_m)))
-		return one;
-	one.normal = turned(points[c.index].w);
-	bool is_flat = c.kind < UNDIRECTED && one.normal != vec3(0.0);
-	if (copy != 0u && !is_flat)
-		return one;
-	if (is_flat && look.y > 0.0)
+	one.normal = g.normal;
+	if (g.is_flat && look.y > 0.0)
 		scatter(c);
-	float octaves = octaves_at(c.depth_m), need = need_on_surface(c, cosine_of(c, one.normal));
-	float fade = fade_of(place.x, need * more_of(octaves), octaves);
+	float octaves = octaves_at(c.depth_m);
+	float need = need_on_surface(g.wanted, c.depth_m, cosine_of(c, one.normal));
+	float fade = fade_of(g.rank, need * more_of(octaves), octaves);
 	float front = facing(c, one.normal);
 	if (fade <= 0.0 || front <= 0.0)
 		return one;
 	one.alpha = fade * front * visibility(c);
-	one.growth = min(growth_of(need / (place.y * (is_flat ? float(colour.z) : 1.0))), look.x);
+	one.growth = min(growth_of(need / (g.last * float(g.copies))), look.x);
 	if (goes_along(c))
 		one.edge = line_of(c);
-	if (!is_flat)
+	if (!g.is_flat)
 		one.normal = vec3(0.0);
 	return one;
 }
 
-/* Moves it to where its stroke is. */
-choice choice_of(inout candidate c)
+/* Of its copy; moves c to where its stroke is. */
+choice choice_of(giver g, out candidate c)
 {
 	choice one;
+	c = g.c;
 	if (is_on_edge(c.kind))
 		one = choice_on_edge(c);
 	else
-		one = choice_on_surface(c);
+		one = choice_on_surface(g, c);
 	if (one.alpha > 0.0)
 		one.alpha *= opacity_of(c);
 	if (one.alpha < ALPHA_LEAST)
 		one.alpha = 0.0;
 	return one;
+}
+
+/* for (begin(); has_more(g); next(g)): all its copies that may be drawn. */
+void begin()
+{
+	copy = 0u;
+}
+
+bool has_more(giver g)
+{
+	return copy < g.copies && g.rank < g.most;
+}
+
+void next(inout giver g)
+{
+	copy++;
+	g.rank += g.last;
 }
