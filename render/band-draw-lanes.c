@@ -279,7 +279,7 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 	for (uint32_t n = 0; n < count; n++) {
 		struct pen p = pen_of(l, which[n], kernel);
 		for (int k = 0; k < 3; k++)
-			p.colour[k] = light[p.s->rgba[k]];
+			p.colour[k] = light[p.s->rgb[k]];
 		draw_stroke(&p, b, m, ink, kernel, blend);
 	}
 }

@@ -60,7 +60,7 @@ static uint32_t copies_of(const stroke_list *l)
 {
 	uint32_t most = 0;
 	for (uint32_t n = 0; n < l->count; n++)
-		most = MAX(most, l->stroke[n].copy + 1);
+		most = MAX(most, l->stroke[n].copy + 1u);
 	return most;
 }
 

@@ -5,7 +5,7 @@
 #include "render/draw.h"
 
 /* Bands whose coloured points are drawn together: fewer of the points are in several of these. */
-#define POINTS_BANDS 4
+#define POINTS_BANDS 2
 
 /* One thread's planes of a band. */
 struct draw_desk {

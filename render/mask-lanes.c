@@ -255,18 +255,35 @@ void LANES_NAME(mask_look)(visibility_mask *m, uint32_t down, struct mask_bench 
 	put_tiles(m, down, b->deepest);
 }
 
-void LANES_NAME(mask_finish)(visibility_mask *m, uint32_t down, struct mask_bench *b)
+/* Of all threads' pictures: of tiles from .. end, two rows above and two below. Others draw over these when they finish theirs. */
+void LANES_NAME(mask_look_around)(
+	const visibility_mask *m, uint32_t from, uint32_t end, struct mask_bench *b)
 {
-	int from = (int)(down * MASK_TILE), end = (int)MIN((down + 1) * MASK_TILE, m->height);
-	for (int k = 0; k < 4; k++)
-		merge_row(m, from - 2 + k, b->row[k]);
-	for (int y = from; y < end; y++) {
+	int top = (int)(from * MASK_TILE), below = (int)MIN(end * MASK_TILE, m->height);
+	for (int k = 0; k < 2; k++) {
+		merge_row(m, top - 2 + k, b->row[k]);
+		merge_row(m, below + k, b->below[k]);
+	}
+}
+
+/* The first picture of a thread becomes the mask's, row by row: those farther down are as they were. */
+void LANES_NAME(mask_finish)(visibility_mask *m, uint32_t from, uint32_t end, struct mask_bench *b)
+{
+	int top = (int)(from * MASK_TILE), below = (int)MIN(end * MASK_TILE, m->height);
+	for (int k = 0; k < 2 && from < end; k++)
+		merge_row(m, top + k, b->row[2 + k]);
+	for (int y = top; y < below; y++) {
 		int32_t *to = m->key + (ptrdiff_t)y * m->pitch, *first = b->row[0];
-		merge_row(m, y + 2, b->row[4]);
+		if (y + 2 < below)
+			merge_row(m, y + 2, b->row[4]);
+		else
+			memcpy(b->row[4] - MASK_MARGIN, b->below[y + 2 - below] - MASK_MARGIN,
+				m->pitch * sizeof *to);
 		fill_row((const int32_t *const *)b->row, to, m->width);
 		deepen(to, m->width, b->deepest);
 		memmove(b->row, b->row + 1, 4 * sizeof *b->row);
 		b->row[4] = first;
+		if ((y + 1) % MASK_TILE == 0 || y + 1 == below)
+			put_tiles(m, (uint32_t)y / MASK_TILE, b->deepest);
 	}
-	put_tiles(m, down, b->deepest);
 }

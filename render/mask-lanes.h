@@ -13,16 +13,20 @@ struct mask_target {
 
 /* What a thread needs for rows of tiles. */
 struct mask_bench {
-	int32_t *memory, *row[5]; /* merged */
+	int32_t *memory, *row[5], *below[2]; /* merged */
 	vi *deepest;
 };
 
 /* Discs of a chunk's points. */
 LANES_DECLARE(
 	void, mask_draw, (const frame *f, const struct mask_target *t, const struct chunk_view *v));
-/* A row of tiles of what was drawn so far; and in the end, together, without holes. */
+/* A row of tiles of what was drawn so far. */
 LANES_DECLARE(void, mask_look, (visibility_mask * m, uint32_t down, struct mask_bench *b));
-LANES_DECLARE(void, mask_finish, (visibility_mask * m, uint32_t down, struct mask_bench *b));
+/* In the end rows of tiles from .. end, without holes: all threads look around theirs before any of them finishes some. */
+LANES_DECLARE(void, mask_look_around,
+	(const visibility_mask *m, uint32_t from, uint32_t end, struct mask_bench *b));
+LANES_DECLARE(void, mask_finish,
+	(visibility_mask * m, uint32_t from, uint32_t end, struct mask_bench *b));
 
 static inline int32_t *mask_first_key(const visibility_mask *m, int32_t *memory)
 {

@@ -26,17 +26,15 @@ static visibility_mask *mask_alloc(const struct camera *c, uint32_t threads)
 	m->height = c->height;
 	m->pitch = (c->width + 2 * MASK_MARGIN + 7) / 8 * 8;
 	size_t picture = keys_of_picture(m) * sizeof(int32_t);
-	char *at = m->memory = large_new((1 + threads) * large_part(picture));
-	int32_t *whole = large_take(&at, picture);
-	m->key = mask_first_key(m, whole);
+	char *at = m->memory = large_new(threads * large_part(picture));
 	m->threads = threads;
 	m->part = g_new(int32_t *, threads);
 	for (uint32_t n = 0; n < threads; n++)
 		m->part[n] = large_take(&at, picture);
+	m->key = mask_first_key(m, m->part[0]);
 	m->tiles_across = (m->width + MASK_TILE - 1) / MASK_TILE;
 	m->tiles_down = (m->height + MASK_TILE - 1) / MASK_TILE;
 	m->deepest_m = g_new(float, (size_t)m->tiles_across * m->tiles_down);
-	mask_clear(whole, keys_of_picture(m)); /* its margins */
 	return m;
 }
 
@@ -44,9 +42,11 @@ static visibility_mask *mask_alloc(const struct camera *c, uint32_t threads)
 
 static void set_up(struct mask_bench *b, const visibility_mask *m)
 {
-	b->memory = g_aligned_alloc(5 * (size_t)m->pitch, sizeof(int32_t), 64);
+	b->memory = g_aligned_alloc(7 * (size_t)m->pitch, sizeof(int32_t), 64);
 	for (int k = 0; k < 5; k++)
 		b->row[k] = b->memory + (size_t)k * m->pitch + MASK_MARGIN;
+	for (int k = 0; k < 2; k++)
+		b->below[k] = b->row[4] + (size_t)(k + 1) * m->pitch;
 	b->deepest = g_aligned_alloc0(m->tiles_across, sizeof(vi), 64);
 }
 
@@ -124,9 +124,11 @@ static void draw(visibility_mask *m, const frame *f, const struct chunk_view *vi
 				hidden++;
 			else
 				LANES_OF(f->lanes, mask_draw)(f, &t, &views[n]);
-#pragma omp for schedule(static)
-		for (uint32_t down = 0; down < m->tiles_down; down++)
-			LANES_OF(f->lanes, mask_finish)(m, down, &b);
+		uint32_t me = (uint32_t)omp_get_thread_num(), all = (uint32_t)omp_get_num_threads();
+		uint32_t from = m->tiles_down * me / all, end = m->tiles_down * (me + 1) / all;
+		LANES_OF(f->lanes, mask_look_around)(m, from, end, &b);
+#pragma omp barrier
+		LANES_OF(f->lanes, mask_finish)(m, from, end, &b);
 		clear_up(&b);
 	}
 	m->chunks_hidden = hidden;

@@ -20,8 +20,8 @@
 typedef struct visibility_mask visibility_mask;
 struct visibility_mask {
 	uint32_t width, height, pitch;
-	int32_t *key; /* of pixel 0 0 */
-	void *memory; /* of that and of part */
+	int32_t *key; /* of pixel 0 0, in the first part */
+	void *memory; /* of the parts */
 	/* How deep the deepest pixel of each tile is: what is behind that everywhere needs not be looked at. */
 	uint32_t tiles_across, tiles_down;
 	float *deepest_m;

@@ -68,11 +68,11 @@ INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
 
 /* ---- the stroke ---- */
 
-INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[4])
+INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[3])
 {
 	const struct ink_step *ink = &b->layer->ink;
 	const uint8_t *rgba = b->f->scene->rgba[c->point];
-	memcpy(ret, ink->ink, 4);
+	memcpy(ret, ink->ink, 3);
 	if (ink->colour != COLOUR_POINT || !rgba[3])
 		return;
 	float grey = scene_lightness(rgba);
@@ -93,9 +93,11 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	float growth, const struct line *line, const float *normal)
 {
 	const struct ink_step *ink = &b->layer->ink;
-	struct stroke s = {
-		.x_px = c->x_px, .y_px = c->y_px, .alpha = alpha, .point = c->point, .copy = c->copy
-	};
+	struct stroke s = { .x_px = c->x_px,
+		.y_px = c->y_px,
+		.alpha = alpha,
+		.point = c->point,
+		.copy = (uint8_t)c->copy };
 	float half_px = growth * ink->length_px / 2 *
 			(1 + ink->length_variation *
 					around_zero(c->point, stroke_salt(c->copy, SALT_LENGTH)));
@@ -113,7 +115,7 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 			plane_slope(b, c, normal, half_px, s.slope);
 	}
 	s.half_length_px = half_px;
-	colour_of(b, c, s.rgba);
+	colour_of(b, c, s.rgb);
 	return s;
 }
 

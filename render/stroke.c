@@ -17,7 +17,7 @@ float stroke_growth(float need)
 /* ---- room ---- */
 
 /* Blocks that are made at once. */
-#define SLAB 144
+#define SLAB 256
 
 struct stroke_room {
 	GMutex lock;

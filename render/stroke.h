@@ -17,13 +17,13 @@ struct stroke {
 	float alpha;
 	/* 1/depth at a pixel is q + (x - x_px) slope[0] + (y - y_px) slope[1]. */
 	float q, slope[2];
-	uint8_t rgba[4];
+	uint8_t rgb[3];
+	uint8_t copy;   /* 0: the point itself; else one of its patch's surface */
 	uint32_t point; /* of the scene */
-	uint32_t copy;  /* 0: the point itself; else one of its patch's surface */
 };
 
 /* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */
-#define STROKE_BLOCK 252u
+#define STROKE_BLOCK 170u
 struct stroke_block {
 	struct stroke_block *next; /* of the same layer */
 	uint32_t first, count;     /* strokes before it, and in it */
