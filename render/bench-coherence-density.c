@@ -133,6 +133,8 @@ static void sum_cells(const struct cells *c, struct density *ret)
 			wanted += cell->wanted * STROKE_FADE_MEAN;
 		}
 	}
+	ret->strokes = strokes;
+	ret->wanted = wanted;
 	ret->relative = wanted > 0 ? strokes / wanted : NAN;
 	ret->limited_share = covered > 0 ? limited / covered : NAN;
 }

@@ -48,9 +48,10 @@ void stroke_tally_add(struct stroke_tally *t, const struct shot *before, const s
 bool density_has(const struct frame_layer *l); /* whether it covers areas */
 
 struct density {
-	double relative;      /* to what is wanted; NAN: nowhere enough data */
-	double limited_share; /* of the covered area */
-	double cv, cv_all;    /* NAN: too few tiles */
+	double strokes, wanted; /* where there are data enough */
+	double relative;        /* of these; NAN: nowhere */
+	double limited_share;   /* of the covered area */
+	double cv, cv_all;      /* NAN: too few tiles */
 };
 /* lightness: of plain coloured points. */
 struct density density_of(
@@ -77,6 +78,7 @@ struct coherence_row {
 	/* NAN where the style has nothing of the kind. */
 	double kept_least, kept, step_most, jumped_share;
 	double density_least, density_most, limited_share, cv, cv_all;
+	double layer_least, layer_most; /* density of single layers */
 	double warp, warp_soft, tone, tone_bias, tone_drift;
 	bool is_static;
 };

@@ -79,8 +79,8 @@ void styled_begin_path(struct styled *s)
 	shot_clear(&s->now);
 	s->tally = (struct stroke_tally){ 0 };
 	s->tone = (struct tone_sums){ 0 };
-	s->kept_least = s->density_least = s->tone_mean_least = INFINITY;
-	s->density_most = s->tone_mean_most = -INFINITY;
+	s->kept_least = s->density_least = s->layer_least = s->tone_mean_least = INFINITY;
+	s->density_most = s->layer_most = s->tone_mean_most = -INFINITY;
 	s->limited = s->cv = s->cv_all = s->error2 = s->soft_error2 = 0;
 	s->densities = s->cvs = s->cvs_all = 0;
 }
@@ -137,7 +137,8 @@ static void add_variation(double cv, double *sum, uint32_t *count)
 
 static void measure_density(struct styled *s, const uint8_t *lightness)
 {
-	struct density worst = { NAN, 0, NAN, NAN };
+	/* Strokes of all layers; of the rest the worst. */
+	struct density worst = { 0, 0, NAN, 0, NAN, NAN };
 	bool has = false;
 	for (uint32_t l = 0; l < s->frame->layers; l++) {
 		if (!density_has(&s->frame->layer[l]))
@@ -145,14 +146,20 @@ static void measure_density(struct styled *s, const uint8_t *lightness)
 		struct density d = density_of(s->frame, &s->now, l, lightness);
 		has = true;
 		/* fmin and fmax pass over what is no number */
-		s->density_least = fmin(s->density_least, d.relative);
-		s->density_most = fmax(s->density_most, d.relative);
+		s->layer_least = fmin(s->layer_least, d.relative);
+		s->layer_most = fmax(s->layer_most, d.relative);
+		worst.strokes += d.strokes;
+		worst.wanted += d.wanted;
 		worst.limited_share = fmax(worst.limited_share, d.limited_share);
 		worst.cv = fmax(worst.cv, d.cv);
 		worst.cv_all = fmax(worst.cv_all, d.cv_all);
 	}
 	if (!has)
 		return;
+	if (worst.wanted > 0) {
+		s->density_least = fmin(s->density_least, worst.strokes / worst.wanted);
+		s->density_most = fmax(s->density_most, worst.strokes / worst.wanted);
+	}
 	s->limited += worst.limited_share;
 	s->densities++;
 	add_variation(worst.cv, &s->cv, &s->cvs);
@@ -208,6 +215,8 @@ struct coherence_row styled_row(
 		.jumped_share = by((double)t->jumped, (double)t->compared),
 		.density_least = has_density ? s->density_least : NAN,
 		.density_most = has_density ? s->density_most : NAN,
+		.layer_least = has_density ? s->layer_least : NAN,
+		.layer_most = has_density ? s->layer_most : NAN,
 		.limited_share = by(s->limited, s->densities), .cv = by(s->cv, s->cvs),
 		.cv_all = by(s->cv_all, s->cvs_all),
 		.warp = warp_of(s == baseline, s->error2, baseline->error2),

@@ -12,7 +12,8 @@ struct styled {
 	struct shot before, now;
 	/* Of the path so far. */
 	struct stroke_tally tally;
-	double kept_least, density_least, density_most, limited, cv, cv_all;
+	double kept_least, limited, cv, cv_all;
+	double density_least, density_most, layer_least, layer_most;
 	uint32_t densities, cvs, cvs_all;
 	struct tone_sums tone;
 	double tone_mean_least, tone_mean_most;

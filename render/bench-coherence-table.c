@@ -14,9 +14,11 @@ void coherence_print_heading(const struct bench_coherence_options *o)
 	printf("coherence, %u x %u from %s, %u pairs of neighbouring frames of each path; * misses "
 	       "its bar\n\n",
 		o->width, o->height, o->view ? o->view : "walk", o->pairs);
-	puts("style                        kept (mean)       step (beyond)   density        "
+	puts("style                        kept (mean)       step (beyond)   density (layers)      "
+	     "       "
 	     "limited       cv (all)       warp (soft)     tone (mean)   drift   static");
-	puts("                          >= 99 %            <= 0.15       %  0.9 .. 1.1           "
+	puts("                          >= 99 %            <= 0.15       %  0.9 .. 1.1             "
+	     "            "
 	     "%  <= 0.25          <= 1.25         <= 0.04");
 }
 
@@ -53,13 +55,14 @@ static void beside(const char *format, double value)
 static void print_density(const struct figures *f, const struct coherence_row *r)
 {
 	if (isnan(r->density_least)) {
-		printf("%-17s", "     -");
+		printf("%-31s", "     -");
 		return;
 	}
 	bool good = r->density_least >= DENSITY_LEAST && r->density_most <= DENSITY_MOST;
 	++*f->bars;
 	*f->missed += !good;
-	printf("%5.2f .. %4.2f%c   ", r->density_least, r->density_most, good ? ' ' : '*');
+	printf("%5.2f .. %4.2f%c (%4.2f .. %4.2f)   ", r->density_least, r->density_most,
+		good ? ' ' : '*', r->layer_least, r->layer_most);
 }
 
 void coherence_print(const struct coherence_row *r, uint32_t *bars, uint32_t *missed)
@@ -93,6 +96,7 @@ JsonObject *coherence_to_json(const struct coherence_row *r)
 	} member[] = { { "kept_least", r->kept_least }, { "kept", r->kept },
 		{ "step_most", r->step_most }, { "jumped_share", r->jumped_share },
 		{ "density_least", r->density_least }, { "density_most", r->density_most },
+		{ "layer_density_least", r->layer_least }, { "layer_density_most", r->layer_most },
 		{ "limited_share", r->limited_share }, { "cv", r->cv }, { "cv_all", r->cv_all },
 		{ "warp", r->warp }, { "warp_soft", r->warp_soft }, { "tone", r->tone },
 		{ "tone_bias", r->tone_bias }, { "tone_drift", r->tone_drift } };

@@ -15,7 +15,8 @@
  *     density    of layers that cover areas (points: surface, dithering, all): sum of alpha of their strokes by the alpha that a
  *                stroke of such a point has when it has faded in, to what the layer wants there: of every covered pixel, by the
  *                lightness that plain coloured points have in it. Over cells of 32 px that are at least half covered and that the
- *                data do not limit; least and most of all frames (0.9 to 1.1)
+ *                data do not limit, all layers together; least and most of all frames (0.9 to 1.1). And of single layers, also of
+ *                those that cover little
  *     limited    part of the covered area in cells where the points of the layer that are to be seen, with all copies that they may
  *                give (step.h), are fewer than it wants
  *     cv         coefficient of variation of density over tiles of 64 px that are covered whole (99 %), not limited, and where 50
