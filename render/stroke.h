@@ -88,15 +88,15 @@ static inline float stroke_chance(uint32_t point, uint32_t salt)
 /* What a layer's strokes at full need weigh less for fading in: the mean of stroke_fade over ranks. */
 #define STROKE_FADE_MEAN 0.7213f
 /* Octaves of need that a point comes in over: one, and more of them near the eye, where a step changes need much. */
-#define STROKE_FADE_NEAR_M 12.f
-#define STROKE_FADE_MOST   3.f
+#define STROKE_FADE_NEAR_M 20.f
+#define STROKE_FADE_MOST   5.f
 static inline float stroke_fade_octaves(float depth_m)
 {
 	float octaves = STROKE_FADE_NEAR_M / depth_m;
 	return octaves < 1 ? 1 : octaves > STROKE_FADE_MOST ? STROKE_FADE_MOST : octaves;
 }
-/* What need must be more for them: the mean of stroke_fade is (1 - 2^-octaves) / (octaves ln 2). Within 0.3 % of that. */
-#define STROKE_FADE_MORE(octaves) (1 + ((octaves)-1) * (0.3095f + 0.0238f * ((octaves)-1)))
+/* What need must be more for them: the mean of stroke_fade is (1 - 2^-octaves) / (octaves ln 2). Within 0.4 % of that. */
+#define STROKE_FADE_MORE(octaves) (1 + ((octaves)-1) * (0.3191f + 0.0190f * ((octaves)-1)))
 /* Of a point with this rank where need is wanted: 1 at need / 2^octaves and below, 0 at need. Even steps when the scale grows evenly. */
 static inline float stroke_fade(float rank, float need, float octaves)
 {

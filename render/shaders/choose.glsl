@@ -112,12 +112,12 @@ float ray_most()
 /* That a point fades in over, and what need must be more for them (stroke.h). */
 float octaves_at(float depth_m)
 {
-	return clamp(12.0 / depth_m, 1.0, 3.0);
+	return clamp(20.0 / depth_m, 1.0, 5.0);
 }
 
 float more_of(float octaves)
 {
-	return 1.0 + (octaves - 1.0) * (0.3095 + 0.0238 * (octaves - 1.0));
+	return 1.0 + (octaves - 1.0) * (0.3191 + 0.0190 * (octaves - 1.0));
 }
 
 /* Strokes wanted to a square pixel where a surface of that colour is seen from the front. */
