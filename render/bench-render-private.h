@@ -50,7 +50,7 @@ void render_scene_clear(struct render_scene *s);
 
 struct render_strokes {
 	uint64_t submitted, drawn;
-	double seconds, stage_s[3]; /* to choose them, to sort them into bands, to draw */
+	double seconds, choose_s, bin_s, draw_s;
 };
 bool render_strokes_measure(struct render_strokes *ret, const bench_place *p, const scene *s,
 	const struct camera *c, uint32_t repeats, GError **error);

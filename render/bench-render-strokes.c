@@ -46,6 +46,6 @@ bool render_strokes_measure(struct render_strokes *ret, const bench_place *p, co
 	picture_buffer_clear(&picture);
 	if (good)
 		*ret = (struct render_strokes){ count_submitted(f), t.strokes,
-			t.choose_s + t.bin_s + t.draw_s, { t.choose_s, t.bin_s, t.draw_s } };
+			t.choose_s + t.bin_s + t.draw_s, t.choose_s, t.bin_s, t.draw_s };
 	return good;
 }
