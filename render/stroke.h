@@ -95,8 +95,9 @@ static inline float stroke_fade_octaves(float depth_m)
 	float octaves = STROKE_FADE_NEAR_M / depth_m;
 	return octaves < 1 ? 1 : octaves > STROKE_FADE_MOST ? STROKE_FADE_MOST : octaves;
 }
-/* What need must be more for them: the mean of stroke_fade is (1 - 2^-octaves) / (octaves ln 2). Within 0.4 % of that. */
-#define STROKE_FADE_MORE(octaves) (1 + ((octaves)-1) * (0.3191f + 0.0190f * ((octaves)-1)))
+/* What need must be more for them: the mean of stroke_fade is (1 - 2^-octaves) / (octaves ln 2). Within 0.1 % of that. */
+#define STROKE_FADE_MORE(octaves)                                                                  \
+	(1 + ((octaves)-1) * (0.307f + ((octaves)-1) * (0.028f - 0.0015f * ((octaves)-1))))
 /* Of a point with this rank where need is wanted: 1 at need / 2^octaves and below, 0 at need. Even steps when the scale grows evenly. */
 static inline float stroke_fade(float rank, float need, float octaves)
 {

@@ -3,6 +3,7 @@
 #include "firmware-io/files.h"
 #include "render/bench-coherence-private.h"
 #include "render/bench-subset.h"
+#include "render/large.h"
 #include <math.h>
 
 #define WIDTH  160u
@@ -19,7 +20,7 @@ static visibility_mask *mask_of_depth(float depth_m)
 	visibility_mask *m = g_new0(visibility_mask, 1);
 	m->width = m->pitch = WIDTH;
 	m->height = HEIGHT;
-	m->key = m->memory = g_aligned_alloc(WIDTH * HEIGHT, sizeof *m->memory, 64);
+	m->key = m->memory = large_new(WIDTH * HEIGHT * sizeof *m->key);
 	union {
 		float depth_m;
 		int32_t bits;

@@ -375,7 +375,7 @@ static void test_fade(void)
 		g_assert_cmpfloat(fabs((double)STROKE_FADE_MORE(octaves) * mean_fade(octaves) /
 						  (double)STROKE_FADE_MEAN -
 					  1),
-			<, 3e-3);
+			<, 1e-3);
 	g_assert_cmpfloat(stroke_fade(0.5f, 1, 1), ==, 1);
 	g_assert_cmpfloat(stroke_fade(0.5f, 1, 2), ==, 0.5f);
 	g_assert_cmpfloat(stroke_fade(1, 1, 1), ==, 0);

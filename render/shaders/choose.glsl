@@ -117,7 +117,8 @@ float octaves_at(float depth_m)
 
 float more_of(float octaves)
 {
-	return 1.0 + (octaves - 1.0) * (0.3191 + 0.0190 * (octaves - 1.0));
+	float more = octaves - 1.0;
+	return 1.0 + more * (0.307 + more * (0.028 - 0.0015 * more));
 }
 
 /* Strokes wanted to a square pixel where a surface of that colour is seen from the front. */
