@@ -249,7 +249,7 @@ static double mean_light(const frame *f, double half_m)
 static const struct medium {
 	const char *name, *step;
 } media[] = {
-	{ "sprites", "{\"step\":\"sprites\",\"length_px\":14,\"spacing_px\":4" },
+	{ "sprites", "{\"step\":\"sprites\",\"length_px\":14,\"spacing_px\":3.6" },
 	{ "lines", "{\"step\":\"lines\",\"length_px\":40,\"width_px\":4.8,\"spacing_px\":5" },
 	{ "thin-lines", "{\"step\":\"lines\",\"length_px\":40,\"width_px\":1.6,\"spacing_px\":4" },
 	{ "strokes", "{\"step\":\"strokes\",\"length_px\":60,\"width_px\":12,\"spacing_px\":5" },
