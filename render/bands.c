@@ -66,13 +66,13 @@ static void lay_out(band_lists *b, uint32_t *count)
 	b->which = grown(b->which, &b->room, total, sizeof *b->which);
 }
 
-static void fill_part(
-	band_lists *to, const struct stroke_blocks *strokes, uint32_t part, uint32_t *at)
+static void fill_part(band_lists *to, const struct stroke_blocks *strokes, uint32_t part,
+	const struct reach *reach, uint32_t *at)
 {
 	for (uint32_t k = part_end(strokes, part); k < part_end(strokes, part + 1); k++) {
 		const struct stroke_block *b = strokes->block[k];
 		for (uint32_t n = 0; n < b->count; n++) {
-			struct reach r = to->reach[b->first + n];
+			struct reach r = reach[b->first + n];
 			for (uint32_t band = r.first; band < r.end; band++)
 				to->which[at[band]++] = &b->stroke[n];
 		}
@@ -84,21 +84,20 @@ void band_lists_fill(
 {
 	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
 	b->end = g_renew(uint32_t, b->end, b->bands + 1);
-	b->reach = grown(b->reach, &b->reach_room, strokes->count, sizeof *b->reach);
+	g_autofree struct reach *reach = g_new(struct reach, strokes->count + 1);
 	g_autofree uint32_t *at = g_new0(uint32_t, PARTS * b->bands);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
 	for (uint32_t part = 0; part < PARTS; part++)
-		count_part(strokes, part, height, b->reach, at + part * b->bands);
+		count_part(strokes, part, height, reach, at + part * b->bands);
 	lay_out(b, at);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
 	for (uint32_t part = 0; part < PARTS; part++)
-		fill_part(b, strokes, part, at + part * b->bands);
+		fill_part(b, strokes, part, reach, at + part * b->bands);
 }
 
 void band_lists_clear(band_lists *b)
 {
 	g_clear_pointer(&b->end, g_free);
 	g_free(b->which);
-	g_free(b->reach);
 	*b = (band_lists){ 0 };
 }

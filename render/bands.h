@@ -16,16 +16,13 @@ static inline float *band_row(const struct band *b, float *plane, uint32_t y)
 }
 
 /* Which strokes of a layer touch which band, in their order. */
-struct reach;
 typedef struct band_lists band_lists;
 /* Zero at first; clear it in the end. */
 struct band_lists {
 	uint32_t bands;
 	uint32_t *end; /* of each band's part of which */
 	const struct stroke **which;
-	size_t room;         /* for so many in which */
-	struct reach *reach; /* bands that each stroke touches */
-	size_t reach_room;
+	size_t room; /* for so many in which */
 };
 void band_lists_fill(
 	band_lists *b, const struct stroke_blocks *strokes, uint32_t height, bool single_thread);

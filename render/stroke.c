@@ -17,7 +17,7 @@ float stroke_growth(float need)
 /* ---- room ---- */
 
 /* Blocks that are made at once. */
-#define SLAB 256
+#define SLAB 518
 
 struct stroke_room {
 	GMutex lock;

@@ -23,7 +23,7 @@ struct stroke {
 };
 
 /* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */
-#define STROKE_BLOCK 170u
+#define STROKE_BLOCK 84u
 struct stroke_block {
 	struct stroke_block *next; /* of the same layer */
 	uint32_t first, count;     /* strokes before it, and in it */
