@@ -1,7 +1,8 @@
 #ifndef PROCESS_LANES_H
 #define PROCESS_LANES_H
 /* Eight cells side by side, in GCC's and clang's vectors: AVX2 in functions that are built for it, whatever the processor has
- * elsewhere. All is inlined, so that it takes on the caller's target. */
+ * elsewhere. All is inlined, so that it takes on the caller's target. In files that are built for AVX2 as a whole
+ * (render/lanes-path.h) some of it is the one instruction that compilers do not find. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -155,6 +156,11 @@ INLINE vf all(float x)
 {
 	vf one = { x };
 	return __builtin_shufflevector(one, one, 0, 0, 0, 0, 0, 0, 0, 0);
+}
+
+INLINE vf clamp01(vf x)
+{
+	return least(most(x, all(0)), all(1));
 }
 
 INLINE float largest(vf x)

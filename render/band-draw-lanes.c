@@ -83,11 +83,6 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 
 /* ---- alpha of eight pixels in a row ---- */
 
-INLINE vf clamp01(vf x)
-{
-	return least(most(x, all(0)), all(1));
-}
-
 INLINE vf gaussian(const struct pen *p, vf away2)
 {
 	vf e = 1 - away2 * (p->falloff / 256);
@@ -199,11 +194,6 @@ INLINE int pixel_from(float x)
 	return x > 0 ? (int)(x + 0.5f) : 0;
 }
 
-INLINE vi pixels_from(vf x, uint32_t end)
-{
-	return __builtin_convertvector(least(most(x, all(0)), all((float)end)) + 0.5f, vi);
-}
-
 /* Sprites with less than this have eight columns and rows at most. */
 #define SPRITE_SMALL 3.4f
 
@@ -255,9 +245,9 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 		vf low = most(dy * p->turn[0] - p->reach[0], dy * p->turn[1] - p->reach[1]),
 		   high = least(dy * p->turn[0] + p->reach[0], dy * p->turn[1] + p->reach[1]);
 		int32_t left[LANES], right[LANES];
-		store_mask(left, pixels_from(s->x_px + low, b->width));
+		store_mask(left, pixels_from(s->x_px + low, (int32_t)b->width));
 		if (!is_thin)
-			store_mask(right, pixels_from(s->x_px + high, b->width));
+			store_mask(right, pixels_from(s->x_px + high, (int32_t)b->width));
 		for (int k = 0; k < LANES && y < end;
 			k++, y++, at += b->pitch, keys += m ? m->pitch : 0) {
 			if (is_thin)

@@ -2,7 +2,7 @@
 #define RENDER_DISC_LANES_H
 /* Points of a chunk as discs of their own projected size, eight at a time: for the mask and for coloured points. Where points stand
  * closer than pixels, those of the first ranks stand for all and are wider: the continuous resolution queue, by the test of each
- * point (Xu & Chen 2004, section 7.4). Internal to mask.c and splat.c. */
+ * point (Xu & Chen 2004, section 7.4). Internal to mask-lanes.c, splat-lanes.c and bench-discs.c. */
 #include "render/project-lanes.h"
 #include <math.h>
 

@@ -138,7 +138,7 @@ INLINE void draw_points(const struct draw_job *j, struct draw_desk *d)
 INLINE vf on_relief(vf bare, vf relief, float tooth)
 {
 	vf cover = 1 - bare;
-	return 1 - least(most(cover * (1 + 4 * tooth * relief * bare), all(0)), all(1));
+	return 1 - clamp01(cover * (1 + 4 * tooth * relief * bare));
 }
 
 INLINE vf uncovered(
@@ -225,8 +225,7 @@ INLINE void put_out(const struct draw_job *j, const struct band *b, const struct
 		for (uint32_t x = 0; x < b->width; x += LANES) {
 			int32_t step[3][LANES];
 			for (int k = 0; k < 3; k++) {
-				vf light =
-					least(most(load(d->canvas[k] + row + x), all(0)), all(1));
+				vf light = clamp01(load(d->canvas[k] + row + x));
 				store_mask(step[k], __builtin_convertvector(
 							    light * (LIGHT_STEPS - 1) + 0.5f, vi));
 			}

@@ -15,17 +15,11 @@ struct discs {
 	vi at, columns, rows;
 };
 
-/* The first pixel from 0 to end whose middle is not before x: also of those that are not drawn, which may be anywhere. */
-INLINE vi pixel_from(vf x, int32_t end)
-{
-	return __builtin_convertvector(least(most(x, all(0)), all((float)end)) + 0.5f, vi);
-}
-
 INLINE void find_discs(
 	const struct mask_target *t, const struct disc_lanes *d, vf pushed_m, struct discs *ret)
 {
-	vi left = pixel_from(d->x - d->half[0], t->width),
-	   top = pixel_from(d->y - d->half[1], t->height);
+	vi left = pixels_from(d->x - d->half[0], t->width),
+	   top = pixels_from(d->y - d->half[1], t->height);
 	vf x = __builtin_convertvector(left, vf) + 0.5f - d->x,
 	   y = __builtin_convertvector(top, vf) + 0.5f - d->y;
 	vf flat = 1 + d->squash[0] * d->squash[0], steep = 1 + d->squash[1] * d->squash[1],
@@ -40,8 +34,8 @@ INLINE void find_discs(
 	ret->tilt[0] = d->tilt[0];
 	ret->tilt[1] = d->tilt[1];
 	ret->at = top * (int32_t)t->pitch + left;
-	ret->columns = pixel_from(d->x + d->half[0], t->width) - left;
-	ret->rows = pixel_from(d->y + d->half[1], t->height) - top;
+	ret->columns = pixels_from(d->x + d->half[0], t->width) - left;
+	ret->rows = pixels_from(d->y + d->half[1], t->height) - top;
 }
 
 INLINE vi keys_of(vf depth_m, int32_t pipeline)

@@ -49,4 +49,10 @@ INLINE void unpack_lanes(vi both, vf ret[3])
 	ret[2] = where(some, z);
 }
 
+/* The first pixels from 0 to end whose middles are not before x, which may be anywhere. */
+INLINE vi pixels_from(vf x, int32_t end)
+{
+	return __builtin_convertvector(least(most(x, all(0)), all((float)end)) + 0.5f, vi);
+}
+
 #endif

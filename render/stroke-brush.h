@@ -36,6 +36,7 @@ struct candidate {
 	uint32_t point, copy; /* struct stroke */
 	float rank, spacing_m;
 	float x_px, y_px, depth_m;
+	float normal[3]; /* as the camera sees it; 0 0 0: none */
 };
 
 /* Part of the depth from which on what is behind the mask is gone. On the way there it fades: the mask is as rough as the points are,
@@ -67,14 +68,14 @@ INLINE void ray_of(const struct brush *b, const struct candidate *c, float ret[3
 }
 
 /* 1/depth over the screen, of the plane through the point. */
-INLINE void plane_slope(const struct brush *b, const struct candidate *c, const float normal[3],
-	float reach_px, float ret[2])
+INLINE void plane_slope(
+	const struct brush *b, const struct candidate *c, float reach_px, float ret[2])
 {
 	float ray[3], steepest = 0.5f / (c->depth_m * MAX(reach_px, 1));
 	ray_of(b, c, ray);
-	float away = vector3_dot(normal, ray) * c->depth_m * b->focal_px;
+	float away = vector3_dot(c->normal, ray) * c->depth_m * b->focal_px;
 	for (int k = 0; k < 2; k++) {
-		ret[k] = fabsf(away) > 1e-6f ? normal[k] / away : 0;
+		ret[k] = fabsf(away) > 1e-6f ? c->normal[k] / away : 0;
 		ret[k] = CLAMP(ret[k], -steepest, steepest);
 	}
 }

@@ -5,9 +5,6 @@
 #define FORESHORTENED 0.25f
 #define ALPHA_LEAST   (1 / 255.f)
 
-/* Part of the depth from which on what is behind the mask is gone. On the way there it fades: the mask is as rough as the points are,
- * and strokes must not come and go with it. What they may not cover they are kept from at each pixel. */
-#define HIDDEN_BEHIND 0.03f
 /* Surface whose back is hidden begins to fade at this cosine. */
 #define TURNED_AWAY 0.1f
 
@@ -20,7 +17,7 @@ INLINE vf shows(const struct brush *b, vf x, vf y, vf depth_m)
 	   row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
 	vi key = gather(m->key, row * (int32_t)m->pitch + column, 4);
 	vf behind = depth_m / (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1)) - 1;
-	return least(most(1 - behind * (1 / HIDDEN_BEHIND), all(0)), all(1));
+	return clamp01(1 - behind * (1 / HIDDEN_BEHIND));
 }
 
 /* How far it is not hidden in the four pixels around. */
@@ -46,8 +43,7 @@ INLINE vf facing(const struct brush *b, const struct lane_candidates *c)
 {
 	if (!hides_backs(b))
 		return all(1);
-	vf shown = least(most(along_of(b, c) * (-1 / TURNED_AWAY), all(0)), all(1));
-	return choose(has_no_normal(c), all(1), shown);
+	return choose(has_no_normal(c), all(1), clamp01(along_of(b, c) * (-1 / TURNED_AWAY)));
 }
 
 /* Of what is drawn whole. */
@@ -88,9 +84,9 @@ INLINE void turn_along(const struct brush *b, struct stroke *s, const float alon
 	s->along[1] = along[0] * turn[1] + along[1] * turn[0];
 }
 
-/* line NULL: at the layer's own angle; normal NULL: of one depth. */
+/* line NULL: at the layer's own angle; not flat: of one depth. */
 INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
-	float growth, const struct line *line, const float *normal)
+	float growth, const struct line *line, bool is_flat)
 {
 	const struct ink_step *ink = &b->layer->ink;
 	struct stroke s = { .x_px = c->x_px,
@@ -111,8 +107,8 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 			s.slope[k] = line->slope * line->along[k];
 	} else {
 		turn_along(b, &s, b->layer->own_way);
-		if (normal)
-			plane_slope(b, c, normal, half_px, s.slope);
+		if (is_flat)
+			plane_slope(b, c, half_px, s.slope);
 	}
 	s.half_length_px = half_px;
 	colour_of(b, c, s.rgb);
@@ -129,7 +125,8 @@ INLINE bool goes_along(const struct brush *b)
 INLINE struct candidate candidate_of(const struct lane_candidates *l, int k)
 {
 	return (struct candidate){ (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
-		l->x_px[k], l->y_px[k], l->depth_m[k] };
+		l->x_px[k], l->y_px[k], l->depth_m[k],
+		{ l->normal[0][k], l->normal[1][k], l->normal[2][k] } };
 }
 
 /* A block with room for eight. */
@@ -148,7 +145,6 @@ INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struc
 	for (unsigned left = l->left & bits(whole >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
 		struct candidate c = candidate_of(l, k);
-		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
 		struct line line;
 		if (!line_of(b, &c, &line))
 			continue;
@@ -158,7 +154,7 @@ INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struc
 		if (alpha < ALPHA_LEAST)
 			continue;
 		block->stroke[block->count++] =
-			stroke_of(b, &c, alpha, 1, goes_along(b) ? &line : NULL, normal);
+			stroke_of(b, &c, alpha, 1, goes_along(b) ? &line : NULL, true);
 	}
 }
 
@@ -175,12 +171,11 @@ INLINE void try_on_surface(
 	for (unsigned left = l->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
 		struct candidate c = candidate_of(l, k);
-		float normal[3] = { l->normal[0][k], l->normal[1][k], l->normal[2][k] };
 		struct line line;
 		bool has_line = goes_along(b) && line_of(b, &c, &line);
 		block->stroke[block->count++] = stroke_of(b, &c, alpha[k],
 			MIN(stroke_growth(short_of[k]), b->layer->ink.grow),
-			has_line ? &line : NULL, l->is_flat[k] ? normal : NULL);
+			has_line ? &line : NULL, l->is_flat[k]);
 	}
 }
 

@@ -1,7 +1,7 @@
 #ifndef RENDER_STROKE_NEED_H
 #define RENDER_STROKE_NEED_H
 /* How many strokes are wanted where a point is, and its place among the points that there are (stroke.h): on surface for eight points
- * at a time, along edges for one. Internal to stroke.c; all is inlined. */
+ * at a time, along edges for one. Internal to stroke-lanes.c; all is inlined. */
 #include "render/project-lanes.h"
 #include "render/stroke-brush.h"
 

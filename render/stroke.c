@@ -4,6 +4,7 @@
 
 /* Chunks to a task, so that the order of strokes does not depend on threads. */
 #define TASK_CHUNKS 16
+
 float stroke_growth(float need)
 {
 	float half = need / 2, mean = 1;
@@ -16,7 +17,7 @@ float stroke_growth(float need)
 
 /* ---- room ---- */
 
-/* Blocks that are made at once. */
+/* Blocks that are made at once: a large page of them. */
 #define SLAB 518
 
 struct stroke_room {
