@@ -32,8 +32,12 @@ void scene_free(scene *s)
 	g_free(s);
 }
 
-static void allocate(scene *s)
+scene *scene_alloc(uint32_t count, uint32_t chunks)
 {
+	scene *s = g_new0(scene, 1);
+	s->serial = scene_serial();
+	s->count = count;
+	s->chunks = chunks;
 	size_t n = (size_t)s->count + 16; /* vectors read beyond the end */
 	struct {
 		void *plane;
@@ -52,6 +56,7 @@ static void allocate(scene *s)
 		*(void **)of_point[k].plane = large_take(&at, n * of_point[k].bytes);
 	memset(s->list, 0, n * sizeof *s->list);
 	s->chunk = g_new0(struct scene_chunk, s->chunks + 1);
+	return s;
 }
 
 uint64_t scene_serial(void)
@@ -283,14 +288,10 @@ scene *scene_new(const model *m, GError **error)
 			product_path(model_file(m)), model_count(m));
 		return NULL;
 	}
-	scene *s = g_new0(scene, 1);
-	s->serial = scene_serial();
-	s->count = (uint32_t)model_count(m);
-	s->chunks = (uint32_t)chunks;
+	scene *s = scene_alloc((uint32_t)model_count(m), (uint32_t)chunks);
 	struct features_options defaults = features_defaults(NULL);
 	s->dither_per_m2 = (float)number_in(m, "dither_per_m2", defaults.dither_per_m2);
 	s->tone_exponent = (float)number_in(m, "tone_exponent", defaults.tone_exponent);
-	allocate(s);
 	find_origin(s, chunk);
 #pragma omp parallel
 	{

@@ -47,6 +47,8 @@ struct scene {
 };
 /* Reads all of the model once, and gives its memory back behind itself. G_IO_ERROR_NO_SPACE when it is too large: 2^31 points. */
 scene *scene_new(const model *m, GError **error);
+/* Room for so many points and chunks, to be filled by whoever made it; chunks and lists are 0, all else is not yet written. */
+scene *scene_alloc(uint32_t count, uint32_t chunks);
 void scene_free(scene *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scene, scene_free)
 size_t scene_bytes(const scene *s); /* of memory */

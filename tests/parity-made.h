@@ -112,25 +112,12 @@ static void make_chunk(scene *s, GRand *r, int thing, uint32_t count)
 
 static inline scene *make_scene(void)
 {
-	size_t most = 16 * CHUNK + 16;
-	scene *s = g_new0(scene, 1);
+	scene *s = scene_alloc(16 * CHUNK, 16);
 	GRand *r = g_rand_new_with_seed(7);
-	s->serial = scene_serial();
+	s->count = s->chunks = 0; /* they grow */
 	s->origin_m[0] = 1000;
 	s->dither_per_m2 = 400;
 	s->tone_exponent = 2;
-	s->chunk = g_new0(struct scene_chunk, 17);
-	for (int k = 0; k < 3; k++)
-		s->q[k] = g_new0(uint16_t, most);
-	s->spacing = g_new0(uint16_t, most);
-	s->disc = g_new0(uint16_t, most);
-	s->normal = g_malloc0(most * sizeof *s->normal);
-	s->direction = g_malloc0(most * sizeof *s->direction);
-	s->rgba = g_malloc0(most * sizeof *s->rgba);
-	s->kind = g_new0(uint8_t, most);
-	s->degree = g_new0(uint8_t, most);
-	s->list = g_new0(uint16_t, most);
-	s->list_spacing = g_new0(uint16_t, most);
 	for (int thing = 0; thing < THINGS; thing++)
 		for (uint32_t done = 0; done < things[thing].points; done += CHUNK)
 			make_chunk(s, r, thing, MIN(CHUNK, things[thing].points - done));
