@@ -15,6 +15,7 @@ modules := sim firmware-io acquire process render
 
 # Packages are needed before pkg-config can say anything, so `make deps` must work without them.
 packages :=
+buses :=
 pkgs :=
 cxx_pkgs :=
 cxx_libs :=
@@ -29,7 +30,7 @@ PKG_LIBS := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
 CXX_PKG_CFLAGS = $(shell pkg-config --cflags $(cxx_pkgs) 2>/dev/null | sed 's/-I/-isystem /g') $(cxx_flags)
 CXX_PKG_LIBS := $(shell pkg-config --libs $(cxx_pkgs) 2>/dev/null)
 
-house_cflags := -std=gnu17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -Wno-missing-field-initializers \
+house_cflags := -std=gnu17 -I. -I$(BUILD) -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -Wno-missing-field-initializers \
 	-Wshadow -Wstrict-prototypes -Wmissing-prototypes -fno-math-errno -fno-trapping-math -fopenmp -MMD -MP $(PKG_CFLAGS)
 house_cxxflags = -std=c++17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall -Wextra -Werror -fopenmp -MMD -MP $(PKG_CFLAGS) \
 	$(CXX_PKG_CFLAGS)
@@ -69,6 +70,24 @@ $(BUILD)/%.o: %.cpp
 	@mkdir -p $(@D)
 	$(call say,CXX)
 	$(q)$(CXX) $(house_cxxflags) $(CXXFLAGS) $(sanitize_flags) -c -o $@ $<
+
+# What is said on a bus stands in one XML a service; the code of both ends is generated: FOLDER/NAME-bus.h.
+define bus
+$(BUILD)/$(1)-bus.c: $(dir $(1))$(2).xml
+	@mkdir -p $$(@D)
+	$$(call say,BUS)
+	$$(q)gdbus-codegen --interface-prefix org.pleinair. --c-namespace Bus --c-generate-autocleanup all \
+		--output-directory $$(@D) --generate-c-code $(notdir $(1))-bus $$<
+$(BUILD)/$(1)-bus.h: $(BUILD)/$(1)-bus.c
+$(BUILD)/$(1)-bus.o: $(BUILD)/$(1)-bus.c
+	$$(call say,CC)
+	$$(q)$$(CC) $$(house_cflags) -Wno-unused-parameter $$(CFLAGS) $$(sanitize_flags) -c -o $$@ $$<
+$(BUILD)/lib$(firstword $(subst /, ,$(1))).a: $(BUILD)/$(1)-bus.o
+endef
+$(foreach b,$(buses),$(eval $(call bus,$(word 1,$(subst :, ,$(b))),$(word 2,$(subst :, ,$(b))))))
+# Headers that are made must be there before anything includes them.
+$(patsubst %.c,$(BUILD)/%.o,$(wildcard acquire/*.c process/*.c render/*.c render/kiosk/*.c tests/*.c)): | \
+	$(foreach b,$(buses),$(BUILD)/$(word 1,$(subst :, ,$(b)))-bus.h)
 
 define library
 $(BUILD)/lib$(1).a: $(call objects,$(1))

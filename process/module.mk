@@ -7,3 +7,4 @@ cxx_libs += -lpcl_io_ply -lopencv_dnn -lopencv_core
 cxx_flags += -isystem /usr/include/opencv4
 # Vectors as arguments of functions that are all inlined.
 $(BUILD)/process/normals-%.o: house_cflags += -Wno-psabi
+buses += process/jobs:org.pleinair.Jobs1
