@@ -11,7 +11,7 @@ SANITIZE ?=
 # V=1 shows the commands.
 q := $(if $(V),,@)
 say = $(if $(V),,@echo '  $(1)  $@')
-modules := sim firmware-io acquire process render
+modules := sim firmware-io acquire process render render/kiosk
 
 # Packages are needed before pkg-config can say anything, so `make deps` must work without them.
 packages :=
@@ -41,13 +41,15 @@ link_libs := $(PKG_LIBS) $(CXX_PKG_LIBS) $(cxx_libs) -lembree3 -lm -pthread -lst
 sources = $(sort $(wildcard $(1)/*.c $(1)/*.cpp))
 mains := $(foreach p,$(programs),$(p).c)
 objects = $(patsubst %,$(BUILD)/%.o,$(basename $(filter-out $(mains),$(call sources,$(1)))))
-lib_of = $(if $(call objects,$(1)),$(BUILD)/lib$(1).a)
+lib_of = $(if $(call objects,$(1)),$(BUILD)/lib$(subst /,-,$(1)).a)
 # A program links its own folder and what stands left of it; the simulator stands alone.
 libs_of_sim := $(call lib_of,sim)
 libs_of_firmware-io := $(call lib_of,firmware-io)
 libs_of_acquire := $(call lib_of,acquire) $(libs_of_firmware-io)
 libs_of_process := $(call lib_of,process) $(libs_of_acquire)
 libs_of_render := $(call lib_of,render) $(libs_of_process)
+libs_of_render/kiosk := $(call lib_of,render/kiosk) $(libs_of_render)
+folder_of = $(patsubst %/,%,$(dir $(1)))
 libs := $(libs_of_render) $(libs_of_sim)
 bins := $(foreach p,$(programs),$(BUILD)/bin/$(notdir $(p)))
 tests := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/test-*.c)))
@@ -90,22 +92,26 @@ $(patsubst %.c,$(BUILD)/%.o,$(wildcard acquire/*.c process/*.c render/*.c render
 	$(foreach b,$(buses),$(BUILD)/$(word 1,$(subst :, ,$(b)))-bus.h)
 
 define library
-$(BUILD)/lib$(1).a: $(call objects,$(1))
+$(call lib_of,$(1)): $(call objects,$(1))
 	@rm -f $$@; $(AR) rcs $$@ $$^
 endef
 $(foreach m,$(modules),$(eval $(call library,$(m))))
 
 define program
-$(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs_of_$(firstword $(subst /, ,$(1))))
+$(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs_of_$(call folder_of,$(1)))
 	@mkdir -p $$(@D)
 	$$(call say,LD)
-	$$(q)$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$^ -Wl,--as-needed $$(link_libs)
+	$$(q)$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$^ -Wl,--as-needed $$(link_libs) $(link_libs_of_$(call folder_of,$(1)))
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
 
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs) | $(shared_files)
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
+$(BUILD)/tests/test-kiosk-%: $(BUILD)/tests/test-kiosk-%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs_of_render/kiosk) \
+	$(libs_of_sim) | $(shared_files)
+	$(call say,LD)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs) $(link_libs_of_render/kiosk)
 # A fuzz target is plain C with LLVMFuzzerTestOneInput; here it is linked to a driver that replays its corpus.
 $(BUILD)/tests/fuzz-%: $(BUILD)/tests/fuzz-%.o $(BUILD)/tests/replay-corpus.o $(libs)
 	$(call say,LD)

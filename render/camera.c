@@ -95,6 +95,22 @@ struct camera camera_turned(const struct camera *c, double angle_rad)
 	return t;
 }
 
+struct camera camera_shifted(const struct camera *c, double right_px, double down_px)
+{
+	struct camera s = *c;
+	double x = right_px / c->focal_px, y = down_px / c->focal_px;
+	double z = 1 / sqrt(1 + x * x + y * y), level = 1 / sqrt(1 + x * x);
+	for (int k = 0; k < 3; k++) {
+		s.forward[k] = z * (c->forward[k] + x * c->right[k] + y * c->down[k]);
+		s.right[k] = level * (c->right[k] - x * c->forward[k]);
+	}
+	for (int k = 0; k < 3; k++) {
+		int m = (k + 1) % 3, n = (k + 2) % 3;
+		s.down[k] = s.forward[m] * s.right[n] - s.forward[n] * s.right[m];
+	}
+	return s;
+}
+
 static uint32_t scaled_side(uint32_t side, double factor)
 {
 	return (uint32_t)CLAMP(round(side * factor), 1, (double)UINT32_MAX);

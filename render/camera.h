@@ -46,6 +46,8 @@ struct camera camera_at_station(const struct pose *scan_to_site, double azimuth_
 	double elevation_rad, double fov_deg, uint32_t width, uint32_t height);
 /* Turned about the vertical through the eye, clockwise seen from above. */
 struct camera camera_turned(const struct camera *c, double angle_rad);
+/* Turned about the eye by so much of a pixel that the picture shows what was so far right and below of each place. */
+struct camera camera_shifted(const struct camera *c, double right_px, double down_px);
 /* The same view in a picture of other size: sides are rounded (at least 1), the focal length is
  * not, so that a pixel is 1/factor of one of before everywhere. */
 struct camera camera_scaled(const struct camera *c, double factor);

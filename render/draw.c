@@ -112,6 +112,8 @@ static void draw_bands(draw_room *r, const struct draw_job *j)
 			desk_set_up_points(d, b.pitch);
 #pragma omp for schedule(dynamic, 1)
 		for (uint32_t from = 0; from < height; from += rows) {
+			if (frame_is_stopped(j->f))
+				continue;
 			d->together.from = from;
 			d->together.rows = MIN(rows, height - from);
 			LANES_OF(j->f->lanes, draw_together)(j, d);
@@ -142,6 +144,10 @@ void draw_frame(
 	draw_room *r = room ? room : &own;
 	j.mask = r->mask = visibility_mask_renew(r->mask, f, j.views, j.count);
 	t.mask_s = lap(&since_us);
+	if (frame_is_stopped(f)) {
+		clear_room(&own);
+		return;
+	}
 	if (!r->strokes)
 		r->strokes = stroke_room_new();
 	const struct stroke_blocks *strokes =

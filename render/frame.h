@@ -58,7 +58,14 @@ struct frame {
 	uint32_t relief_width, relief_height;
 	enum lanes_path lanes; /* with what vectors cpu draws it; tests try them all */
 	bool single_thread;    /* for tests */
+	/* NULL, or becomes other than 0 (g_atomic_int_set, any thread) when nobody wants the picture any more: it is then left unfinished. */
+	const int *stop;
 };
+static inline bool frame_is_stopped(const struct frame *f)
+{
+	return f->stop && g_atomic_int_get(f->stop);
+}
+
 /* Scene and drawing must live longer. Errors of camera_validate, missing textures, more layers than FRAME_LAYERS_MAX. */
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error);
 void frame_free(frame *f); /* NULL is fine */

@@ -82,7 +82,13 @@ bool painter_draw(painter *p, const frame *f, struct picture_buffer *to,
 	struct draw_times *ret_times, GError **error)
 {
 	g_autoptr(GError) failed = NULL;
-	if (p->ops->draw(p->state, f, to, ret_times, &failed))
+	bool good = p->ops->draw(p->state, f, to, ret_times, &failed);
+	if (frame_is_stopped(f)) {
+		g_set_error_literal(error, G_IO_ERROR, G_IO_ERROR_CANCELLED,
+			"nobody wants the picture any more");
+		return false;
+	}
+	if (good)
 		return true;
 	if (p->wish == BACKEND_WISH_GLES) {
 		g_propagate_error(error, g_steal_pointer(&failed));

@@ -27,7 +27,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(painter, painter_free)
 const char *painter_why(const painter *p);
 /* Of the backend that draws: "cpu", "gles". */
 const char *painter_name(const painter *p);
-/* Into a picture of the camera's size. ret_times may be NULL. */
+/* Into a picture of the camera's size. ret_times may be NULL. G_IO_ERROR_CANCELLED: f->stop was set. */
 bool painter_draw(painter *p, const frame *f, struct picture_buffer *to,
 	struct draw_times *ret_times, GError **error);
 

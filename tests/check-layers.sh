@@ -15,7 +15,14 @@ check sim 'sim/'
 check firmware-io 'firmware-io/|sim/link\.h"'
 check acquire 'acquire/|firmware-io/'
 check process 'process/|acquire/|firmware-io/'
-check render 'render/|process/|acquire/|firmware-io/'
+check render 'render/[^/]*"|process/|acquire/|firmware-io/'
+check render/kiosk 'render/|process/|acquire/|firmware-io/'
+# GTK is the kiosk's alone.
+toolkit=$(grep -lE '#include <(gtk|gdk)' -r sim firmware-io acquire process render 2>/dev/null | grep -v '^render/kiosk/' || true)
+if [ -n "$toolkit" ]; then
+	echo "layers: GTK belongs in render/kiosk: $toolkit" >&2
+	status=1
+fi
 # C++ libraries are named only behind their bridges.
 bridges=$(grep -lE '#include <(pcl|opencv2)/' -r sim firmware-io acquire process render 2>/dev/null | grep -vE '_(pcl|cv)\.[ch]pp$' || true)
 if [ -n "$bridges" ]; then

@@ -1,0 +1,32 @@
+#ifndef RENDER_KIOSK_KIOSK_PRIVATE_H
+#define RENDER_KIOSK_KIOSK_PRIVATE_H
+/* What the files of the window share. */
+#include "render/kiosk/journal.h"
+#include "render/kiosk/kiosk.h"
+#include "render/kiosk/status.h"
+
+struct undo {
+	char *did;
+	void (*undo)(gpointer data);
+	gpointer data;
+	GDestroyNotify data_free;
+};
+
+struct kiosk {
+	struct kiosk_options options;
+	services *services;
+	void (*closed)(gpointer user_data);
+	gpointer closed_data;
+	journal *journal;
+	status *status;
+	GtkWidget *window, *overlay, *stack, *back, *title, *undo, *theme;
+	GtkWidget *toast, *toast_box, *toast_text, *toast_advice; /* a revealer and what is in it */
+	guint toast_timer;
+	GtkWidget *shade, *sheet_box; /* visible while there is a sheet */
+	GPtrArray *titles;            /* of the screens, the last is at the front */
+	GPtrArray *undos;             /* of struct undo, the last was done last */
+};
+
+void kiosk_build_says(kiosk *k);
+
+#endif

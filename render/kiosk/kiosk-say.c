@@ -1,0 +1,165 @@
+#include "render/kiosk/kiosk-private.h"
+
+#define TOAST_SECONDS 6
+
+/* ---- at the foot ---- */
+
+static void hide_toast(GtkButton *button, gpointer user_data)
+{
+	kiosk *k = user_data;
+	(void)button;
+	g_clear_handle_id(&k->toast_timer, g_source_remove);
+	gtk_revealer_set_reveal_child(GTK_REVEALER(k->toast), FALSE);
+	gtk_widget_set_can_target(k->toast, FALSE);
+}
+
+static gboolean toast_is_over(gpointer user_data)
+{
+	kiosk *k = user_data;
+	k->toast_timer = 0;
+	hide_toast(NULL, k);
+	return G_SOURCE_REMOVE;
+}
+
+static void show_toast(kiosk *k, const char *sentence, const char *advice, bool stays)
+{
+	g_clear_handle_id(&k->toast_timer, g_source_remove);
+	kit_set_text(k->toast_text, sentence);
+	kit_set_text(k->toast_advice, advice ? advice : "");
+	gtk_widget_set_visible(k->toast_advice, advice && *advice);
+	if (stays)
+		gtk_widget_add_css_class(k->toast_box, "bad");
+	else
+		gtk_widget_remove_css_class(k->toast_box, "bad");
+	gtk_widget_set_can_target(k->toast, TRUE);
+	gtk_revealer_set_reveal_child(GTK_REVEALER(k->toast), TRUE);
+	if (!stays)
+		k->toast_timer = g_timeout_add_seconds(TOAST_SECONDS, toast_is_over, k);
+}
+
+void kiosk_say(kiosk *k, const char *sentence)
+{
+	journal_add(k->journal, sentence);
+	show_toast(k, sentence, NULL, false);
+}
+
+void kiosk_complain(kiosk *k, const char *sentence, const char *advice)
+{
+	journal_add(k->journal, sentence);
+	show_toast(k, sentence, advice, true);
+}
+
+void kiosk_complain_of(kiosk *k, const GError *error)
+{
+	if (!error || g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED))
+		return;
+	g_autoptr(GError) plain = g_error_copy(error);
+	g_dbus_error_strip_remote_error(plain);
+	kiosk_complain(k, plain->message, NULL);
+}
+
+static void build_toast(kiosk *k)
+{
+	k->toast_text = kit_named_text("toast-text", "", NULL);
+	k->toast_advice = kit_named_text("toast-advice", "", "small");
+	GtkWidget *texts = kit_column(2, k->toast_text, k->toast_advice, NULL);
+	gtk_widget_set_valign(texts, GTK_ALIGN_CENTER);
+	GtkWidget *close = kit_button("toast-close", "window-close-symbolic", NULL, _("Close"),
+		NULL, G_CALLBACK(hide_toast), k);
+	gtk_widget_set_valign(close, GTK_ALIGN_CENTER);
+	k->toast_box = kit_classed(kit_row(16, kit_grow(texts, true, false), close, NULL), "toast");
+	k->toast = gtk_revealer_new();
+	gtk_revealer_set_child(GTK_REVEALER(k->toast), k->toast_box);
+	gtk_revealer_set_transition_type(
+		GTK_REVEALER(k->toast), GTK_REVEALER_TRANSITION_TYPE_SLIDE_UP);
+	gtk_widget_set_halign(k->toast, GTK_ALIGN_CENTER);
+	gtk_widget_set_valign(k->toast, GTK_ALIGN_END);
+	gtk_widget_set_can_target(k->toast, FALSE);
+	gtk_overlay_add_overlay(GTK_OVERLAY(k->overlay), k->toast);
+}
+
+/* ---- sheets ---- */
+
+void kiosk_close_sheet(kiosk *k)
+{
+	gtk_widget_set_visible(k->shade, FALSE);
+	kit_empty(k->sheet_box);
+}
+
+static void pressed_beside(GtkGestureClick *g, int n, double x, double y, gpointer user_data)
+{
+	kiosk *k = user_data;
+	(void)g;
+	(void)n;
+	graphene_rect_t box;
+	if (gtk_widget_compute_bounds(k->sheet_box, k->shade, &box) &&
+		!graphene_rect_contains_point(&box, &GRAPHENE_POINT_INIT((float)x, (float)y)))
+		kiosk_close_sheet(k);
+}
+
+static gboolean key_on_sheet(
+	GtkEventControllerKey *c, guint key, guint code, GdkModifierType m, gpointer user_data)
+{
+	(void)c;
+	(void)code;
+	(void)m;
+	if (key != GDK_KEY_Escape)
+		return GDK_EVENT_PROPAGATE;
+	kiosk_close_sheet(user_data);
+	return GDK_EVENT_STOP;
+}
+
+void kiosk_open_sheet(kiosk *k, GtkWidget *content)
+{
+	kit_empty(k->sheet_box);
+	gtk_box_append(GTK_BOX(k->sheet_box), content);
+	gtk_widget_set_visible(k->shade, TRUE);
+	gtk_widget_child_focus(k->sheet_box, GTK_DIR_TAB_FORWARD);
+}
+
+static void build_shade(kiosk *k)
+{
+	k->shade = kit_classed(gtk_box_new(GTK_ORIENTATION_VERTICAL, 0), "shade");
+	gtk_widget_set_name(k->shade, "shade");
+	k->sheet_box = kit_classed(gtk_box_new(GTK_ORIENTATION_VERTICAL, 0), "sheet");
+	gtk_widget_set_halign(k->sheet_box, GTK_ALIGN_CENTER);
+	gtk_widget_set_valign(k->sheet_box, GTK_ALIGN_CENTER);
+	kit_grow(k->sheet_box, true, true);
+	gtk_box_append(GTK_BOX(k->shade), k->sheet_box);
+	gtk_widget_set_visible(k->shade, FALSE);
+	GtkGesture *press = gtk_gesture_click_new();
+	g_signal_connect(press, "released", G_CALLBACK(pressed_beside), k);
+	gtk_widget_add_controller(k->shade, GTK_EVENT_CONTROLLER(press));
+	GtkEventController *keys = gtk_event_controller_key_new();
+	g_signal_connect(keys, "key-pressed", G_CALLBACK(key_on_sheet), k);
+	gtk_widget_add_controller(k->shade, keys);
+	gtk_overlay_add_overlay(GTK_OVERLAY(k->overlay), k->shade);
+}
+
+static void close_sheet_of(GtkButton *button, gpointer user_data)
+{
+	(void)button;
+	kiosk_close_sheet(user_data);
+}
+
+void kiosk_ask(kiosk *k, const char *title, const char *text, const char *yes, GCallback done,
+	gpointer user_data)
+{
+	GtkWidget *body = kit_text(text, NULL);
+	gtk_label_set_max_width_chars(GTK_LABEL(body), 46);
+	GtkWidget *sure =
+		kit_button("sure", NULL, yes, NULL, "danger great", G_CALLBACK(close_sheet_of), k);
+	/* Closed first: what is done may open the next one. */
+	g_signal_connect(sure, "clicked", done, user_data);
+	GtkWidget *no =
+		kit_button("keep", NULL, _("Keep"), NULL, "great", G_CALLBACK(close_sheet_of), k);
+	GtkWidget *buttons =
+		kit_row(16, kit_grow(no, true, false), kit_grow(sure, true, false), NULL);
+	kiosk_open_sheet(k, kit_column(18, kit_text(title, "title"), body, buttons, NULL));
+}
+
+void kiosk_build_says(kiosk *k)
+{
+	build_shade(k);
+	build_toast(k);
+}

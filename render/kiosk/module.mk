@@ -1,0 +1,8 @@
+# The touch screen: all that names GTK.
+programs += render/kiosk/pleinair-kiosk
+shared += render/kiosk/kiosk.css render/kiosk/light.css render/kiosk/dark.css
+# dbus-daemon: for desks without a session bus, and for tests.
+packages += libgtk-4-dev fonts-inter fonts-cantarell adwaita-icon-theme gettext
+link_libs_of_render/kiosk := $(shell pkg-config --libs gtk4 2>/dev/null)
+gtk_cflags := $(shell pkg-config --cflags gtk4 2>/dev/null | sed 's/-I/-isystem /g')
+$(BUILD)/render/kiosk/%.o $(BUILD)/tests/test-kiosk-%.o $(BUILD)/tests/kiosk-%.o: house_cflags += $(gtk_cflags)

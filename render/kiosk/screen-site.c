@@ -1,0 +1,8 @@
+#include "render/kiosk/screens.h"
+
+GtkWidget *screen_site_new(kiosk *k, const char *site)
+{
+	(void)k;
+	(void)site;
+	return kit_text("Site", "title");
+}

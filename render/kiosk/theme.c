@@ -1,0 +1,63 @@
+#include "render/kiosk/theme.h"
+#include <gtk/gtk.h>
+
+static char *shared_file(const char *name)
+{
+	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
+	g_autofree char *folder = g_path_get_dirname(self ? self : ".");
+	return g_build_filename(folder, "..", "share", "pleinair", "kiosk", name, NULL);
+}
+
+static char *text_of(const char *name)
+{
+	g_autofree char *path = shared_file(name);
+	g_autoptr(GError) error = NULL;
+	char *text = NULL;
+	if (!g_file_get_contents(path, &text, NULL, &error))
+		g_warning("%s", error->message);
+	return text ? text : g_strdup("");
+}
+
+void theme_use(bool dark)
+{
+	static GtkCssProvider *used;
+	g_autofree char *colours = text_of(dark ? "dark.css" : "light.css");
+	g_autofree char *rules = text_of("kiosk.css");
+	g_autofree char *all = g_strconcat(colours, rules, NULL);
+	GdkDisplay *display = gdk_display_get_default();
+	g_object_set(gtk_settings_get_default(), "gtk-application-prefer-dark-theme",
+		(gboolean)dark, NULL);
+	if (used)
+		gtk_style_context_remove_provider_for_display(display, GTK_STYLE_PROVIDER(used));
+	g_clear_object(&used);
+	used = gtk_css_provider_new();
+	gtk_css_provider_load_from_data(used, all, -1);
+	gtk_style_context_add_provider_for_display(
+		display, GTK_STYLE_PROVIDER(used), GTK_STYLE_PROVIDER_PRIORITY_APPLICATION);
+}
+
+static char *settings_path(void)
+{
+	return g_build_filename(g_get_user_config_dir(), "pleinair", "kiosk.conf", NULL);
+}
+
+bool theme_kept(bool fallback)
+{
+	g_autofree char *path = settings_path();
+	g_autoptr(GKeyFile) file = g_key_file_new();
+	g_autoptr(GError) error = NULL;
+	if (!g_key_file_load_from_file(file, path, G_KEY_FILE_NONE, NULL))
+		return fallback;
+	bool dark = g_key_file_get_boolean(file, "screen", "dark", &error);
+	return error ? fallback : dark;
+}
+
+void theme_keep(bool dark)
+{
+	g_autofree char *path = settings_path(), *folder = g_path_get_dirname(path);
+	g_autoptr(GKeyFile) file = g_key_file_new();
+	g_mkdir_with_parents(folder, 0700);
+	g_key_file_load_from_file(file, path, G_KEY_FILE_KEEP_COMMENTS, NULL);
+	g_key_file_set_boolean(file, "screen", "dark", dark);
+	g_key_file_save_to_file(file, path, NULL);
+}
