@@ -264,6 +264,25 @@ drawing *drawing_new(const style *s, const segments *tree, char ***ret_unused, G
 	return good ? g_steal_pointer(&d) : NULL;
 }
 
+GArray *style_steps(const style *s, const segments *tree, uint32_t node, GError **error)
+{
+	g_autoptr(segments) none = tree ? NULL : segments_new();
+	struct resolving w = { .style = s, .tree = tree ? tree : none, .error = error };
+	struct step_list nothing;
+	GArray *steps = NULL;
+	begin(&w);
+	step_list_clear(&nothing);
+	keep_list(&w, &nothing);
+	const struct segment *at = segments_find(w.tree, node);
+	if (resolve(&w, at ? at : segments_find(w.tree, SEGMENT_SITE))) {
+		const struct step_list *list = w.lists->pdata[w.list_of[at ? node : SEGMENT_SITE]];
+		steps = g_array_new(FALSE, FALSE, sizeof(struct step));
+		g_array_append_vals(steps, list->steps, list->count);
+	}
+	end(&w);
+	return steps;
+}
+
 void drawing_free(drawing *d)
 {
 	if (!d)

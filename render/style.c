@@ -285,6 +285,13 @@ style *style_parse(const char *text, gssize length, const char *name_for_errors,
 		&nothing, error);
 }
 
+style *style_parse_for(
+	const char *text, const char *name_for_errors, const char *site_path, GError **error)
+{
+	struct style_loading site = { .site_path = site_path };
+	return parse(text, strlen(text), name_for_errors, NULL, &site, error);
+}
+
 /* Links may make a circle too, so it is looked for by true paths. */
 static bool check_circle(const struct style_loading *loading, GError **error)
 {

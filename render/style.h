@@ -60,6 +60,9 @@ struct style {
 style *style_load(const char *path, GError **error);
 /* length -1: up to a zero byte. */
 style *style_parse(const char *text, gssize length, const char *name_for_errors, GError **error);
+/* The same, with bases looked for in the site's styles too. */
+style *style_parse_for(
+	const char *text, const char *name_for_errors, const char *site_path, GError **error);
 void style_free(style *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(style, style_free)
 
@@ -92,6 +95,8 @@ struct drawing {
  * pipelines, and a change of a step that is not inherited where a thing stands in this tree. Needs neither afterwards. */
 drawing *drawing_new(const style *s, const segments *tree, char ***ret_unused, GError **error);
 void drawing_free(drawing *d); /* NULL is fine */
+/* The steps of one node of the tree as it inherits them, the mask first; of struct step, caller frees. Errors of drawing_new. */
+GArray *style_steps(const style *s, const segments *tree, uint32_t node, GError **error);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(drawing, drawing_free)
 
 #endif

@@ -10,6 +10,7 @@ struct undo {
 	void (*undo)(gpointer data);
 	gpointer data;
 	GDestroyNotify data_free;
+	gpointer owner;
 };
 
 struct kiosk {

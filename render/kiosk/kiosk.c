@@ -65,18 +65,18 @@ static void undo_free(gpointer data)
 }
 
 void kiosk_did(kiosk *k, const char *did, void (*undo)(gpointer data), gpointer data,
-	GDestroyNotify data_free)
+	GDestroyNotify data_free, gpointer owner)
 {
 	struct undo *u = g_new0(struct undo, 1);
-	*u = (struct undo){ g_strdup(did), undo, data, data_free };
+	*u = (struct undo){ g_strdup(did), undo, data, data_free, owner };
 	g_ptr_array_add(k->undos, u);
 	show_bar(k);
 }
 
-void kiosk_forget_undo(kiosk *k, gpointer data)
+void kiosk_forget_undo(kiosk *k, gpointer owner)
 {
 	for (guint i = k->undos->len; i-- > 0;)
-		if (((struct undo *)g_ptr_array_index(k->undos, i))->data == data)
+		if (((struct undo *)g_ptr_array_index(k->undos, i))->owner == owner)
 			g_ptr_array_remove_index(k->undos, i);
 	show_bar(k);
 }

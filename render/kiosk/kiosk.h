@@ -48,10 +48,10 @@ void kiosk_ask(kiosk *k, const char *title, const char *text, const char *yes, G
 
 /* ---- undo ---- */
 
-/* did: what was done ("Tree 4 in red"); undo is called at most once, data_free always. */
+/* did: what was done ("Tree 4 in red"); undo is called at most once, data_free always. owner: the screen that it is undone on. */
 void kiosk_did(kiosk *k, const char *did, void (*undo)(gpointer data), gpointer data,
-	GDestroyNotify data_free);
-/* Of a screen that goes: what it did can no more be undone. */
-void kiosk_forget_undo(kiosk *k, gpointer data);
+	GDestroyNotify data_free, gpointer owner);
+/* The owner goes: what it did can no more be undone. */
+void kiosk_forget_undo(kiosk *k, gpointer owner);
 
 #endif

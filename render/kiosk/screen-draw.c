@@ -1,8 +1,357 @@
+/* The site drawn, as large as the screen: look at it, walk through it, choose how it is drawn. */
+#include "render/kiosk/draw-screen.h"
 #include "render/kiosk/screens.h"
 
-GtkWidget *screen_draw_new(kiosk *k, const char *site)
+#define WALK_SECONDS 1.4
+#define LOOK_SECONDS 0.9
+/* A better one takes over when it stands in the person's own folder; else this is the first. */
+#define FIRST_STYLE "figure-7c"
+
+/* ---- drawing ---- */
+
+void draw_screen_redraw(struct draw_screen *s, bool passing)
 {
-	(void)k;
-	(void)site;
-	return kit_text("Draw", "title");
+	g_autoptr(GError) error = NULL;
+	g_autoptr(style) now = style_edit_style(s->edit, s->folder, &error);
+	drawing *d = now ? drawing_new(now, s->site->tree, NULL, &error) : NULL;
+	if (d)
+		easel_set_drawing(s->easel, d, passing);
+	kiosk_complain_of(s->kiosk, error);
+}
+
+const char *draw_screen_node_key(const struct draw_screen *s, char buffer[32])
+{
+	const struct segment *node = s->site->tree ? segments_find(s->site->tree, s->node) : NULL;
+	if (!node || s->node == SEGMENT_SITE)
+		return "site";
+	if (s->node == segment_of_class(node->class))
+		return segment_classes[node->class].name;
+	g_snprintf(buffer, 32, "#%u", s->node);
+	return buffer;
+}
+
+/* ---- undo ---- */
+
+struct before {
+	struct draw_screen *screen;
+	char *text;
+};
+
+static void before_free(gpointer data)
+{
+	struct before *b = data;
+	g_free(b->text);
+	g_free(b);
+}
+
+static void take_back(gpointer data)
+{
+	struct before *b = data;
+	struct draw_screen *s = b->screen;
+	g_autoptr(GError) error = NULL;
+	style_edit *before = style_edit_parse(b->text, &error);
+	if (!before) {
+		kiosk_complain_of(s->kiosk, error);
+		return;
+	}
+	style_edit_free(s->edit);
+	s->edit = before;
+	g_clear_pointer(&s->last_slid, g_free);
+	draw_screen_redraw(s, false);
+	draw_panel_fill(s);
+}
+
+void draw_screen_will_change(struct draw_screen *s, const char *did)
+{
+	struct before *b = g_new0(struct before, 1);
+	b->screen = s;
+	b->text = style_edit_text(s->edit);
+	kiosk_did(s->kiosk, did, take_back, b, before_free, s);
+}
+
+/* ---- where to look from ---- */
+
+static void look_from(
+	struct draw_screen *s, const char *name, enum looking_mode mode, double seconds)
+{
+	g_autoptr(view) v = view_built_in(&s->site->sources, name);
+	if (!v)
+		return;
+	struct looking to = looking_of_view(v);
+	to.mode = mode;
+	easel_look(s->easel, &to, seconds);
+	gtk_toggle_button_set_active(GTK_TOGGLE_BUTTON(s->around), mode == LOOKING_FROM);
+}
+
+static void overview_pressed(GtkButton *b, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	(void)b;
+	s->station = 0;
+	look_from(s, "overview", LOOKING_AROUND, LOOK_SECONDS);
+}
+
+static void plan_pressed(GtkButton *b, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	(void)b;
+	s->station = 0;
+	look_from(s, "plan", LOOKING_AROUND, LOOK_SECONDS);
+}
+
+static void walk_by(struct draw_screen *s, int by)
+{
+	guint n = s->site->stations->len;
+	if (!n)
+		return;
+	s->station = s->station ? (s->station - 1 + n + (guint)(by + (int)n)) % n + 1 : 1;
+	g_autofree char *name = g_strdup_printf("station-%u", s->station);
+	look_from(s, name, LOOKING_FROM, WALK_SECONDS);
+	const struct view_station *at =
+		&g_array_index(s->site->stations, struct view_station, s->station - 1);
+	g_autofree char *said = g_strdup_printf(_("At scan %u"), at->number);
+	kiosk_say(s->kiosk, said);
+}
+
+static void next_pressed(GtkButton *b, gpointer user_data)
+{
+	(void)b;
+	walk_by(user_data, 1);
+}
+
+static void previous_pressed(GtkButton *b, gpointer user_data)
+{
+	(void)b;
+	walk_by(user_data, -1);
+}
+
+/* Round things, or round oneself. */
+static void around_toggled(GtkToggleButton *b, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	struct looking l = easel_looking(s->easel);
+	enum looking_mode mode = gtk_toggle_button_get_active(b) ? LOOKING_FROM : LOOKING_AROUND;
+	if (l.mode == mode)
+		return;
+	l.mode = mode;
+	easel_look(s->easel, &l, 0);
+}
+
+static void save_view_pressed(GtkButton *b, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	struct looking l = easel_looking(s->easel);
+	double eye[3];
+	g_autoptr(GError) error = NULL;
+	g_autoptr(GDateTime) now = g_date_time_new_now_local();
+	g_autofree char *name = g_date_time_format(now, "view-%Y%m%d-%H%M%S");
+	g_autofree char *title = g_date_time_format(now, _("View of %H:%M"));
+	(void)b;
+	looking_eye(&l, eye);
+	g_autoptr(view) v = view_new(name, title, eye, l.focus_m, l.fov_deg);
+	v->style = g_strdup(s->style_name);
+	if (!view_save(v, s->site->site, &error)) {
+		kiosk_complain_of(s->kiosk, error);
+		return;
+	}
+	g_autofree char *said = g_strdup_printf(_("Kept as \"%s\"."), title);
+	kiosk_say(s->kiosk, said);
+}
+
+static void adjust_pressed(GtkButton *b, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	(void)b;
+	draw_panel_show(s, !gtk_widget_get_visible(s->panel));
+}
+
+static void take_pressed(GtkButton *b, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	(void)b;
+	kiosk_push(s->kiosk, screen_take_new(s->kiosk, s->folder), "take", _("Take home"));
+}
+
+/* ---- what the easel tells ---- */
+
+static void shown(const struct artist_picture *p, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	(void)p;
+	gtk_stack_set_visible_child_name(GTK_STACK(s->stack), "draw");
+}
+
+static void small(uint32_t n, const struct artist_picture *p, gpointer user_data)
+{
+	draw_strip_got_small(user_data, n, p);
+}
+
+static void tapped(const struct scene_picked *picked, gpointer user_data)
+{
+	draw_panel_select(user_data, picked ? picked->leaf : 0);
+}
+
+static void has_failed(const char *sentence, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	kiosk_complain(s->kiosk, sentence, NULL);
+}
+
+static void marks(cairo_t *cr, const struct camera *c, gpointer user_data)
+{
+	draw_panel_marks(user_data, cr, c);
+}
+
+/* ---- loading ---- */
+
+static void load(GTask *task, gpointer source, gpointer data, GCancellable *cancel)
+{
+	g_autoptr(GError) error = NULL;
+	(void)source;
+	(void)cancel;
+	g_autoptr(drawn_site) d = drawn_site_new(data, 1.6, &error);
+	if (d && drawn_site_load(d, &error))
+		g_task_return_pointer(task, g_steal_pointer(&d), (GDestroyNotify)drawn_site_free);
+	else
+		g_task_return_error(task, g_steal_pointer(&error));
+}
+
+static void loaded(GObject *source, GAsyncResult *result, gpointer user_data)
+{
+	g_autoptr(GError) error = NULL;
+	drawn_site *d = g_task_propagate_pointer(G_TASK(result), &error);
+	(void)source;
+	if (g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED))
+		return; /* the screen has been left */
+	struct draw_screen *s = user_data;
+	if (!d) {
+		kit_set_text(s->nothing_text, error->message);
+		gtk_stack_set_visible_child_name(GTK_STACK(s->stack), "nothing");
+		return;
+	}
+	s->site = d;
+	easel_set_site(s->easel, d);
+	look_from(s, d->stations->len ? "walk" : "overview", LOOKING_AROUND, 0);
+	draw_strip_fill(s);
+	draw_screen_use_style(s, FIRST_STYLE);
+	gtk_stack_set_visible_child_name(GTK_STACK(s->stack), "draw");
+}
+
+/* ---- building ---- */
+
+static GtkWidget *tools(struct draw_screen *s)
+{
+	s->around = gtk_toggle_button_new();
+	gtk_button_set_child(
+		GTK_BUTTON(s->around), gtk_image_new_from_icon_name("view-refresh-symbolic"));
+	gtk_widget_set_name(s->around, "draw-around");
+	gtk_widget_set_tooltip_text(s->around, _("Look around from here"));
+	gtk_accessible_update_property(GTK_ACCESSIBLE(s->around), GTK_ACCESSIBLE_PROPERTY_LABEL,
+		_("Look around from here"), -1);
+	g_signal_connect(s->around, "toggled", G_CALLBACK(around_toggled), s);
+	GtkWidget *column = kit_column(8,
+		kit_button("draw-overview", "go-home-symbolic", NULL, _("Whole site"), NULL,
+			G_CALLBACK(overview_pressed), s),
+		kit_button("draw-plan", "view-grid-symbolic", NULL, _("Plan"), NULL,
+			G_CALLBACK(plan_pressed), s),
+		kit_button("draw-previous", "go-up-symbolic", NULL, _("Station before"), NULL,
+			G_CALLBACK(previous_pressed), s),
+		kit_button("draw-next", "go-down-symbolic", NULL, _("Next station"), NULL,
+			G_CALLBACK(next_pressed), s),
+		s->around,
+		kit_button("draw-keep-view", "bookmark-new-symbolic", NULL, _("Keep this view"),
+			NULL, G_CALLBACK(save_view_pressed), s),
+		NULL);
+	gtk_widget_set_halign(column, GTK_ALIGN_START);
+	gtk_widget_set_valign(column, GTK_ALIGN_START);
+	return kit_margin(column, 12);
+}
+
+static GtkWidget *corner(struct draw_screen *s)
+{
+	GtkWidget *row = kit_row(8,
+		kit_button("draw-adjust", "document-edit-symbolic", _("Adjust"), NULL, NULL,
+			G_CALLBACK(adjust_pressed), s),
+		kit_button("draw-take", "document-save-symbolic", _("Take home"), NULL, NULL,
+			G_CALLBACK(take_pressed), s),
+		NULL);
+	gtk_widget_set_halign(row, GTK_ALIGN_END);
+	gtk_widget_set_valign(row, GTK_ALIGN_START);
+	return kit_margin(row, 12);
+}
+
+static GtkWidget *message_page(GtkWidget *above, GtkWidget *text)
+{
+	GtkWidget *page = kit_column(24, above, text, NULL);
+	gtk_widget_set_halign(page, GTK_ALIGN_CENTER);
+	gtk_widget_set_valign(page, GTK_ALIGN_CENTER);
+	gtk_label_set_max_width_chars(GTK_LABEL(text), 50);
+	return page;
+}
+
+static void build(struct draw_screen *s)
+{
+	GtkWidget *spinner = gtk_spinner_new();
+	gtk_spinner_start(GTK_SPINNER(spinner));
+	gtk_widget_set_size_request(spinner, 64, 64);
+	s->wait_text = kit_text(_("The site is being opened."), "head");
+	s->nothing_text = kit_named_text("draw-nothing", "", "head");
+	s->stack = gtk_stack_new();
+	gtk_stack_add_named(GTK_STACK(s->stack), message_page(spinner, s->wait_text), "wait");
+	gtk_stack_add_named(GTK_STACK(s->stack),
+		message_page(kit_text(_("There is nothing to draw yet"), "title"), s->nothing_text),
+		"nothing");
+	GtkWidget *over = gtk_overlay_new();
+	gtk_overlay_set_child(GTK_OVERLAY(over), easel_widget(s->easel));
+	gtk_overlay_add_overlay(GTK_OVERLAY(over), tools(s));
+	gtk_overlay_add_overlay(GTK_OVERLAY(over), corner(s));
+	gtk_overlay_add_overlay(GTK_OVERLAY(over), draw_panel_new(s));
+	gtk_stack_add_named(GTK_STACK(s->stack),
+		kit_column(0, kit_grow(over, true, true), draw_strip_new(s), NULL), "draw");
+	s->widget = kit_column(0, kit_grow(s->stack, true, true), NULL);
+}
+
+static void destroyed(GtkWidget *w, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	(void)w;
+	g_cancellable_cancel(s->gone);
+	kiosk_forget_undo(s->kiosk, s);
+	easel_free(s->easel);
+	s->easel = NULL;
+}
+
+static void draw_screen_free(gpointer data)
+{
+	struct draw_screen *s = data;
+	g_clear_object(&s->gone);
+	drawn_site_free(s->site);
+	style_edit_free(s->edit);
+	g_strfreev(s->names);
+	g_ptr_array_unref(s->pictures);
+	g_free(s->style_name);
+	g_free(s->last_slid);
+	g_free(s->folder);
+	g_free(s);
+}
+
+GtkWidget *screen_draw_new(kiosk *k, const char *folder)
+{
+	struct draw_screen *s = g_new0(struct draw_screen, 1);
+	s->kiosk = k;
+	s->folder = g_strdup(folder);
+	s->gone = g_cancellable_new();
+	s->node = SEGMENT_SITE;
+	s->pictures = g_ptr_array_new();
+	s->easel = easel_new("draw-canvas", kiosk_options_of(k)->backend,
+		&(struct easel_watcher){ shown, small, tapped, has_failed, marks, s });
+	build(s);
+	g_signal_connect(s->widget, "destroy", G_CALLBACK(destroyed), s);
+	g_object_set_data_full(G_OBJECT(s->widget), "screen", s, draw_screen_free);
+	GTask *task = g_task_new(NULL, s->gone, loaded, s);
+	g_task_set_return_on_cancel(task, FALSE);
+	g_task_set_task_data(task, g_strdup(folder), g_free);
+	g_task_run_in_thread(task, load);
+	g_object_unref(task);
+	return s->widget;
 }

@@ -1,0 +1,214 @@
+#include "render/kiosk/step-sliders.h"
+#include <math.h>
+#include <string.h>
+
+struct slider {
+	const char *step_id; /* interned */
+	const struct step_parameter *parameter;
+	step_slid slid;
+	gpointer user_data;
+	GtkWidget *value;
+};
+
+static void tell(struct slider *s, JsonNode *value)
+{
+	s->slid(s->step_id, s->parameter, value, s->user_data);
+}
+
+static int digits_of(const struct step_parameter *p)
+{
+	double range = p->slider_most - p->slider_least;
+	return range >= 100 ? 0 : range >= 10 ? 1 : 2;
+}
+
+static void show_value(struct slider *s, double value)
+{
+	g_autofree char *text = g_strdup_printf("%.*f %s", digits_of(s->parameter), value,
+		s->parameter->unit ? s->parameter->unit : "");
+	kit_set_text(s->value, g_strchomp(text));
+}
+
+static void number_slid(GtkRange *range, gpointer user_data)
+{
+	struct slider *s = user_data;
+	double v = CLAMP(gtk_range_get_value(range), s->parameter->least, s->parameter->most);
+	show_value(s, v);
+	tell(s, json_node_init_double(json_node_alloc(), v));
+}
+
+static void switched(GtkSwitch *w, GParamSpec *what, gpointer user_data)
+{
+	(void)what;
+	tell(user_data, json_node_init_boolean(json_node_alloc(), gtk_switch_get_active(w)));
+}
+
+static void chosen(GtkDropDown *w, GParamSpec *what, gpointer user_data)
+{
+	struct slider *s = user_data;
+	guint n = gtk_drop_down_get_selected(w);
+	(void)what;
+	if (n != GTK_INVALID_LIST_POSITION)
+		tell(s, json_node_init_string(json_node_alloc(), s->parameter->choices[n]));
+}
+
+/* ---- colours: inks and paints, the ones that people reach for ---- */
+
+static const char *const palette[] = { "#000000", "#26241f", "#5a5148", "#8a8378", "#ffffff",
+	"#8c2f1b", "#c4572a", "#d9a441", "#5b6e2c", "#2f5d3a", "#1f6d78", "#23437a", "#5a3a78",
+	"#a23b6a" };
+
+static void swatch_pressed(GtkButton *button, gpointer user_data)
+{
+	const char *colour = g_object_get_data(G_OBJECT(button), "colour");
+	tell(user_data, json_node_init_string(json_node_alloc(), colour));
+}
+
+static void draw_swatch(
+	GtkDrawingArea *area, cairo_t *cr, int width, int height, gpointer user_data)
+{
+	GdkRGBA c;
+	(void)area;
+	gdk_rgba_parse(&c, user_data);
+	cairo_set_source_rgb(cr, (double)c.red, (double)c.green, (double)c.blue);
+	cairo_arc(cr, width / 2.0, height / 2.0, MIN(width, height) / 2.0 - 2, 0, 2 * G_PI);
+	cairo_fill_preserve(cr);
+	cairo_set_source_rgba(cr, 0.5, 0.5, 0.5, 0.8);
+	cairo_set_line_width(cr, 1.5);
+	cairo_stroke(cr);
+}
+
+static GtkWidget *swatch(struct slider *s, const char *colour)
+{
+	GtkWidget *area = gtk_drawing_area_new();
+	gtk_drawing_area_set_content_width(GTK_DRAWING_AREA(area), 34);
+	gtk_drawing_area_set_content_height(GTK_DRAWING_AREA(area), 34);
+	gtk_drawing_area_set_draw_func(GTK_DRAWING_AREA(area), draw_swatch, (gpointer)colour, NULL);
+	GtkWidget *button = gtk_button_new();
+	gtk_button_set_child(GTK_BUTTON(button), area);
+	kit_classed(button, "swatch");
+	g_autofree char *name = g_strdup_printf("ink-%s", colour + 1);
+	gtk_widget_set_name(button, name);
+	gtk_accessible_update_property(
+		GTK_ACCESSIBLE(button), GTK_ACCESSIBLE_PROPERTY_LABEL, colour, -1);
+	g_object_set_data(G_OBJECT(button), "colour", (gpointer)colour);
+	g_signal_connect(button, "clicked", G_CALLBACK(swatch_pressed), s);
+	return button;
+}
+
+static GtkWidget *colour_row(struct slider *s)
+{
+	GtkWidget *flow = gtk_grid_new();
+	for (guint i = 0; i < G_N_ELEMENTS(palette); i++)
+		gtk_grid_attach(
+			GTK_GRID(flow), swatch(s, palette[i]), (int)i % 5, (int)i / 5, 1, 1);
+	gtk_grid_set_row_spacing(GTK_GRID(flow), 6);
+	gtk_grid_set_column_spacing(GTK_GRID(flow), 6);
+	return flow;
+}
+
+/* ---- one parameter ---- */
+
+static GtkWidget *number_row(struct slider *s, float value, const char *name)
+{
+	const struct step_parameter *p = s->parameter;
+	double least = fmin(p->slider_least, (double)value),
+	       most = fmax(p->slider_most, (double)value);
+	GtkWidget *scale = gtk_scale_new_with_range(
+		GTK_ORIENTATION_HORIZONTAL, least, most, fmax((most - least) / 100, 1e-3));
+	gtk_range_set_value(GTK_RANGE(scale), (double)value);
+	gtk_widget_set_name(scale, name);
+	gtk_accessible_update_property(
+		GTK_ACCESSIBLE(scale), GTK_ACCESSIBLE_PROPERTY_LABEL, p->help, -1);
+	show_value(s, (double)value);
+	g_signal_connect(scale, "value-changed", G_CALLBACK(number_slid), s);
+	return scale;
+}
+
+static GtkWidget *widget_of(struct slider *s, const struct step *step)
+{
+	const struct step_parameter *p = s->parameter;
+	const uint8_t *at = step->bytes + p->offset;
+	g_autofree char *name = g_strdup_printf("slider-%s-%s", s->step_id, p->name);
+	float number;
+	int32_t which;
+	memcpy(&number, at, sizeof number);
+	memcpy(&which, at, sizeof which);
+	GtkWidget *w;
+	if (p->type == PARAMETER_NUMBER)
+		return number_row(s, number, name);
+	if (p->type == PARAMETER_COLOUR)
+		return colour_row(s);
+	if (p->type == PARAMETER_BOOLEAN) {
+		w = gtk_switch_new();
+		gtk_switch_set_active(GTK_SWITCH(w), which != 0);
+		gtk_widget_set_halign(w, GTK_ALIGN_START);
+		g_signal_connect(w, "notify::active", G_CALLBACK(switched), s);
+	} else {
+		w = gtk_drop_down_new_from_strings(p->choices);
+		gtk_drop_down_set_selected(GTK_DROP_DOWN(w), (guint)which);
+		g_signal_connect(w, "notify::selected", G_CALLBACK(chosen), s);
+	}
+	gtk_widget_set_name(w, name);
+	return w;
+}
+
+/* "length_px" -> "Length"; the unit stands with the value. */
+static char *title_of(const struct step_parameter *p)
+{
+	g_autofree char *words = g_strdelimit(g_strdup(p->name), "_", ' ');
+	static const char *const units[] = { " px", " deg", " m" };
+	for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
+		if (g_str_has_suffix(words, units[i]))
+			words[strlen(words) - strlen(units[i])] = '\0';
+	if (words[0])
+		words[0] = g_ascii_toupper(words[0]);
+	return g_strdup(_(words));
+}
+
+static GtkWidget *parameter_row(
+	const struct step *step, const struct step_parameter *p, step_slid slid, gpointer user_data)
+{
+	struct slider *s = g_new0(struct slider, 1);
+	*s = (struct slider){ step->id, p, slid, user_data, NULL };
+	g_autofree char *title = title_of(p);
+	s->value = kit_line("value", "", "small number soft", false);
+	GtkWidget *head = kit_row(
+		8, kit_grow(kit_line("parameter", title, NULL, true), true, false), s->value, NULL);
+	GtkWidget *row = kit_column(0, head, widget_of(s, step), NULL);
+	gtk_widget_set_tooltip_text(row, p->help);
+	g_object_set_data_full(G_OBJECT(row), "slider", s, g_free);
+	return row;
+}
+
+/* Textures are files, and choices inside a step what it is made of: not for people on a site. */
+static bool is_for_people(const struct step_parameter *p)
+{
+	return p->type != PARAMETER_TEXTURE;
+}
+
+GtkWidget *step_sliders_new(const GArray *steps, step_slid slid, gpointer user_data)
+{
+	GtkWidget *all = kit_column(10, NULL);
+	bool is_first = true;
+	for (guint i = 0; i < steps->len; i++) {
+		const struct step *step = &g_array_index(steps, struct step, i);
+		if (step->kind->stage == STEP_MASK)
+			continue;
+		GtkWidget *rows = kit_column(4, NULL);
+		for (const struct step_parameter *p = step->kind->parameters; p->name; p++)
+			if (is_for_people(p))
+				gtk_box_append(
+					GTK_BOX(rows), parameter_row(step, p, slid, user_data));
+		g_autofree char *title = g_strdup_printf("%s · %s", _(step->kind->title), step->id);
+		GtkWidget *part = gtk_expander_new(title);
+		gtk_expander_set_child(GTK_EXPANDER(part), rows);
+		gtk_expander_set_expanded(GTK_EXPANDER(part), is_first);
+		g_autofree char *name = g_strdup_printf("step-%s", step->id);
+		gtk_widget_set_name(part, name);
+		gtk_box_append(GTK_BOX(all), part);
+		is_first = false;
+	}
+	if (is_first)
+		gtk_box_append(GTK_BOX(all), kit_text(_("Nothing is drawn here."), "soft"));
+	return all;
+}
