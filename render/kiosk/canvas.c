@@ -10,7 +10,8 @@
 struct _PleinairCanvas {
 	GtkWidget parent;
 	struct canvas_watcher watcher;
-	GdkTexture *texture;
+	GBytes *bgrx; /* shown; picture_width * picture_height */
+	uint32_t picture_width, picture_height;
 	uint32_t width, height;
 	GtkGesture *drag, *pan, *mouse_pan, *zoom, *twist;
 	double last_x, last_y, last_scale, last_angle;
@@ -228,13 +229,47 @@ static void canvas_size_allocate(GtkWidget *w, int width, int height, int baseli
 		c->watcher.resized(wide, high, c->watcher.user_data);
 }
 
+static const cairo_user_data_key_t bytes_key;
+
+/* GSK's cairo renderer copies each texture that it draws, which costs as much as all the rest: it gets the bytes themselves. */
+static void append_bytes(PleinairCanvas *c, GtkSnapshot *s, const graphene_rect_t *all)
+{
+	cairo_surface_t *picture = cairo_image_surface_create_for_data(
+		(unsigned char *)g_bytes_get_data(c->bgrx, NULL), CAIRO_FORMAT_RGB24,
+		(int)c->picture_width, (int)c->picture_height, (int)c->picture_width * 4);
+	cairo_surface_set_user_data(
+		picture, &bytes_key, g_bytes_ref(c->bgrx), (cairo_destroy_func_t)g_bytes_unref);
+	cairo_t *cr = gtk_snapshot_append_cairo(s, all);
+	cairo_scale(cr, (double)all->size.width / c->picture_width,
+		(double)all->size.height / c->picture_height);
+	cairo_set_source_surface(cr, picture, 0, 0);
+	cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_BILINEAR);
+	cairo_pattern_set_extend(cairo_get_source(cr), CAIRO_EXTEND_PAD);
+	cairo_set_operator(cr, CAIRO_OPERATOR_SOURCE);
+	cairo_paint(cr);
+	cairo_destroy(cr);
+	cairo_surface_destroy(picture);
+}
+
+static void append_picture(PleinairCanvas *c, GtkSnapshot *s, const graphene_rect_t *all)
+{
+	GskRenderer *renderer = gtk_native_get_renderer(gtk_widget_get_native(GTK_WIDGET(c)));
+	if (GSK_IS_CAIRO_RENDERER(renderer)) {
+		append_bytes(c, s, all);
+		return;
+	}
+	g_autoptr(GdkTexture) texture =
+		canvas_texture(c->bgrx, c->picture_width, c->picture_height);
+	gtk_snapshot_append_texture(s, texture, all);
+}
+
 static void canvas_snapshot(GtkWidget *w, GtkSnapshot *s)
 {
 	PleinairCanvas *c = PLEINAIR_CANVAS(w);
 	float width = (float)gtk_widget_get_width(w), height = (float)gtk_widget_get_height(w);
 	graphene_rect_t all = GRAPHENE_RECT_INIT(0, 0, width, height);
-	if (c->texture)
-		gtk_snapshot_append_texture(s, c->texture, &all);
+	if (c->bgrx)
+		append_picture(c, s, &all);
 	if (!c->marks || !c->width)
 		return;
 	cairo_t *cr = gtk_snapshot_append_cairo(s, &all);
@@ -247,7 +282,7 @@ static void canvas_dispose(GObject *o)
 {
 	PleinairCanvas *c = PLEINAIR_CANVAS(o);
 	g_clear_handle_id(&c->tap_timer, g_source_remove);
-	g_clear_object(&c->texture);
+	g_clear_pointer(&c->bgrx, g_bytes_unref);
 	G_OBJECT_CLASS(canvas_parent_class)->dispose(o);
 }
 
@@ -328,8 +363,11 @@ GdkTexture *canvas_texture(GBytes *bgrx, uint32_t width, uint32_t height)
 void canvas_show(GtkWidget *canvas, GBytes *bgrx, uint32_t width, uint32_t height)
 {
 	PleinairCanvas *c = PLEINAIR_CANVAS(canvas);
-	g_clear_object(&c->texture);
-	c->texture = canvas_texture(bgrx, width, height);
+	g_bytes_ref(bgrx);
+	g_clear_pointer(&c->bgrx, g_bytes_unref);
+	c->bgrx = bgrx;
+	c->picture_width = width;
+	c->picture_height = height;
 	gtk_widget_queue_draw(canvas);
 }
 

@@ -110,11 +110,23 @@ static int run(struct run *r, const char *folder)
 	return CLI_DONE;
 }
 
+/* Without a GPU, GTK's cairo renderer costs half of what its GL one does on a software GL, and starts sooner. */
+static void choose_renderer(void)
+{
+	g_autoptr(GDir) dir = g_dir_open("/dev/dri", 0, NULL);
+	const char *name;
+	while (dir && (name = g_dir_read_name(dir)))
+		if (g_str_has_prefix(name, "renderD"))
+			return;
+	g_setenv("GSK_RENDERER", "cairo", FALSE);
+}
+
 int main(int argc, char **argv)
 {
 	struct run r = { 0 };
 	int status;
 	g_autoptr(GError) error = NULL;
+	choose_renderer();
 	/* cli_parse has set it, with the C locale's numbers. */
 	gtk_disable_setlocale();
 	if (!cli_parse(COMMAND, "[FOLDER]", "Shows the sites in a folder on a touch screen.",

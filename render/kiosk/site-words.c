@@ -1,0 +1,43 @@
+#include "render/kiosk/site-words.h"
+#include <glib/gi18n.h>
+#include <math.h>
+#include <stdbool.h>
+
+char *words_duration(double seconds)
+{
+	if (!(seconds >= 0) || !isfinite(seconds))
+		return g_strdup("");
+	if (seconds < 90)
+		return g_strdup_printf(_("%.0f s"), ceil(seconds / 5) * 5);
+	if (seconds < 5400)
+		return g_strdup_printf(_("%.0f min"), ceil(seconds / 60));
+	return g_strdup_printf(_("%.1f h"), seconds / 3600);
+}
+
+char *words_date(gint64 unix_s)
+{
+	g_autoptr(GDateTime) then = g_date_time_new_from_unix_local(unix_s);
+	g_autoptr(GDateTime) now = g_date_time_new_now_local();
+	if (!then)
+		return g_strdup("");
+	bool today = g_date_time_get_year(then) == g_date_time_get_year(now) &&
+		     g_date_time_get_day_of_year(then) == g_date_time_get_day_of_year(now);
+	return g_date_time_format(then, today ? _("today %H:%M") : "%-d %b %Y");
+}
+
+char *words_scans(guint scans, guint placed, guint partial)
+{
+	if (!scans)
+		return g_strdup(partial ? _("One scan to finish") : _("No scans yet"));
+	g_autofree char *n = g_strdup_printf(ngettext("%u scan", "%u scans", scans), scans);
+	if (placed >= scans || scans == 1)
+		return g_steal_pointer(&n);
+	return g_strdup_printf(_("%s, %u placed"), n, placed);
+}
+
+char *words_points(double points)
+{
+	if (points >= 1e6)
+		return g_strdup_printf(_("%.1f million points"), points / 1e6);
+	return g_strdup_printf(_("%.0f thousand points"), points / 1e3);
+}

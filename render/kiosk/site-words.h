@@ -1,0 +1,12 @@
+#ifndef RENDER_KIOSK_SITE_WORDS_H
+#define RENDER_KIOSK_SITE_WORDS_H
+/* Numbers as people on a site read them. All texts are the caller's to free. */
+#include <glib.h>
+#include <stdint.h>
+
+char *words_duration(double seconds); /* "about 3 min"; below 0: "" */
+char *words_date(gint64 unix_s);      /* "today 14:05", "12 Nov 2026" */
+char *words_scans(guint scans, guint placed, guint partial);
+char *words_points(double points); /* "2.4 million points" */
+
+#endif
