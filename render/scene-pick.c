@@ -1,6 +1,5 @@
 #include "render/scene-pick.h"
 #include <math.h>
-#include <string.h>
 
 /* Points so much behind the front one belong to the same surface: a part of its depth, and of their own spacing. */
 #define BEHIND_PART 0.01
@@ -9,13 +8,6 @@ struct candidate {
 	float depth_m, aside_px, reach_m;
 	uint32_t chunk, point;
 };
-
-static void place_of(const scene *s, const struct scene_chunk *c, uint32_t i, double ret_m[3])
-{
-	for (int k = 0; k < 3; k++)
-		ret_m[k] = s->origin_m[k] + c->centre_m[k] - c->half_m[k] +
-			   (double)c->step_m[k] * s->q[k][i];
-}
 
 /* Whether a chunk's sphere may have something within radius_px. */
 static bool may_be_near(const scene *s, const struct scene_chunk *c, const struct camera *cam,
@@ -39,12 +31,12 @@ static void look_at_chunk(const scene *s, uint32_t n, const struct camera *cam, 
 	double radius_px, GArray *found)
 {
 	const struct scene_chunk *c = &s->chunk[n];
-	for (uint32_t i = c->first; i < c->first + c->count; i++) {
+	for (uint32_t i = 0; i < c->count; i++) {
 		double place[3], at[2], depth;
-		place_of(s, c, i, place);
+		scene_position(s, c, i, place);
 		if (!camera_project(cam, place, at, &depth))
 			continue;
-		double disc_m = s->disc[i] * SCENE_UNIT_M;
+		double disc_m = s->disc[c->first + i] * SCENE_UNIT_M;
 		double aside = hypot(at[0] - px[0], at[1] - px[1]);
 		/* A point is as large as its patch, so that nothing is picked through near surface. */
 		if (aside > fmax(radius_px, disc_m / 2 * cam->focal_px / depth))
@@ -107,7 +99,7 @@ bool scene_pick(const scene *s, const struct camera *c, const uint8_t *leaves, c
 	if (!found->len)
 		return false;
 	const struct candidate *k = choose(s, found);
-	place_of(s, &s->chunk[k->chunk], k->point, ret->place_m);
+	scene_position(s, &s->chunk[k->chunk], k->point, ret->place_m);
 	ret->depth_m = k->depth_m;
 	ret->leaf = s->chunk[k->chunk].leaf;
 	return true;

@@ -44,8 +44,8 @@ static GtkWidget *words_of(GVariant *about, const char *name, const char *error)
 	gint64 changed = 0;
 	g_variant_lookup(about, "changed", "x", &changed);
 	g_autofree char *date = words_date(changed);
-	g_autofree char *scans =
-		words_scans(number(about, "scans"), number(about, "placed"), number(about, "partial"));
+	g_autofree char *scans = words_scans(
+		number(about, "scans"), number(about, "placed"), number(about, "partial"));
 	GtkWidget *line =
 		error ? kit_line("card-error", _("Cannot be read"), "bad", true)
 		      : kit_row(8,
