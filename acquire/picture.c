@@ -126,6 +126,18 @@ bool picture_write(
 	return false;
 }
 
+uint8_t *picture_pixels(const panorama *p, enum picture kind)
+{
+	size_t n = (size_t)p->desc.columns * p->desc.rows;
+	struct stretch s = painters[kind].value ? find_stretch(p, painters[kind].value)
+						: (struct stretch){ 0, 1 };
+	uint8_t *rgb = g_malloc0(3 * n);
+#pragma omp parallel for
+	for (size_t i = 0; i < n; i++)
+		painters[kind].colour(p, i, &s, rgb + 3 * i);
+	return rgb;
+}
+
 bool picture_save(const panorama *p, enum picture kind, const char *path, GError **error)
 {
 	if (kind == PICTURE_COLOUR && !p->rgb) {
@@ -133,12 +145,6 @@ bool picture_save(const panorama *p, enum picture kind, const char *path, GError
 			path);
 		return false;
 	}
-	size_t n = (size_t)p->desc.columns * p->desc.rows;
-	struct stretch s = painters[kind].value ? find_stretch(p, painters[kind].value)
-						: (struct stretch){ 0, 1 };
-	g_autofree uint8_t *rgb = g_malloc0(3 * n);
-#pragma omp parallel for
-	for (size_t i = 0; i < n; i++)
-		painters[kind].colour(p, i, &s, rgb + 3 * i);
+	g_autofree uint8_t *rgb = picture_pixels(p, kind);
 	return picture_write(path, rgb, p->desc.columns, p->desc.rows, error);
 }

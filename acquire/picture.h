@@ -15,6 +15,8 @@ extern const char *const picture_names[]; /* "range", "intensity", ... */
 
 /* Replaces the file as a whole. false: cannot be written, or no colour. */
 bool picture_save(const panorama *p, enum picture kind, const char *path, GError **error);
+/* The same in memory: 3 bytes a cell; caller frees. PICTURE_COLOUR needs p->rgb. */
+uint8_t *picture_pixels(const panorama *p, enum picture kind);
 /* Any picture, likewise: 3 bytes a pixel, sRGB, row by row. */
 bool picture_write(
 	const char *path, const uint8_t *rgb, uint32_t width, uint32_t height, GError **error);

@@ -1,4 +1,5 @@
 #include "acquire/run.h"
+#include "acquire/colour.h"
 #include "acquire/driver.h"
 #include <math.h>
 #include <string.h>
@@ -39,11 +40,33 @@ static void take_line(
 		placed->intensity, placed->beams);
 }
 
+/* The photo's part of the preview: each cell that it shows, the last one counts. */
+static void colour_preview(
+	run *r, const struct camera_frame_info *info, const uint8_t *pixels, double front_rad)
+{
+	const struct calibration *calibration = run_calibration(r);
+	struct photo p = { *info, pixels, front_rad };
+	panorama one = *r->preview;
+	size_t n = (size_t)one.desc.columns * one.desc.rows;
+	if (!calibration || !calibration->has_camera)
+		return;
+	one.rgb = NULL;
+	colour_panorama(&one, &p, 1, calibration);
+	if (!r->preview->rgb)
+		r->preview->rgb = g_malloc0(3 * n);
+	for (size_t i = 0; i < n; i++)
+		if (one.rgb[3 * i] | one.rgb[3 * i + 1] | one.rgb[3 * i + 2])
+			memcpy(r->preview->rgb + 3 * i, one.rgb + 3 * i, 3);
+	g_free(one.rgb);
+}
+
 static void take_frame(const struct camera_frame_info *info, const uint8_t *pixels,
 	double front_rad, bool locked, gpointer user_data)
 {
 	run *r = user_data;
 	photos_take(r->photos, info, pixels, front_rad, locked);
+	if (locked)
+		colour_preview(r, info, pixels, front_rad);
 	/* Photos of a scan that is resumed tell the exposure that it was made with. */
 	if (r->recalling && locked)
 		r->controls_known = photos_use_controls(r->photos, &info->controls, NULL);

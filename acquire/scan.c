@@ -315,6 +315,8 @@ static bool record_into(struct recording *r, struct scan_result *result, GError 
 	if (!open_record(r, error) || !check_same_head(r, error) || !run_it(r, error))
 		return false;
 	uint32_t missing = run_missing_columns(r->run);
+	if (r->options->developing)
+		r->options->developing(r->options->user_data);
 	if (!develop_into(r->folder, r->scan, result, error) ||
 		!site_finish_scan(r->site, r->number, error))
 		return false;

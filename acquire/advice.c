@@ -1,0 +1,55 @@
+#include "acquire/advice.h"
+#include "acquire/manifest.h"
+#include "acquire/pump.h"
+#include "firmware-io/record.h"
+#include "firmware-io/wire.h"
+#include <gio/gio.h>
+
+struct advice {
+	GQuark (*domain)(void);
+	int code; /* below 0: any */
+	const char *text;
+};
+
+static const struct advice all[] = {
+	{ pump_error_quark, PUMP_ERROR_LIDAR_GONE,
+		"Look at the lidar's cable and its power, then go on with the scan." },
+	{ pump_error_quark, PUMP_ERROR_NO_ANSWER,
+		"Switch the lidar off and on, wait ten seconds, then go on with the scan." },
+	{ pump_error_quark, PUMP_ERROR_REFUSED,
+		"Switch the lidar off and on. If it refuses again, clean its window and let it "
+		"cool." },
+	{ pump_error_quark, PUMP_ERROR_STAGE,
+		"See that nothing holds the head and the emergency stop is released, then go on "
+		"with "
+		"the scan: the head finds its zero by itself." },
+	{ pump_error_quark, PUMP_ERROR_STOPPED, "" },
+	{ wire_error_quark, -1, "Look at the scanner's cables and its power, then try again." },
+	{ record_error_quark, RECORD_ERROR_DAMAGED,
+		"The record is damaged in the middle. Go on without what is damaged, or copy the "
+		"site "
+		"to a drive first." },
+	{ manifest_error_quark, -1,
+		"A file of the site is broken. Copy the site's folder to a drive before anything "
+		"is "
+		"changed." },
+	{ g_file_error_quark, G_FILE_ERROR_NOSPC,
+		"Make room: copy finished sites to a drive and remove them here, or scan more "
+		"coarsely." },
+	{ g_file_error_quark, G_FILE_ERROR_EXIST,
+		"Go on with the unfinished scan of this site, or throw it away." },
+	{ g_file_error_quark, G_FILE_ERROR_ACCES,
+		"The folder cannot be written: choose another one." },
+	{ g_file_error_quark, G_FILE_ERROR_ROFS, "The disk can only be read: choose another one." },
+	{ g_io_error_quark, G_IO_ERROR_BUSY,
+		"Another program writes into this site. Wait until it is done." },
+};
+
+const char *advice_for(const GError *error)
+{
+	for (size_t i = 0; error && i < G_N_ELEMENTS(all); i++)
+		if (error->domain == all[i].domain() &&
+			(all[i].code < 0 || error->code == all[i].code))
+			return all[i].text;
+	return "";
+}

@@ -1,0 +1,72 @@
+#ifndef ACQUIRE_RECORDER_H
+#define ACQUIRE_RECORDER_H
+/* Scans on a thread of its own, for services: begun, paused, gone on with, stopped; how far it is can be asked at any time. One owner;
+ * all functions and callbacks are of the thread that made it, which runs a main loop. */
+#include "acquire/picture.h"
+#include "acquire/scan.h"
+
+enum recorder_state {
+	RECORDER_IDLE,
+	RECORDER_STARTING,
+	RECORDER_SCANNING,
+	RECORDER_DEVELOPING,
+	RECORDER_PAUSING,
+	RECORDER_PAUSED, /* a partial scan of site waits */
+	RECORDER_STATES
+};
+extern const char *const recorder_state_names[RECORDER_STATES];
+
+struct recorder_progress {
+	enum recorder_state state;
+	char *site; /* path; NULL before the first scan */
+	uint32_t scan;
+	char *preset, *doing;
+	double fraction, column_fraction, seconds_left; /* below 0: not known */
+	uint32_t photos_taken, photos_wanted;
+};
+void recorder_progress_clear(struct recorder_progress *p);
+
+/* What is known of a head that was looked at. */
+struct recorder_head {
+	bool known;
+	struct lidar_identity lidar;
+	struct calibration calibration;
+	const struct driver *driver;
+	bool has_camera;
+};
+
+struct recorder_watcher {
+	/* The head answers and the folder is there; or error. */
+	void (*begun)(const GError *error, gpointer user_data);
+	/* error NULL: whole. partial: it is kept, and can be gone on with. stopped: somebody asked for it. */
+	void (*ended)(const char *site, uint32_t scan, bool partial, bool stopped,
+		const GError *error, gpointer user_data);
+	void (*checked)(const GError *error, gpointer user_data);
+	gpointer user_data;
+};
+
+typedef struct recorder recorder;
+recorder *recorder_new(const struct recorder_watcher *watcher);
+/* Stops what is under way, keeps the partial scan, and waits for it. NULL is fine. */
+void recorder_free(recorder *r);
+
+/* One of these at a time: SERVICE_ERROR_BUSY. Each tells by begun and then ended, or by checked. device: a URI; %n in it is the number
+ * that the scan will have. */
+bool recorder_start(recorder *r, const char *device, const char *site_path,
+	const struct preset *preset, GError **error);
+bool recorder_resume(recorder *r, const char *site_path, bool salvage, GError **error);
+/* Opens the head and identifies its lidar. */
+bool recorder_check(recorder *r, const char *device, GError **error);
+/* Stops; ended follows. keep false: the partial scan is removed, also one that is paused. */
+bool recorder_stop(recorder *r, bool keep, GError **error);
+bool recorder_discard(recorder *r, const char *site_path, GError **error);
+
+bool recorder_is_working(const recorder *r);             /* on a scan or a check */
+struct recorder_progress recorder_progress(recorder *r); /* caller clears */
+struct recorder_head recorder_head(recorder *r);
+/* What has been seen so far: 4 bytes a cell, RGBA, A 0 where nothing was; caller frees. *ret_serial changes with it. NULL: no scan
+ * was made yet. Asking keeps it up to date. */
+uint8_t *recorder_preview(recorder *r, enum picture plane, uint32_t *ret_columns,
+	uint32_t *ret_rows, uint64_t *ret_serial);
+
+#endif
