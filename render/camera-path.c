@@ -47,7 +47,7 @@ static struct camera start(const camera_path *p, uint32_t width, uint32_t height
 }
 
 /* The whole camera turns with its place, so that it also goes around a target that is below it. */
-static struct camera orbit(const camera_path *p, uint32_t frame, uint32_t width, uint32_t height)
+static struct camera orbit(const camera_path *p, double frame, uint32_t width, uint32_t height)
 {
 	double angle = frame * p->amount * G_PI / 180, sine = sin(angle), cosine = cos(angle);
 	double east = p->eye_m[0] - p->target_m[0], north = p->eye_m[1] - p->target_m[1];
@@ -57,7 +57,7 @@ static struct camera orbit(const camera_path *p, uint32_t frame, uint32_t width,
 	return c;
 }
 
-static struct camera dolly(const camera_path *p, uint32_t frame, uint32_t width, uint32_t height)
+static struct camera dolly(const camera_path *p, double frame, uint32_t width, uint32_t height)
 {
 	double share = p->frames > 1 ? frame / (p->frames - 1.0) : 0;
 	double nearer = pow(p->amount, -share);
@@ -81,7 +81,7 @@ static double pan_angle(const struct camera *c, double px)
 	return atan(k * cosine) + asin(CLAMP(share, -1, 1));
 }
 
-static struct camera pan(const camera_path *p, uint32_t frame, uint32_t width, uint32_t height)
+static struct camera pan(const camera_path *p, double frame, uint32_t width, uint32_t height)
 {
 	struct camera first = start(p, width, height);
 	return camera_turned(&first, frame * pan_angle(&first, p->amount));
@@ -120,10 +120,10 @@ static double value_at(const camera_path *p, guint i, double t, int value)
 	       rest * t * slope_at(p, i + 1, value);
 }
 
-static struct camera through(const camera_path *p, uint32_t frame, uint32_t width, uint32_t height)
+static struct camera through(const camera_path *p, double frame, uint32_t width, uint32_t height)
 {
-	guint i = MIN(frame / p->between, p->keys->len - 2);
-	double t = (double)(frame - i * p->between) / p->between, v[KEY_VALUES];
+	guint i = MIN((guint)(frame / p->between), p->keys->len - 2);
+	double t = (frame - (double)i * p->between) / p->between, v[KEY_VALUES];
 	for (int k = 0; k < KEY_VALUES; k++)
 		v[k] = value_at(p, i, t, k);
 	return camera_towards(v, v[KEY_HEADING], v[KEY_ELEVATION],
@@ -139,7 +139,7 @@ struct number {
 static const struct kind {
 	const char *name, *form;
 	struct number amount; /* what NULL: it goes through views */
-	struct camera (*at)(const camera_path *p, uint32_t frame, uint32_t width, uint32_t height);
+	struct camera (*at)(const camera_path *p, double frame, uint32_t width, uint32_t height);
 } kinds[] = {
 	{ "orbit", FORM_ORBIT, { "degrees a frame", -180, 180, 0.5 }, orbit },
 	{ "dolly", FORM_DOLLY, { "the factor", 0.001, 1000, 2 }, dolly },
@@ -148,9 +148,9 @@ static const struct kind {
 	{ "views", FORM_VIEWS, { 0 }, through },
 };
 
-struct camera camera_path_at(const camera_path *p, uint32_t frame, uint32_t width, uint32_t height)
+struct camera camera_path_at(const camera_path *p, double frame, uint32_t width, uint32_t height)
 {
-	g_assert(frame < p->frames);
+	g_assert(frame >= 0 && frame <= p->frames - 1);
 	struct camera c = p->kind->at(p, frame, width, height);
 	c.far_m = p->far_m;
 	return c;

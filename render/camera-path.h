@@ -33,6 +33,7 @@ void camera_path_free(camera_path *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(camera_path, camera_path_free)
 
 uint32_t camera_path_frames(const camera_path *p); /* at least 1 */
-struct camera camera_path_at(const camera_path *p, uint32_t frame, uint32_t width, uint32_t height);
+/* frame: 0 to frames - 1; also between two of them. */
+struct camera camera_path_at(const camera_path *p, double frame, uint32_t width, uint32_t height);
 
 #endif

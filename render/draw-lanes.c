@@ -244,7 +244,7 @@ INLINE void draw_band(const struct draw_job *j, const struct band *b, struct dra
 	if (d->has_points)
 		show_points(j, b, d);
 	edl_shade(b, j->f, j->mask, d->canvas);
-	for (uint32_t n = 0; n < j->f->layers; n++)
+	for (uint32_t n = 0; j->lists && n < j->f->layers; n++)
 		draw_layer(j, b, d, n);
 	put_out(j, b, d);
 }

@@ -25,7 +25,7 @@ struct draw_job {
 	const visibility_mask *mask;
 	const struct chunk_view *views;
 	uint32_t count;
-	const band_lists *lists; /* of each layer */
+	const band_lists *lists; /* of each layer; NULL: no strokes */
 	struct picture_buffer *to;
 };
 

@@ -8,6 +8,7 @@
 struct draw_room {
 	visibility_mask *mask;
 	stroke_room *strokes;
+	const struct stroke_blocks *of_layer; /* its strokes */
 	band_lists lists[FRAME_LAYERS_MAX];
 	/* Of each thread, for bands of a picture so wide. */
 	uint32_t desks, pitch;
@@ -131,6 +132,33 @@ static double lap(int64_t *since_us)
 	return s;
 }
 
+/* What hides what, and which points become strokes; false: stopped in between. */
+static bool choose(draw_room *r, struct draw_job *j, struct draw_times *t, int64_t *since_us)
+{
+	struct chunk_view *views = chunk_views_new(j->f, &j->count);
+	j->views = views;
+	t->cull_s = lap(since_us);
+	j->mask = r->mask = visibility_mask_renew(r->mask, j->f, j->views, j->count);
+	t->mask_s = lap(since_us);
+	if (frame_is_stopped(j->f))
+		return false;
+	if (!r->strokes)
+		r->strokes = stroke_room_new();
+	r->of_layer = stroke_room_fill(r->strokes, j->f, j->mask, j->views, j->count);
+	t->choose_s = lap(since_us);
+	return true;
+}
+
+static void count(const draw_room *r, const struct draw_job *j, struct draw_times *t)
+{
+	t->chunks_in_view = j->count;
+	t->chunks_hidden = j->mask->chunks_hidden;
+	for (uint32_t n = 0; n < j->count; n++)
+		t->points_in_view += j->views[n].chunk->count;
+	for (uint32_t n = 0; n < j->f->layers; n++)
+		t->strokes += r->of_layer[n].count;
+}
+
 void draw_frame(
 	draw_room *room, const frame *f, struct picture_buffer *to, struct draw_times *ret_times)
 {
@@ -138,36 +166,48 @@ void draw_frame(
 	struct draw_times t = { 0 };
 	int64_t since_us = g_get_monotonic_time(), begin_us = since_us;
 	struct draw_job j = { .f = f, .to = to };
-	g_autofree struct chunk_view *views = chunk_views_new(f, &j.count);
-	j.views = views;
-	t.cull_s = lap(&since_us);
 	draw_room *r = room ? room : &own;
-	j.mask = r->mask = visibility_mask_renew(r->mask, f, j.views, j.count);
-	t.mask_s = lap(&since_us);
-	if (frame_is_stopped(f)) {
+	if (!choose(r, &j, &t, &since_us)) {
+		g_free((void *)j.views);
 		clear_room(&own);
 		return;
 	}
-	if (!r->strokes)
-		r->strokes = stroke_room_new();
-	const struct stroke_blocks *strokes =
-		stroke_room_fill(r->strokes, f, j.mask, j.views, j.count);
-	t.choose_s = lap(&since_us);
 	band_lists *lists = r->lists;
 	for (uint32_t n = 0; n < f->layers; n++)
-		band_lists_fill(&lists[n], &strokes[n], to->height, f->single_thread);
+		band_lists_fill(&lists[n], &r->of_layer[n], to->height, f->single_thread);
 	j.lists = lists;
 	t.bin_s = lap(&since_us);
 	draw_bands(r, &j);
 	t.draw_s = lap(&since_us);
-	t.chunks_in_view = j.count;
-	t.chunks_hidden = j.mask->chunks_hidden;
-	for (uint32_t n = 0; n < j.count; n++)
-		t.points_in_view += views[n].chunk->count;
-	for (uint32_t n = 0; n < f->layers; n++)
-		t.strokes += strokes[n].count;
+	count(r, &j, &t);
+	g_free((void *)j.views);
 	clear_room(&own);
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)
 		*ret_times = t;
+}
+
+/* ---- in two parts ---- */
+
+struct draw_chosen draw_choose(draw_room *room, const frame *f, struct draw_times *ret_times)
+{
+	struct draw_times t = { 0 };
+	int64_t since_us = g_get_monotonic_time(), begin_us = since_us;
+	struct draw_job j = { .f = f };
+	choose(room, &j, &t, &since_us);
+	count(room, &j, &t);
+	g_free((void *)j.views);
+	t.all_s = (double)(since_us - begin_us) * 1e-6;
+	if (ret_times)
+		*ret_times = t;
+	return (struct draw_chosen){ room->mask, room->of_layer };
+}
+
+void draw_ground(draw_room *room, const frame *f, struct picture_buffer *to)
+{
+	struct draw_job j = { .f = f, .to = to };
+	g_autofree struct chunk_view *views = chunk_views_new(f, &j.count);
+	j.views = views;
+	j.mask = room->mask = visibility_mask_renew(room->mask, f, views, j.count);
+	draw_bands(room, &j);
 }

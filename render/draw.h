@@ -17,10 +17,23 @@ void draw_room_free(draw_room *r); /* NULL is fine */
 void draw_frame(
 	draw_room *room, const frame *f, struct picture_buffer *to, struct draw_times *ret_times);
 
+/* A frame in two parts, for who makes shapes of strokes: the strokes of each layer, chosen as draw_frame does it, and the mask that hides
+ * parts of them. Both are the room's, until it is asked for anything again. */
+struct draw_chosen {
+	const visibility_mask *mask;
+	const struct stroke_blocks *of_layer;
+};
+struct draw_chosen draw_choose(draw_room *room, const frame *f, struct draw_times *ret_times);
+/* And all that lies below them: paper, coloured points, shading. */
+void draw_ground(draw_room *room, const frame *f, struct picture_buffer *to);
+
 struct picture_buffer picture_buffer_new(uint32_t width, uint32_t height);
 void picture_buffer_clear(struct picture_buffer *p);
 /* Means of factor x factor pixels, in linear light; sizes are multiples of it. */
 struct picture_buffer picture_buffer_reduced(const struct picture_buffer *p, uint32_t factor);
 bool picture_buffer_save(const struct picture_buffer *p, const char *path, GError **error);
+/* The same with a size on paper: so many pixels an inch. */
+bool picture_buffer_save_print(
+	const struct picture_buffer *p, double dpi, const char *path, GError **error);
 
 #endif

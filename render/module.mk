@@ -5,6 +5,9 @@ shared += render/style.schema.json $(wildcard render/styles/*.json)
 # Headers only: libEGL, libGLESv2 and libgbm are loaded where they are, when a program runs (gles-functions.h). The rest is an
 # OpenGL ES in software, for the tests.
 packages += libegl-dev libgles-dev libgbm-dev libegl1 libgles2 libgl1-mesa-dri
+# Pages as vectors; films, which ffmpeg is run for.
+packages += libcairo2-dev zlib1g-dev ffmpeg
+pkgs += cairo cairo-pdf zlib
 # Vectors as arguments of functions that are all inlined; and the same bytes with and without AVX2.
 $(BUILD)/render/%.o: house_cflags += -Wno-psabi -ffp-contract=off
 # Shaders are texts in the library.

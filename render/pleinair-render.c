@@ -1,36 +1,55 @@
-/* pleinair render SITE: draws a site in a style, as a picture or as numbered frames along a path of the camera. */
+/* pleinair render SITE: draws a site in a style, as a picture, a page of shapes, a film, or numbered frames along a path of the camera. */
 #include "acquire/cli.h"
 #include "render/camera-path.h"
 #include "render/drawn-site.h"
-#include "render/painter.h"
+#include "render/output.h"
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #define COMMAND "render"
 /* Of the picture before it is reduced. */
-#define PIXELS_MAX ((uint64_t)1 << 29)
+#define PIXELS_MAX  ((uint64_t)1 << 29)
+#define FPS_NORMAL  25.0
+#define FPS_MAX     240.0
+#define SECONDS_MAX 86400.0
+/* What a film goes along when nobody says. */
+#define FILM_STATIONS "stations:150"
+#define FILM_ORBIT    "orbit:1.2:300"
 
-static char *style_name, *size_text, *view_name, *output, *backend_name, *path_text, *save_name;
-static gboolean list_views, times, json;
+static char *style_name, *size_text, *view_name, *output, *backend_name, *path_text, *save_name,
+	*title_text;
+static gboolean list_views, times, json, no_paper;
 static int supersample = 2;
+static double dpi = PAGE_DPI_NORMAL, seconds, fps = FPS_NORMAL;
 
 static const GOptionEntry entries[] = {
 	{ "style", 's', 0, G_OPTION_ARG_STRING, &style_name,
 		"A style by its name, or a file (default: the view's, else figure-7d)", "STYLE" },
-	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text, "Of the picture (default 1600x1200)",
-		"WxH" },
+	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text,
+		"Of the picture: pixels, 297x210mm, A0 to A8, A3-landscape (default 1600x1200)",
+		"SIZE" },
+	{ "dpi", 0, 0, G_OPTION_ARG_DOUBLE, &dpi, "Pixels an inch, on paper (default 150)", "N" },
 	{ "view", 'v', 0, G_OPTION_ARG_STRING, &view_name,
 		"A saved view, overview, walk, plan, station-K, or X,Y,Z:X,Y,Z[:FOV] (default "
 		"overview)",
 		"VIEW" },
 	{ "output", 'o', 0, G_OPTION_ARG_FILENAME, &output,
-		"Where the picture goes (default SITE/exports/STYLE-VIEW.png); of a path "
-		"FILE-0000.png and so on",
-		"FILE.png" },
+		"Where it goes: .png a picture, .svg or .pdf a page of shapes, .mp4 or .webm a "
+		"film "
+		"(default SITE/exports/STYLE-VIEW.png); of a path FILE-0000.png and so on",
+		"FILE" },
 	{ "path", 0, 0, G_OPTION_ARG_STRING, &path_text,
 		"Frames along a way of the camera: orbit, dolly, pan, stations, views:A,B,C",
 		"PATH" },
+	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
+		"Of a film (default: as many frames as the path has)", "S" },
+	{ "fps", 0, 0, G_OPTION_ARG_DOUBLE, &fps, "Frames a second of a film (default 25)", "N" },
+	{ "title", 0, 0, G_OPTION_ARG_STRING, &title_text,
+		"Of a page of shapes (default: the site's name and the view's)", "TEXT" },
+	{ "no-paper", 0, 0, G_OPTION_ARG_NONE, &no_paper,
+		"A page of strokes alone, without paper and coloured points", NULL },
 	{ "supersample", 0, 0, G_OPTION_ARG_INT, &supersample,
 		"Draw so many times as large and reduce (1 to 8; default 2)", "N" },
 	{ "backend", 0, 0, G_OPTION_ARG_STRING, &backend_name, "auto, cpu or gles (default auto)",
@@ -51,15 +70,16 @@ struct work {
 	camera_path *path; /* NULL: one picture */
 	painter *painter;
 	frame *frame;
-	uint32_t width, height;
+	struct output out;
 	char *style;
 	struct cli_bar bar;
 	struct draw_times sum;
-	uint32_t frames;
+	uint32_t frames, count; /* drawn, of so many */
 };
 
 static void work_clear(struct work *w)
 {
+	output_clear(&w->out);
 	frame_free(w->frame);
 	painter_free(w->painter);
 	camera_path_free(w->path);
@@ -74,8 +94,16 @@ G_DEFINE_AUTO_CLEANUP_CLEAR_FUNC(work, work_clear)
 
 static bool open_views(struct work *w, const char *site_folder, GError **error)
 {
-	w->site = drawn_site_new(site_folder, (double)w->width / w->height, error);
+	w->site = drawn_site_new(site_folder, w->out.size.width_mm / w->out.size.height_mm, error);
 	return w->site;
+}
+
+/* Only a film needs one: a walk from scanner to scanner, or once around. */
+static const char *default_path(const struct work *w)
+{
+	if (w->out.kind != OUTPUT_FILM)
+		return NULL;
+	return w->site->sources.station_count > 1 ? FILM_STATIONS : FILM_ORBIT;
 }
 
 static bool find_view(struct work *w, GError **error)
@@ -86,9 +114,10 @@ static bool find_view(struct work *w, GError **error)
 	w->style = g_strdup(style_name       ? style_name
 			    : w->view->style ? w->view->style
 					     : "figure-7d");
-	if (path_text)
-		w->path = camera_path_parse(path_text, w->view, sources, error);
-	return !path_text || w->path;
+	const char *along = path_text ? path_text : default_path(w);
+	if (along)
+		w->path = camera_path_parse(along, w->view, sources, error);
+	return !along || w->path;
 }
 
 static bool open_all(
@@ -107,65 +136,56 @@ static bool open_all(
 
 /* ---- pictures ---- */
 
-static struct camera camera_of(const struct work *w, uint32_t frame_number)
+/* A film goes through all of the path in its own time. */
+static struct camera camera_of(const struct work *w, uint32_t number)
 {
-	struct camera c = w->path ? camera_path_at(w->path, frame_number, w->width, w->height)
-				  : view_camera(w->view, w->width, w->height);
+	uint32_t width = w->out.size.width, height = w->out.size.height;
+	double step = w->count > 1 ? (camera_path_frames(w->path) - 1.0) / (w->count - 1) : 0;
+	struct camera c = w->path ? camera_path_at(w->path, number * step, width, height)
+				  : view_camera(w->view, width, height);
 	return camera_scaled(&c, supersample);
 }
 
-static bool draw_one(struct work *w, uint32_t number, struct picture_buffer *large,
-	const char *file, GError **error)
+static void add_times(struct draw_times *sum, const struct draw_times *t)
+{
+	sum->cull_s += t->cull_s;
+	sum->mask_s += t->mask_s;
+	sum->choose_s += t->choose_s;
+	sum->bin_s += t->bin_s;
+	sum->draw_s += t->draw_s;
+	sum->all_s += t->all_s;
+	sum->strokes += t->strokes;
+	sum->points_in_view += t->points_in_view;
+	sum->chunks_in_view += t->chunks_in_view;
+	sum->chunks_hidden += t->chunks_hidden;
+}
+
+static bool draw_one(struct work *w, uint32_t number, GError **error)
 {
 	struct draw_times t;
 	struct camera c = camera_of(w, number);
 	if (w->frame ? !frame_move(w->frame, &c, error)
 		     : !(w->frame = frame_new(w->site->scene, w->drawing, &c, error)))
 		return false;
-	if (!painter_draw(w->painter, w->frame, large, &t, error))
+	if (!output_add(&w->out, w->painter, w->frame, number, &t, error))
 		return false;
-	w->sum.cull_s += t.cull_s;
-	w->sum.mask_s += t.mask_s;
-	w->sum.choose_s += t.choose_s;
-	w->sum.bin_s += t.bin_s;
-	w->sum.draw_s += t.draw_s;
-	w->sum.all_s += t.all_s;
-	w->sum.strokes += t.strokes;
-	w->sum.points_in_view += t.points_in_view;
-	w->sum.chunks_in_view += t.chunks_in_view;
-	w->sum.chunks_hidden += t.chunks_hidden;
-	struct picture_buffer small =
-		supersample > 1 ? picture_buffer_reduced(large, (uint32_t)supersample) : *large;
-	bool good = picture_buffer_save(&small, file, error);
-	if (supersample > 1)
-		picture_buffer_clear(&small);
-	return good;
+	add_times(&w->sum, &t);
+	return true;
 }
 
-static char *file_of_frame(const char *file, uint32_t number)
+static bool draw_frames(struct work *w, GError **error)
 {
-	g_autofree char *stem = g_strndup(file, strlen(file) - strlen(".png"));
-	return g_strdup_printf("%s-%04u.png", stem, number);
-}
-
-static bool draw_frames(struct work *w, const char *file, GError **error)
-{
-	uint32_t count = w->path ? camera_path_frames(w->path) : 1;
-	struct picture_buffer large = picture_buffer_new(
-		w->width * (uint32_t)supersample, w->height * (uint32_t)supersample);
 	bool good = true;
-	for (; good && w->frames < count; w->frames++) {
-		g_autofree char *name = w->path ? file_of_frame(file, w->frames) : g_strdup(file);
-		cli_bar_update(&w->bar, (double)w->frames / count, "drawing");
-		good = draw_one(w, w->frames, &large, name, error);
+	for (; good && w->frames < w->count; w->frames++) {
+		cli_bar_update(&w->bar, (double)w->frames / w->count, "drawing");
+		good = draw_one(w, w->frames, error);
 		if (good && cli_interrupted()) {
 			g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED,
-				"stopped after %u of %u frames", w->frames + 1, count);
+				"stopped after %u of %u frames", w->frames + 1, w->count);
 			good = false;
 		}
 	}
-	picture_buffer_clear(&large);
-	return good;
+	return good && output_finish(&w->out, error);
 }
 
 static bool save_view(const struct work *w, GError **error)
@@ -202,8 +222,12 @@ static void say_as_json(const struct work *w, const char *file)
 	json_object_set_string_member(o, "style", w->style);
 	json_object_set_string_member(o, "view", w->view->name);
 	json_object_set_string_member(o, "backend", painter_why(w->painter));
-	json_object_set_int_member(o, "width", w->width);
-	json_object_set_int_member(o, "height", w->height);
+	json_object_set_int_member(o, "width", w->out.size.width);
+	json_object_set_int_member(o, "height", w->out.size.height);
+	if (output_is_page(w->out.kind)) {
+		json_object_set_double_member(o, "width_mm", w->out.size.width_mm);
+		json_object_set_double_member(o, "height_mm", w->out.size.height_mm);
+	}
 	json_object_set_double_member(o, "seconds_per_frame", w->sum.all_s / w->frames);
 	json_object_set_int_member(o, "strokes_per_frame", w->sum.strokes / w->frames);
 	cli_print_json(o);
@@ -215,7 +239,9 @@ static void say(const struct work *w, const char *file)
 		say_as_json(w, file);
 		return;
 	}
-	if (w->path)
+	if (w->out.kind == OUTPUT_FILM)
+		printf("%s: %u frames, %.4g s\n", file, w->frames, w->frames / fps);
+	else if (w->path)
 		printf("%u frames, %s and so on\n", w->frames, file);
 	else
 		printf("%s\n", file);
@@ -252,39 +278,97 @@ static char *default_file(const struct work *w, const char *site_folder, GError 
 	return g_build_filename(folder, name, NULL);
 }
 
-/* What was typed, checked as far as it can be without a site. */
-static int check_usage(struct work *w)
+static int check_size(struct work *w)
 {
-	if (!camera_size_parse(size_text ? size_text : "1600x1200", &w->width, &w->height))
-		return cli_misuse(COMMAND, "--size is WIDTHxHEIGHT, each from 1 to %u, not '%s'",
+	struct page_size *size = &w->out.size;
+	if (!(dpi >= PAGE_DPI_MIN && dpi <= PAGE_DPI_MAX))
+		return cli_misuse(COMMAND, "--dpi goes from %g to %g", PAGE_DPI_MIN, PAGE_DPI_MAX);
+	if (!page_size_parse(size_text ? size_text : "1600x1200", dpi, size))
+		return cli_misuse(COMMAND,
+			"--size is WIDTHxHEIGHT in pixels, WIDTHxHEIGHTmm, or A0 to A8 with or "
+			"without "
+			"-landscape, each side from 1 to %u pixels, not '%s'",
 			CAMERA_SIDE_MAX, size_text);
 	if (supersample < 1 || supersample > 8)
 		return cli_misuse(COMMAND, "--supersample goes from 1 to 8");
-	if ((uint64_t)w->width * w->height * (uint64_t)(supersample * supersample) > PIXELS_MAX ||
-		w->width * (uint32_t)supersample > CAMERA_SIDE_MAX ||
-		w->height * (uint32_t)supersample > CAMERA_SIDE_MAX)
+	if ((uint64_t)size->width * size->height * (uint64_t)(supersample * supersample) >
+			PIXELS_MAX ||
+		size->width * (uint32_t)supersample > CAMERA_SIDE_MAX ||
+		size->height * (uint32_t)supersample > CAMERA_SIDE_MAX)
 		return cli_misuse(COMMAND,
 			"%ux%u drawn %d times as large is more than %u million pixels or %u a "
 			"side: take a "
-			"smaller --size or --supersample",
-			w->width, w->height, supersample, (unsigned)(PIXELS_MAX / 1000000),
+			"smaller --size, --dpi or --supersample",
+			size->width, size->height, supersample, (unsigned)(PIXELS_MAX / 1000000),
 			CAMERA_SIDE_MAX);
-	if (output && !g_str_has_suffix(output, ".png"))
-		return cli_misuse(COMMAND, "--output ends in .png, not '%s'", output);
+	return CLI_DONE;
+}
+
+static int check_film(struct work *w)
+{
+	g_autoptr(GError) error = NULL;
+	if (!(fps > 0 && fps <= FPS_MAX))
+		return cli_misuse(COMMAND, "--fps is more than 0 and at most %g", FPS_MAX);
+	if (!(seconds >= 0 && seconds <= SECONDS_MAX))
+		return cli_misuse(COMMAND, "--seconds goes up to %g", SECONDS_MAX);
+	if (seconds * fps > CAMERA_PATH_FRAMES_MAX)
+		return cli_misuse(COMMAND, "a film has at most %u frames", CAMERA_PATH_FRAMES_MAX);
+	if (w->out.kind != OUTPUT_FILM)
+		return seconds > 0 ? cli_misuse(COMMAND, "--seconds is of films, .mp4 or .webm")
+				   : CLI_DONE;
+	/* Colours are told for two pixels a side. */
+	w->out.size.width = MAX(w->out.size.width & ~1u, 2);
+	w->out.size.height = MAX(w->out.size.height & ~1u, 2);
+	return film_can(&error) ? CLI_DONE : cli_fail(COMMAND, error);
+}
+
+/* What was typed, checked as far as it can be without a site. */
+static int check_usage(struct work *w, enum backend_wish *wish)
+{
+	int status = check_size(w);
+	w->out.kind = output ? output_kind_of(output) : OUTPUT_PICTURE;
+	if (status != CLI_DONE)
+		return status;
+	if (w->out.kind == OUTPUT_KINDS)
+		return cli_misuse(COMMAND, "--output ends in %s, not '%s'", output_endings, output);
+	if (output_is_page(w->out.kind)) {
+		if (*wish == BACKEND_WISH_GLES)
+			return cli_misuse(COMMAND, "a page of shapes is made by the backend cpu");
+		*wish = BACKEND_WISH_CPU;
+	} else if (title_text || no_paper)
+		return cli_misuse(COMMAND, "--title and --no-paper are of pages, .svg or .pdf");
 	if (save_name && !view_name_is_good(save_name))
 		return cli_misuse(COMMAND,
 			"--save-view is 1 to 64 letters of a-z and A-Z, digits, - and _, not '%s'",
 			save_name);
-	return CLI_DONE;
+	return check_film(w);
+}
+
+static uint32_t count_frames(const struct work *w)
+{
+	if (w->out.kind == OUTPUT_FILM && seconds > 0)
+		return MAX((uint32_t)lround(seconds * fps), 1);
+	return w->path ? camera_path_frames(w->path) : 1;
 }
 
 static bool draw(struct work *w, const char *site_folder, GError **error)
 {
 	g_autofree char *file = output ? g_strdup(output) : default_file(w, site_folder, error);
-	if (!file || !draw_frames(w, file, error) || (save_name && !save_view(w, error)))
+	g_autofree char *name = g_path_get_basename(site_folder);
+	g_autofree char *title =
+		title_text ? g_strdup(title_text) : g_strdup_printf("%s, %s", name, w->view->title);
+	w->out.path = file;
+	w->out.title = title;
+	w->out.tree = w->site->tree;
+	w->out.supersample = (uint32_t)supersample;
+	w->out.numbered = w->path;
+	w->out.has_paper = !no_paper;
+	w->out.fps = fps;
+	w->count = count_frames(w);
+	if (!file || !draw_frames(w, error) || (save_name && !save_view(w, error)))
 		return false;
 	cli_bar_end(&w->bar);
-	g_autofree char *first = w->path ? file_of_frame(file, 0) : g_strdup(file);
+	g_autofree char *first = output_file(&w->out, 0);
 	say(w, first);
 	return true;
 }
@@ -322,6 +406,6 @@ int main(int argc, char **argv)
 		return cli_misuse(COMMAND, "which site?");
 	if (!backend_wish_parse(backend_name, &wish, &error))
 		return cli_misuse(COMMAND, "%s", error->message);
-	status = check_usage(&w);
+	status = check_usage(&w, &wish);
 	return status ? status : run(&w, argv[1], wish);
 }

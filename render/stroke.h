@@ -68,7 +68,16 @@ static inline float stroke_moved_most_m(const struct scene_chunk *c, float scatt
 }
 
 /* What depends on chance, of one stroke: a salt of its own. */
-enum { SALT_LENGTH = 1, SALT_ANGLE, SALT_OPACITY, SALT_VARIANT, SALT_ACROSS, SALT_DOWN, SALTS = 8 };
+enum {
+	SALT_LENGTH = 1,
+	SALT_ANGLE,
+	SALT_OPACITY,
+	SALT_VARIANT,
+	SALT_ACROSS,
+	SALT_DOWN,
+	SALT_SHADE,
+	SALTS = 8
+};
 static inline uint32_t stroke_salt(uint32_t copy, uint32_t salt)
 {
 	return copy * SALTS + salt;

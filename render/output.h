@@ -1,0 +1,43 @@
+#ifndef RENDER_OUTPUT_H
+#define RENDER_OUTPUT_H
+/* Where drawn frames go, by the end of the file's name: a picture (.png), a page of shapes (.svg, .pdf), or a film (.mp4, .webm).
+ * Pictures and pages of several frames are numbered, FILE-0000.png and so on; a film is one file.
+ *
+ * One thread. */
+#include "render/film.h"
+#include "render/page-size.h"
+#include "render/painter.h"
+
+enum output_kind { OUTPUT_PICTURE, OUTPUT_SVG, OUTPUT_PDF, OUTPUT_FILM, OUTPUT_KINDS };
+/* OUTPUT_KINDS: none of these. */
+enum output_kind output_kind_of(const char *path);
+extern const char output_endings[]; /* for people */
+static inline bool output_is_page(enum output_kind kind)
+{
+	return kind == OUTPUT_SVG || kind == OUTPUT_PDF;
+}
+
+struct output {
+	enum output_kind kind;
+	const char *path; /* these are the caller's */
+	const char *title;
+	const segments *tree;
+	struct page_size size;
+	uint32_t supersample;     /* frames are so many times as large */
+	bool numbered, has_paper; /* paper: of pages */
+	double fps;
+	/* Its own; 0 at first. */
+	struct picture_buffer large;
+	draw_room *room;
+	film *film;
+};
+/* Zero memory with what is the caller's filled in is an output; clear it in the end. A film that is not finished is removed. */
+void output_clear(struct output *o);
+char *output_file(const struct output *o, uint32_t number); /* of that frame; caller frees */
+/* Draws a frame, with the painter unless it is a page, and writes it. */
+bool output_add(struct output *o, painter *p, const frame *f, uint32_t number,
+	struct draw_times *ret_times, GError **error);
+/* After the last one. */
+bool output_finish(struct output *o, GError **error);
+
+#endif

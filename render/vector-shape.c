@@ -1,0 +1,216 @@
+#include "render/vector-shape.h"
+#include <math.h>
+
+/* Of a sprite's Gaussian kernel: its diameter is so many sigmas (band-draw-lanes.c), and within it is this part of all its ink. */
+#define SIGMAS 5.f
+#define WITHIN 0.956f
+/* Samples along a stroke: one to each pixel, but no more than this. */
+#define SAMPLES_MOST 48
+
+/* ---- profiles ---- */
+
+/* Sums of alpha over the columns around a station: of all, squared, and with how far it is from the middle, -1 to 1. */
+struct ink {
+	double all, squares, aside;
+};
+
+static struct ink ink_around(
+	const stroke_texture *t, const uint8_t *alpha, double from, double end, double *ret_columns)
+{
+	struct ink ink = { 0 };
+	uint32_t first = (uint32_t)fmax(from * t->length, 0),
+		 last = (uint32_t)fmin(ceil(end * t->length), t->length);
+	for (uint32_t y = 0; y < t->width; y++)
+		for (uint32_t x = first; x < last; x++) {
+			double a = alpha[y * t->length + x] / 255.0;
+			ink.all += a;
+			ink.squares += a * a;
+			ink.aside += a * ((2.0 * y + 1) / t->width - 1);
+		}
+	*ret_columns = last - first;
+	return ink;
+}
+
+/* The ink of each part of the length, pushed together until it is as opaque as ink of the stroke is on average. */
+static struct vector_profile profile_of(const stroke_texture *t, uint32_t variant)
+{
+	const uint8_t *alpha = stroke_texture_variant(t, variant);
+	struct vector_profile p = { 0 };
+	double columns;
+	struct ink whole = ink_around(t, alpha, 0, 1, &columns);
+	p.opacity = whole.all > 0 ? (float)(whole.squares / whole.all) : 0;
+	for (int n = 0; n < VECTOR_STATIONS && p.opacity > 0; n++) {
+		double at = (double)n / (VECTOR_STATIONS - 1), reach = 0.5 / (VECTOR_STATIONS - 1);
+		struct ink here = ink_around(t, alpha, at - reach, at + reach, &columns);
+		if (here.all > 0)
+			p.middle[n] = (float)(here.aside / here.all);
+		p.half[n] = (float)(here.all / (columns * t->width * (double)p.opacity));
+	}
+	return p;
+}
+
+static uint32_t variant_of(const struct vector_shaper *v, const struct stroke *s)
+{
+	return (uint32_t)(stroke_chance(s->point, stroke_salt(s->copy, SALT_VARIANT)) *
+			  (float)v->layer->texture->variants);
+}
+
+struct vector_shaper vector_shaper_of(
+	const struct frame_layer *l, const visibility_mask *m, uint32_t width, uint32_t height)
+{
+	struct vector_shaper v = { .layer = l, .mask = m, .width = width, .height = height };
+	v.form = l->texture                                   ? VECTOR_AREAS
+		 : l->step->kind == step_kind_find("sprites") ? VECTOR_DOTS
+							      : VECTOR_LINES;
+	for (uint32_t n = 0; l->texture && n < MIN(l->texture->variants, STROKE_TEXTURE_VARIANTS);
+		n++)
+		v.profile[n] = profile_of(l->texture, n);
+	return v;
+}
+
+/* ---- what is seen ---- */
+
+static float key_as_float(int32_t key)
+{
+	union {
+		int32_t bits;
+		float value;
+	} u = { key };
+	return u.value;
+}
+
+/* A place of the stroke, along and across from its middle; as the painter asks for a pixel (band-draw-lanes.c). */
+static bool is_seen(
+	const struct vector_shaper *v, const struct stroke *s, float along, float across)
+{
+	float x = s->x_px + along * s->along[0] - across * s->along[1],
+	      y = s->y_px + along * s->along[1] + across * s->along[0];
+	if (!(x >= 0 && y >= 0 && x < (float)v->width && y < (float)v->height))
+		return false;
+	if (!v->mask)
+		return true;
+	int32_t column = (int32_t)x, row = (int32_t)y;
+	float q = s->q + ((float)column + 0.5f - s->x_px) * s->slope[0] +
+		  ((float)row + 0.5f - s->y_px) * s->slope[1];
+	return q * key_as_float(mask_key(v->mask, column, row)) >= 1;
+}
+
+/* Of its breadth more than half. */
+static bool is_seen_there(const struct vector_shaper *v, const struct stroke *s, float along)
+{
+	if (s->half_width_px < 1.5f)
+		return is_seen(v, s, along, 0);
+	int seen = 0;
+	for (int n = -1; n <= 1; n++)
+		seen += is_seen(v, s, along, 0.5f * (float)n * s->half_width_px);
+	return seen >= 2;
+}
+
+static bool is_dot_seen(const struct vector_shaper *v, const struct stroke *s)
+{
+	float reach = 0.4f * s->half_length_px;
+	int seen = is_seen(v, s, 0, 0) + is_seen(v, s, reach, 0) + is_seen(v, s, -reach, 0) +
+		   is_seen(v, s, 0, reach) + is_seen(v, s, 0, -reach);
+	return seen >= 3;
+}
+
+/* Parts that are seen, from and to along the stroke, -1 to 1. */
+static uint32_t find_runs(
+	const struct vector_shaper *v, const struct stroke *s, float run[VECTOR_PARTS_MOST][2])
+{
+	int samples = CLAMP((int)(2 * s->half_length_px + 0.5f), 3, SAMPLES_MOST);
+	uint32_t runs = 0;
+	bool before = false;
+	for (int n = 0; n < samples; n++) {
+		float from = 2.f * (float)n / (float)samples - 1;
+		bool seen = is_seen_there(v, s, (from + 1.f / (float)samples) * s->half_length_px);
+		if (seen && !before && runs == VECTOR_PARTS_MOST)
+			break;
+		if (seen && !before)
+			run[runs++][0] = from;
+		if (seen)
+			run[runs - 1][1] = 2.f * (float)(n + 1) / (float)samples - 1;
+		before = seen;
+	}
+	return runs;
+}
+
+/* ---- shapes ---- */
+
+static void add_corner(struct vector_shape *to, const struct stroke *s, float along, float across)
+{
+	float *c = to->corner[to->corners++];
+	c[0] = s->x_px + along * s->along[0] - across * s->along[1];
+	c[1] = s->y_px + along * s->along[1] + across * s->along[0];
+}
+
+/* One edge of an area, at t of -1 to 1; side -1 or 1. */
+static void add_edge(struct vector_shape *to, const struct vector_profile *p,
+	const struct stroke *s, float t, float side)
+{
+	float at = (t + 1) / 2 * (VECTOR_STATIONS - 1);
+	int first = CLAMP((int)at, 0, VECTOR_STATIONS - 2);
+	float part = at - (float)first;
+	float middle = p->middle[first] + part * (p->middle[first + 1] - p->middle[first]),
+	      half = p->half[first] + part * (p->half[first + 1] - p->half[first]);
+	add_corner(to, s, t * s->half_length_px, (middle + side * half) * s->half_width_px);
+}
+
+static float station_at(int n)
+{
+	return 2.f * (float)n / (VECTOR_STATIONS - 1) - 1;
+}
+
+static void outline(struct vector_shape *to, const struct vector_profile *p, const struct stroke *s,
+	const float run[2])
+{
+	add_edge(to, p, s, run[0], -1);
+	for (int n = 0; n < VECTOR_STATIONS; n++)
+		if (station_at(n) > run[0] && station_at(n) < run[1])
+			add_edge(to, p, s, station_at(n), -1);
+	add_edge(to, p, s, run[1], -1);
+	add_edge(to, p, s, run[1], 1);
+	for (int n = VECTOR_STATIONS - 1; n >= 0; n--)
+		if (station_at(n) > run[0] && station_at(n) < run[1])
+			add_edge(to, p, s, station_at(n), 1);
+	add_edge(to, p, s, run[0], 1);
+}
+
+uint32_t vector_shapes_of(const struct vector_shaper *v, const struct stroke *s,
+	struct vector_shape ret[VECTOR_PARTS_MOST])
+{
+	float run[VECTOR_PARTS_MOST][2];
+	uint32_t runs;
+	if (v->form == VECTOR_DOTS) {
+		ret[0].corners = 0;
+		add_corner(&ret[0], s, 0, 0);
+		return is_dot_seen(v, s);
+	}
+	runs = find_runs(v, s, run);
+	for (uint32_t n = 0; n < runs; n++) {
+		ret[n].corners = 0;
+		if (v->form == VECTOR_AREAS)
+			outline(&ret[n], &v->profile[variant_of(v, s)], s, run[n]);
+		else
+			for (int end = 0; end < 2; end++)
+				add_corner(&ret[n], s, run[n][end] * s->half_length_px, 0);
+	}
+	return runs;
+}
+
+/* ---- looks ---- */
+
+float vector_width_px(const struct vector_shaper *v, const struct stroke *s)
+{
+	if (v->form == VECTOR_AREAS)
+		return 0;
+	if (v->form == VECTOR_LINES)
+		return 2 * s->half_width_px;
+	float sigma = 2 * s->half_length_px / SIGMAS; /* a disc of the area 2 pi sigma^2 */
+	return 2 * sigma * sqrtf(2 * WITHIN);
+}
+
+float vector_alpha(const struct vector_shaper *v, const struct stroke *s)
+{
+	return v->form == VECTOR_AREAS ? s->alpha * v->profile[variant_of(v, s)].opacity : s->alpha;
+}
