@@ -6,3 +6,15 @@ $(BUILD)/tests/fake-egl/libEGL.so.1: tests/fake-egl.c
 	$(call say,CC)
 	$(q)$(CC) -std=gnu17 -D_GNU_SOURCE -O1 -Wall -Wextra -Werror -shared -fPIC -Wl,-soname,libEGL.so.1 -o $@ $<
 $(BUILD)/tests/test-gles: | $(BUILD)/tests/fake-egl/libEGL.so.1
+# The kiosk is tested under weston without a screen, which also is what shows it on one.
+packages += weston libweston-10-dev libwayland-dev
+$(BUILD)/tests/test-kiosk-%.o $(BUILD)/tests/rig-app.o: house_cflags += $(gtk_cflags)
+# A touch screen for weston; never instrumented, since weston is not.
+ifneq ($(shell pkg-config --exists libweston-10 weston && echo found),)
+touch_module := $(BUILD)/tests/weston-touch.so
+$(touch_module): tests/weston-touch.c
+	@mkdir -p $(@D)
+	$(call say,CC)
+	$(q)$(CC) -std=gnu17 -D_GNU_SOURCE -O1 -g -Wall -Wextra -Werror -shared -fPIC \
+		$(shell pkg-config --cflags libweston-10 weston libpng | sed 's/-I/-isystem /g') -o $@ $< $(shell pkg-config --libs libpng)
+endif
