@@ -162,6 +162,31 @@ void rig_two_finger_pan(
 	move_fingers(r, &way, seconds);
 }
 
+/* How far one drag goes: the way to the middle of the list, but less than is safely inside it. */
+static double drag_towards(const struct rig_place *list, const struct rig_place *place)
+{
+	double way = list->y + list->height / 2 - (place->y + place->height / 2);
+	double longest = 0.35 * list->height;
+	return CLAMP(way, -longest, longest);
+}
+
+void rig_scroll_to(rig *r, const char *list, const char *name)
+{
+	enum { drags_at_most = 60 };
+	struct rig_place place;
+	for (int i = 0; i < drags_at_most; i++) {
+		struct rig_place frame = rig_wait_for(r, list, wait_s);
+		if (!rig_find(r, name, &place))
+			rig_fail(r, "'%s' is not in '%s'", name, list);
+		if (place.reachable)
+			return;
+		double x = frame.x + frame.width / 2, y = frame.y + frame.height / 2;
+		double way = drag_towards(&frame, &place);
+		rig_drag(r, x, y - way / 2, x, y + way / 2, 0.15);
+	}
+	rig_fail(r, "'%s' cannot be scrolled to in '%s'", name, list);
+}
+
 /* ---- keys ---- */
 
 /* The rows of a US keyboard, from the code of their first key on. */

@@ -67,6 +67,9 @@ void rig_tap(rig *r, const char *name);
 void rig_double_tap(rig *r, const char *name);
 void rig_hold(rig *r, const char *name, double seconds);
 
+/* Drags what scrolls, named LIST, until NAME inside it is reachable. NAME must be a widget already. */
+void rig_scroll_to(rig *r, const char *list, const char *name);
+
 void rig_tap_at(rig *r, double x, double y);
 /* One finger, in about the given time; it rests at the end, so that nothing is flung. */
 void rig_drag(rig *r, double from_x, double from_y, double to_x, double to_y, double seconds);

@@ -146,6 +146,7 @@ static void add_area(GtkWidget *box)
 	g_signal_connect(zoom, "begin", G_CALLBACK(on_two_begin), NULL);
 	g_signal_connect(zoom, "update", G_CALLBACK(on_two_update), NULL);
 	gtk_widget_set_vexpand(area, TRUE);
+	gtk_widget_set_hexpand(area, TRUE);
 	gtk_drawing_area_set_draw_func(GTK_DRAWING_AREA(area), paint, NULL, NULL);
 	listen(area, gtk_gesture_drag_new(), "drag-update", G_CALLBACK(on_drag), "drags");
 	listen(area, zoom, "scale-changed", G_CALLBACK(on_zoom), "zooms");
@@ -153,6 +154,21 @@ static void add_area(GtkWidget *box)
 	listen(area, gtk_gesture_click_new(), "pressed", G_CALLBACK(on_click), NULL);
 	listen(area, gtk_gesture_long_press_new(), "pressed", G_CALLBACK(on_long_press), NULL);
 	named(box, area, "area");
+}
+
+static void add_list(GtkWidget *box)
+{
+	GtkWidget *rows = gtk_box_new(GTK_ORIENTATION_VERTICAL, 4);
+	GtkWidget *list = gtk_scrolled_window_new();
+	for (int i = 0; i < 60; i++) {
+		g_autofree char *name = g_strdup_printf("row-%d", i);
+		GtkWidget *row = gtk_button_new_with_label(name);
+		g_signal_connect(row, "clicked", G_CALLBACK(on_button), (gpointer) "rows");
+		named(rows, row, name);
+	}
+	gtk_widget_set_size_request(list, 240, -1);
+	gtk_scrolled_window_set_child(GTK_SCROLLED_WINDOW(list), rows);
+	named(box, list, "list");
 }
 
 int main(void)
@@ -165,12 +181,15 @@ int main(void)
 	}
 	GtkWidget *window = gtk_window_new(), *column = gtk_box_new(GTK_ORIENTATION_VERTICAL, 8);
 	GtkWidget *row = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 8);
+	GtkWidget *low = gtk_box_new(GTK_ORIENTATION_HORIZONTAL, 8);
 	gtk_window_fullscreen(GTK_WINDOW(window));
 	add_buttons(row);
 	add_popover(row);
 	gtk_box_append(GTK_BOX(column), row);
 	add_fields(column);
-	add_area(column);
+	add_area(low);
+	add_list(low);
+	gtk_box_append(GTK_BOX(column), low);
 	gtk_window_set_child(GTK_WINDOW(window), column);
 	gtk_window_present(GTK_WINDOW(window));
 	while (g_list_model_get_n_items(gtk_window_get_toplevels()) > 0)

@@ -92,7 +92,7 @@ static void test_popover(void)
 	rig_tap(r, "menu");
 	rig_tap(r, "inside");
 	rig_wait_state(r, "insides", "1", limit_s);
-	rig_tap_at(r, 990, 690);
+	rig_tap_at(r, 20, 690);
 	rig_wait_gone(r, "inside", limit_s);
 }
 
@@ -178,6 +178,20 @@ static void test_double_tap(void)
 	rig_wait_state(r, "clicks", "2", limit_s);
 }
 
+/* A drag over buttons scrolls and presses none. */
+static void test_scroll(void)
+{
+	rig *r = the_rig();
+	struct rig_place place;
+	g_assert_true(rig_find(r, "row-50", &place));
+	g_assert_false(place.reachable);
+	rig_scroll_to(r, "list", "row-50");
+	rig_scroll_to(r, "list", "row-3");
+	g_assert_cmpint(number(r, "rows"), ==, 0);
+	rig_tap(r, "row-3");
+	rig_wait_state(r, "rows", "1", limit_s);
+}
+
 /* A tap is no hold, however slow the machine is. */
 static void test_hold(void)
 {
@@ -257,6 +271,7 @@ static const struct {
 	{ "/kiosk-rig/two-finger-pan", test_two_finger_pan },
 	{ "/kiosk-rig/pinch", test_pinch },
 	{ "/kiosk-rig/twist", test_twist },
+	{ "/kiosk-rig/scroll", test_scroll },
 	{ "/kiosk-rig/hold", test_hold },
 	{ "/kiosk-rig/double-tap", test_double_tap },
 	{ "/kiosk-rig/shot", test_shot },
