@@ -72,6 +72,13 @@ static void got_job(GObject *source, GAsyncResult *result, gpointer user_data)
 	look(w);
 }
 
+static void find_job(job_watch *w, const char *path)
+{
+	bus_jobs1_job_proxy_new(
+		g_dbus_proxy_get_connection(G_DBUS_PROXY(services_jobs(w->services))),
+		G_DBUS_PROXY_FLAGS_DO_NOT_AUTO_START, "org.pleinair.Jobs1", path, NULL, got_job, w);
+}
+
 static void started(GObject *source, GAsyncResult *result, gpointer user_data)
 {
 	job_watch *w = user_data;
@@ -79,11 +86,14 @@ static void started(GObject *source, GAsyncResult *result, gpointer user_data)
 	g_autofree char *path = NULL;
 	if (!bus_jobs1_call_start_finish(BUS_JOBS1(source), &path, result, &error)) {
 		g_dbus_error_strip_remote_error(error);
-		end(w, "failed", NULL, error->message);
+		end(w, "failed", NULL,
+			services_has_jobs(w->services)
+				? error->message
+				: _("The service that computes is not there just now. Try again in "
+				    "a moment."));
 		return;
 	}
-	bus_jobs1_job_proxy_new(g_dbus_proxy_get_connection(G_DBUS_PROXY(source)),
-		G_DBUS_PROXY_FLAGS_DO_NOT_AUTO_START, "org.pleinair.Jobs1", path, NULL, got_job, w);
+	find_job(w, path);
 }
 
 /* The service was killed: it comes back with its jobs, under their old names, or this one is lost. */
@@ -110,7 +120,7 @@ static void owner_changed(GObject *proxy, GParamSpec *what, gpointer user_data)
 		look(w);
 }
 
-job_watch *services_start_job(services *s, const char *kind, const char *site, GVariant *options,
+static job_watch *watch_new(services *s,
 	void (*progress)(
 		double fraction, const char *doing, double seconds_left, gpointer user_data),
 	job_ended ended, gpointer user_data)
@@ -120,10 +130,29 @@ job_watch *services_start_job(services *s, const char *kind, const char *site, G
 	w->progress = progress;
 	w->ended = ended;
 	w->user_data = user_data;
+	g_signal_connect(services_jobs(s), "notify::g-name-owner", G_CALLBACK(owner_changed), w);
+	return w;
+}
+
+job_watch *services_start_job(services *s, const char *kind, const char *site, GVariant *options,
+	void (*progress)(
+		double fraction, const char *doing, double seconds_left, gpointer user_data),
+	job_ended ended, gpointer user_data)
+{
+	job_watch *w = watch_new(s, progress, ended, user_data);
 	if (!options)
 		options = g_variant_new("a{sv}", NULL);
-	g_signal_connect(services_jobs(s), "notify::g-name-owner", G_CALLBACK(owner_changed), w);
 	bus_jobs1_call_start(services_jobs(s), kind, site, options, NULL, started, w);
+	return w;
+}
+
+job_watch *services_follow_job(services *s, const char *path,
+	void (*progress)(
+		double fraction, const char *doing, double seconds_left, gpointer user_data),
+	job_ended ended, gpointer user_data)
+{
+	job_watch *w = watch_new(s, progress, ended, user_data);
+	find_job(w, path);
 	return w;
 }
 

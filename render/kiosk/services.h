@@ -43,6 +43,11 @@ job_watch *services_start_job(services *s, const char *kind, const char *site, G
 	void (*progress)(
 		double fraction, const char *doing, double seconds_left, gpointer user_data),
 	job_ended ended, gpointer user_data);
+/* The same for a job that was started before; path: its object's. */
+job_watch *services_follow_job(services *s, const char *path,
+	void (*progress)(
+		double fraction, const char *doing, double seconds_left, gpointer user_data),
+	job_ended ended, gpointer user_data);
 void job_watch_cancel(job_watch *w); /* asks for it; ended comes */
 /* No callback comes any more; the job goes on. NULL is fine. */
 void job_watch_let_go(job_watch *w);

@@ -1,0 +1,88 @@
+#include "render/kiosk/take-preset.h"
+#include <glib/gi18n.h>
+#include <string.h>
+
+static const struct take_preset pictures[] = {
+	{ "screen", N_("Screen, 1920 × 1080"), "png", "1920x1080" },
+	{ "screen-4k", N_("4K, 3840 × 2160"), "png", "3840x2160" },
+	{ "a4", N_("A4, 300 dpi"), "png", "3508x2480" },
+	{ "a3", N_("A3, 300 dpi"), "png", "4961x3508" },
+	{ NULL },
+};
+static const struct take_preset drawings[] = {
+	{ "pdf-a3", N_("PDF, A3"), "pdf", .paper = "A3" },
+	{ "pdf-a4", N_("PDF, A4"), "pdf", .paper = "A4" },
+	{ "pdf-a1", N_("PDF, A1"), "pdf", .paper = "A1" },
+	{ "svg-a3", N_("SVG, A3"), "svg", .paper = "A3" },
+	{ NULL },
+};
+/* Thirty frames are a second: four from station to station, twenty-four once around. */
+static const struct take_preset films[] = {
+	{ "walk", N_("Walk, 1920 × 1080"), "mp4", "1920x1080", .path = "stations:120" },
+	{ "walk-small", N_("Walk, 1280 × 720"), "mp4", "1280x720", .path = "stations:120" },
+	{ "orbit", N_("Orbit, 1920 × 1080"), "mp4", "1920x1080", .path = "orbit:0.5:720" },
+	{ "orbit-small", N_("Orbit, 1280 × 720"), "mp4", "1280x720", .path = "orbit:0.5:720" },
+	{ NULL },
+};
+static const struct take_preset reports[] = {
+	{ "maps", N_("With pictures"), "html" },
+	{ "plain", N_("Text and tables"), "html" },
+	{ NULL },
+};
+
+const struct take_preset *take_presets(enum export_kind kind)
+{
+	static const struct take_preset none[] = { { NULL } };
+	switch (kind) {
+	case EXPORT_PICTURE: return pictures;
+	case EXPORT_DRAWING: return drawings;
+	case EXPORT_FILM: return films;
+	case EXPORT_REPORT: return reports;
+	default: return none;
+	}
+}
+
+const struct take_preset *take_preset_find(enum export_kind kind, const char *id)
+{
+	for (const struct take_preset *p = take_presets(kind); p->id; p++)
+		if (!g_strcmp0(p->id, id))
+			return p;
+	return NULL;
+}
+
+char *take_stem(
+	enum export_kind kind, const struct take_preset *p, const char *style, const char *view)
+{
+	if (kind == EXPORT_REPORT)
+		return g_strdup("report");
+	if (p == take_presets(kind))
+		return g_strdup_printf("%s-%s", style, view);
+	return g_strdup_printf("%s-%s-%s", style, view, p->id);
+}
+
+const char *take_job(enum export_kind kind)
+{
+	return kind == EXPORT_REPORT ? "report" : "render";
+}
+
+static void add_text(GVariantDict *d, const char *name, const char *value)
+{
+	if (value)
+		g_variant_dict_insert(d, name, "s", value);
+}
+
+GVariant *take_options(enum export_kind kind, const struct take_preset *p, const char *style,
+	const char *view, const char *output)
+{
+	g_auto(GVariantDict) d = G_VARIANT_DICT_INIT(NULL);
+	add_text(&d, "output", output);
+	if (kind != EXPORT_REPORT) {
+		add_text(&d, "style", style);
+		add_text(&d, "view", view);
+		add_text(&d, "size", p->size);
+		add_text(&d, "paper", p->paper);
+		add_text(&d, "path", p->path);
+	} else if (!strcmp(p->id, "plain"))
+		g_variant_dict_insert(&d, "no-maps", "b", TRUE);
+	return g_variant_dict_end(&d);
+}
