@@ -55,7 +55,7 @@ bins := $(foreach p,$(programs),$(BUILD)/bin/$(notdir $(p)))
 tests := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/test-*.c)))
 fuzzers := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/fuzz-*.c)))
 # Files that programs read: beside the programs here as where they are installed.
-shared_files := $(patsubst render/%,$(BUILD)/share/pleinair/%,$(shared))
+shared_files := $(patsubst render/%,$(BUILD)/share/pleinair/%,$(shared)) $(catalogues)
 
 all: $(bins) $(shared_files)
 

@@ -3,7 +3,7 @@
 sources_all = $(shell git ls-files '*.c' '*.h' '*.cpp' 2>/dev/null || find $(modules) tests -name '*.[ch]')
 demo_site ?= demo-site
 
-.PHONY: all help deps demo check check-house check-layers check-format check-tests check-sanitized check-asan check-ubsan \
+.PHONY: all help deps demo check check-house check-layers check-format check-translations pot check-tests check-sanitized check-asan check-ubsan \
 	check-tsan fuzz bench format install clean tests
 
 help:
@@ -25,11 +25,17 @@ check: deps
 deps:
 	@sh tests/deps.sh $(packages)
 
-check-house: check-layers check-format
+check-house: check-layers check-format check-translations
 check-layers:
 	@sh tests/check-layers.sh
 check-format:
 	@clang-format --dry-run -Werror $(sources_all) && echo "format: as .clang-format says"
+
+check-translations:
+	@sh render/kiosk/po/texts.sh check
+#: make pot             take new texts of the touch screen over into render/kiosk/po/*.po, where they wait to be translated
+pot:
+	@sh render/kiosk/po/texts.sh update
 
 tests: $(tests) $(fuzzers)
 
@@ -92,6 +98,8 @@ install: all
 	install -m 644 $(wildcard */*.1) $(DESTDIR)$(PREFIX)/share/man/man1
 	install -m 644 $(wildcard */*.5) $(DESTDIR)$(PREFIX)/share/man/man5
 	@for f in $(patsubst render/%,%,$(shared)); do install -D -m 644 render/$$f $(DESTDIR)$(PREFIX)/share/pleinair/$$f || exit 1; done
+	@for l in $(languages); do install -D -m 644 $(BUILD)/share/locale/$$l/LC_MESSAGES/pleinair.mo \
+		$(DESTDIR)$(PREFIX)/share/locale/$$l/LC_MESSAGES/pleinair.mo || exit 1; done
 
 #: make clean           remove what was built
 clean:

@@ -89,8 +89,7 @@ static void started(GObject *source, GAsyncResult *result, gpointer user_data)
 		end(w, "failed", NULL,
 			services_has_jobs(w->services)
 				? error->message
-				: _("The service that computes is not there just now. Try again in "
-				    "a moment."));
+				: _("The service that does this is not there just now."));
 		return;
 	}
 	find_job(w, path);

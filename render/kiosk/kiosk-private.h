@@ -22,7 +22,7 @@ struct kiosk {
 	status *status;
 	GtkWidget *window, *overlay, *stack, *back, *title, *undo, *theme;
 	GtkWidget *toast, *toast_box, *toast_text, *toast_advice; /* a revealer and what is in it */
-	guint toast_timer;
+	guint toast_timer, start_over;
 	GtkWidget *shade, *sheet_box; /* visible while there is a sheet */
 	GPtrArray *titles;            /* of the screens, the last is at the front */
 	GPtrArray *undos;             /* of struct undo, the last was done last */

@@ -1,4 +1,5 @@
 #include "render/kiosk/kiosk-private.h"
+#include <string.h>
 
 #define TOAST_SECONDS 6
 
@@ -49,10 +50,25 @@ void kiosk_complain(kiosk *k, const char *sentence, const char *advice)
 	show_toast(k, sentence, advice, true);
 }
 
+/* GDBus has words for this that are none for people; it tells it by them alone. */
+static bool nobody_answers(const GError *e)
+{
+	return g_error_matches(e, G_DBUS_ERROR, G_DBUS_ERROR_SERVICE_UNKNOWN) ||
+	       g_error_matches(e, G_DBUS_ERROR, G_DBUS_ERROR_NAME_HAS_NO_OWNER) ||
+	       g_error_matches(e, G_DBUS_ERROR, G_DBUS_ERROR_NO_REPLY) ||
+	       (g_error_matches(e, G_IO_ERROR, G_IO_ERROR_FAILED) &&
+		       strstr(e->message, "G_DBUS_PROXY_FLAGS_DO_NOT_AUTO_START"));
+}
+
 void kiosk_complain_of(kiosk *k, const GError *error)
 {
 	if (!error || g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED))
 		return;
+	if (nobody_answers(error)) {
+		kiosk_complain(k, _("The service that does this is not there just now."),
+			_("It is being started again. Try once more in a moment."));
+		return;
+	}
 	g_autoptr(GError) plain = g_error_copy(error);
 	g_dbus_error_strip_remote_error(plain);
 	kiosk_complain(k, plain->message, NULL);

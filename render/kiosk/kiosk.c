@@ -107,8 +107,7 @@ static void theme_pressed(GtkButton *button, gpointer user_data)
 {
 	kiosk *k = user_data;
 	(void)button;
-	k->options.dark = !k->options.dark;
-	theme_use(k->options.dark);
+	kiosk_set_dark(k, !k->options.dark);
 	theme_keep(k->options.dark);
 }
 
@@ -172,13 +171,8 @@ static gboolean close_asked(GtkWindow *window, gpointer user_data)
 	return GDK_EVENT_STOP;
 }
 
-static void build_window(kiosk *k)
+static void build_content(kiosk *k)
 {
-	k->window = gtk_window_new();
-	g_signal_connect(k->window, "close-request", G_CALLBACK(close_asked), k);
-	kit_classed(k->window, "kiosk");
-	gtk_window_set_title(GTK_WINDOW(k->window), "pleinair");
-	gtk_window_set_default_size(GTK_WINDOW(k->window), k->options.width, k->options.height);
 	k->stack = kit_grow(gtk_stack_new(), true, true);
 	gtk_stack_set_hhomogeneous(GTK_STACK(k->stack), FALSE);
 	gtk_stack_set_vhomogeneous(GTK_STACK(k->stack), FALSE);
@@ -187,12 +181,69 @@ static void build_window(kiosk *k)
 	kiosk_build_says(k);
 	sleep_add(k->window, k->overlay, k->options.asleep_after_s);
 	gtk_window_set_child(GTK_WINDOW(k->window), k->overlay);
+}
+
+static void build_window(kiosk *k)
+{
+	k->window = gtk_window_new();
+	g_signal_connect(k->window, "close-request", G_CALLBACK(close_asked), k);
+	kit_classed(k->window, "kiosk");
+	gtk_window_set_title(GTK_WINDOW(k->window), "pleinair");
+	gtk_window_set_default_size(GTK_WINDOW(k->window), k->options.width, k->options.height);
+	build_content(k);
 	GtkEventController *keys = gtk_event_controller_key_new();
 	g_signal_connect(keys, "key-pressed", G_CALLBACK(key_pressed), k);
 	gtk_widget_add_controller(k->window, keys);
 	if (k->options.fullscreen)
 		gtk_window_fullscreen(GTK_WINDOW(k->window));
 }
+
+/* ---- as people like it ---- */
+
+void kiosk_set_dark(kiosk *k, bool dark)
+{
+	k->options.dark = dark;
+	theme_use(dark);
+}
+
+void kiosk_set_asleep_after(kiosk *k, double seconds)
+{
+	k->options.asleep_after_s = seconds;
+	sleep_after(k->window, seconds);
+}
+
+/* Screens go before what they speak to. */
+static void take_down(kiosk *k)
+{
+	GtkWidget *child;
+	g_clear_handle_id(&k->toast_timer, g_source_remove);
+	g_clear_handle_id(&k->start_over, g_source_remove);
+	kiosk_close_sheet(k);
+	while ((child = gtk_widget_get_last_child(k->stack)))
+		gtk_stack_remove(GTK_STACK(k->stack), child);
+	g_ptr_array_set_size(k->titles, 0);
+	status_free(k->status);
+	k->status = NULL;
+}
+
+static gboolean start_over(gpointer user_data)
+{
+	kiosk *k = user_data;
+	k->start_over = 0;
+	take_down(k);
+	g_ptr_array_set_size(k->undos, 0);
+	build_content(k);
+	kiosk_push(k, screen_sites_new(k), "sites", _("Sites"));
+	return G_SOURCE_REMOVE;
+}
+
+void kiosk_start_over(kiosk *k)
+{
+	if (!k->start_over)
+		k->start_over = g_idle_add(start_over, k);
+}
+
+/* ---- from start to end ---- */
 
 static char *journal_path(void)
 {
@@ -244,11 +295,7 @@ void kiosk_free(kiosk *k)
 		return;
 	g_autofree char *path = running_path();
 	services_watch(k->services, &(struct services_watcher){ 0 });
-	g_clear_handle_id(&k->toast_timer, g_source_remove);
-	status_free(k->status);
-	GtkWidget *child;
-	while ((child = gtk_widget_get_last_child(k->stack)))
-		gtk_stack_remove(GTK_STACK(k->stack), child);
+	take_down(k);
 	gtk_window_destroy(GTK_WINDOW(k->window));
 	g_ptr_array_unref(k->undos);
 	g_ptr_array_unref(k->titles);
@@ -266,4 +313,9 @@ services *kiosk_services(kiosk *k)
 const struct kiosk_options *kiosk_options_of(const kiosk *k)
 {
 	return &k->options;
+}
+
+struct journal *kiosk_journal(kiosk *k)
+{
+	return k->journal;
 }

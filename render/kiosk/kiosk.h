@@ -25,6 +25,16 @@ void kiosk_free(kiosk *k); /* NULL is fine */
 services *kiosk_services(kiosk *k);
 const struct kiosk_options *kiosk_options_of(const kiosk *k);
 
+struct journal *kiosk_journal(kiosk *k);
+
+/* ---- as people like it; kept by who asks (settings.h) ---- */
+
+void kiosk_set_dark(kiosk *k, bool dark);
+void kiosk_set_asleep_after(kiosk *k, double seconds);
+/* Builds everything anew from the first screen on, in the language that is chosen now. Soon: screens that are there live on until the
+ * main loop is reached. */
+void kiosk_start_over(kiosk *k);
+
 /* The screen comes to the front, with a way back to the one before. name is of the screen's kind ("site"). */
 void kiosk_push(kiosk *k, GtkWidget *screen, const char *name, const char *title);
 void kiosk_back(kiosk *k);

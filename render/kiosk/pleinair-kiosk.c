@@ -2,6 +2,8 @@
 #include "acquire/cli.h"
 #include "render/camera.h"
 #include "render/kiosk/kiosk.h"
+#include "render/kiosk/language.h"
+#include "render/kiosk/settings.h"
 #include "render/kiosk/theme.h"
 #include <errno.h>
 #include <glib-unix.h>
@@ -14,7 +16,9 @@ static struct {
 	char **drives;
 	gboolean fullscreen, system;
 	double asleep_after_s;
-} wishes = { .asleep_after_s = 600 };
+} wishes = { .asleep_after_s = -1 };
+
+#define ASLEEP_AFTER_S 600
 
 static const GOptionEntry entries[] = {
 	{ "device", 'd', 0, G_OPTION_ARG_STRING, &wishes.device,
@@ -25,7 +29,8 @@ static const GOptionEntry entries[] = {
 	{ "theme", 0, 0, G_OPTION_ARG_STRING, &wishes.theme,
 		"light or dark [what was chosen last, else light]", "NAME" },
 	{ "sleep", 0, 0, G_OPTION_ARG_DOUBLE, &wishes.asleep_after_s,
-		"Darken after so long without a touch, 0: never [600]", "SECONDS" },
+		"Darken after so long without a touch, 0: never [what was chosen last, else 600]",
+		"SECONDS" },
 	{ "backend", 0, 0, G_OPTION_ARG_STRING, &wishes.backend, "Draw with cpu or gles", "NAME" },
 	{ "drives", 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &wishes.drives,
 		"A folder whose folders are drives to copy to; may be repeated", "FOLDER" },
@@ -68,7 +73,10 @@ static bool take_wishes(struct run *r, int *ret_status)
 	r->options.width = (int)width;
 	r->options.height = (int)height;
 	r->options.fullscreen = wishes.fullscreen;
-	r->options.asleep_after_s = wishes.asleep_after_s;
+	r->options.asleep_after_s =
+		wishes.asleep_after_s >= 0
+			? wishes.asleep_after_s
+			: settings_number("screen", "asleep_after_s", ASLEEP_AFTER_S);
 	r->options.drives = wishes.drives;
 	r->options.dark = wishes.theme ? !strcmp(wishes.theme, "dark") : theme_kept(false);
 	r->services.system = wishes.system;
@@ -132,6 +140,7 @@ int main(int argc, char **argv)
 	if (!cli_parse(COMMAND, "[FOLDER]", "Shows the sites in a folder on a touch screen.",
 		    "Without FOLDER: ~/pleinair.", entries, &argc, &argv, &status))
 		return status;
+	language_start();
 	if (argc > 2)
 		return cli_misuse(COMMAND, "give one folder, or none");
 	if (!take_wishes(&r, &status))

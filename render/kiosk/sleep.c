@@ -2,6 +2,7 @@
 
 struct sleep {
 	GtkWidget *dark;
+	GtkEventController *events;
 	double after_s;
 	int64_t touched_us;
 	guint timer;
@@ -40,18 +41,29 @@ static void sleep_free(gpointer data)
 
 void sleep_add(GtkWidget *window, GtkWidget *overlay, double after_s)
 {
-	struct sleep *s = g_new0(struct sleep, 1);
+	struct sleep *s = g_new0(struct sleep, 1),
+		     *before = g_object_get_data(G_OBJECT(window), "sleep");
+	/* The content of the window was built anew. */
+	if (before)
+		gtk_widget_remove_controller(window, before->events);
 	s->dark = kit_classed(gtk_box_new(GTK_ORIENTATION_VERTICAL, 0), "asleep");
 	gtk_widget_set_name(s->dark, "asleep");
 	gtk_widget_set_visible(s->dark, FALSE);
 	gtk_overlay_add_overlay(GTK_OVERLAY(overlay), s->dark);
-	s->after_s = after_s;
 	s->touched_us = g_get_monotonic_time();
-	GtkEventController *all = gtk_event_controller_legacy_new();
-	gtk_event_controller_set_propagation_phase(all, GTK_PHASE_CAPTURE);
-	g_signal_connect(all, "event", G_CALLBACK(event), s);
-	gtk_widget_add_controller(window, all);
+	s->events = gtk_event_controller_legacy_new();
+	gtk_event_controller_set_propagation_phase(s->events, GTK_PHASE_CAPTURE);
+	g_signal_connect(s->events, "event", G_CALLBACK(event), s);
+	gtk_widget_add_controller(window, s->events);
+	g_object_set_data_full(G_OBJECT(window), "sleep", s, sleep_free);
+	sleep_after(window, after_s);
+}
+
+void sleep_after(GtkWidget *window, double after_s)
+{
+	struct sleep *s = g_object_get_data(G_OBJECT(window), "sleep");
+	g_clear_handle_id(&s->timer, g_source_remove);
+	s->after_s = after_s;
 	if (after_s > 0)
 		s->timer = g_timeout_add(500, look, s);
-	g_object_set_data_full(G_OBJECT(window), "sleep", s, sleep_free);
 }

@@ -5,5 +5,7 @@
 
 /* Above all else in the overlay of the window; lives as long as the window. after_s 0: never. */
 void sleep_add(GtkWidget *window, GtkWidget *overlay, double after_s);
+/* From now on. */
+void sleep_after(GtkWidget *window, double after_s);
 
 #endif

@@ -1,4 +1,5 @@
 #include "render/kiosk/theme.h"
+#include "render/kiosk/settings.h"
 #include <gtk/gtk.h>
 
 static char *shared_file(const char *name)
@@ -36,28 +37,12 @@ void theme_use(bool dark)
 		display, GTK_STYLE_PROVIDER(used), GTK_STYLE_PROVIDER_PRIORITY_APPLICATION);
 }
 
-static char *settings_path(void)
-{
-	return g_build_filename(g_get_user_config_dir(), "pleinair", "kiosk.conf", NULL);
-}
-
 bool theme_kept(bool fallback)
 {
-	g_autofree char *path = settings_path();
-	g_autoptr(GKeyFile) file = g_key_file_new();
-	g_autoptr(GError) error = NULL;
-	if (!g_key_file_load_from_file(file, path, G_KEY_FILE_NONE, NULL))
-		return fallback;
-	bool dark = g_key_file_get_boolean(file, "screen", "dark", &error);
-	return error ? fallback : dark;
+	return settings_switch("screen", "dark", fallback);
 }
 
 void theme_keep(bool dark)
 {
-	g_autofree char *path = settings_path(), *folder = g_path_get_dirname(path);
-	g_autoptr(GKeyFile) file = g_key_file_new();
-	g_mkdir_with_parents(folder, 0700);
-	g_key_file_load_from_file(file, path, G_KEY_FILE_KEEP_COMMENTS, NULL);
-	g_key_file_set_boolean(file, "screen", "dark", dark);
-	g_key_file_save_to_file(file, path, NULL);
+	settings_keep_switch("screen", "dark", dark);
 }

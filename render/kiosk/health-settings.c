@@ -1,0 +1,80 @@
+#include "render/kiosk/choice.h"
+#include "render/kiosk/health.h"
+#include "render/kiosk/language.h"
+#include "render/kiosk/settings.h"
+#include "render/kiosk/theme.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* What the surroundings say. */
+#define SYSTEM "system"
+
+static void language_pressed(const char *value, gpointer user_data)
+{
+	language_choose(strcmp(value, SYSTEM) ? value : NULL);
+	kiosk_start_over(user_data);
+}
+
+static choice *choose_language(kiosk *k)
+{
+	choice *c = choice_new(k, "settings-language", _("Language"), language_pressed, k);
+	g_autofree char *chosen = language_chosen();
+	choice_add(c, SYSTEM, _("Automatic"));
+	for (const struct language *l = languages; l->code; l++)
+		choice_add(c, l->code, l->name);
+	choice_set(c, chosen ? chosen : SYSTEM);
+	return c;
+}
+
+static void theme_pressed(const char *value, gpointer user_data)
+{
+	bool dark = !strcmp(value, "dark");
+	kiosk_set_dark(user_data, dark);
+	theme_keep(dark);
+}
+
+static choice *choose_theme(kiosk *k)
+{
+	choice *c = choice_new(k, "settings-theme", _("Colours"), theme_pressed, k);
+	choice_add(c, "light", _("Light"));
+	choice_add(c, "dark", _("Dark"));
+	choice_set(c, kiosk_options_of(k)->dark ? "dark" : "light");
+	return c;
+}
+
+static void sleep_pressed(const char *value, gpointer user_data)
+{
+	double seconds = atof(value);
+	kiosk_set_asleep_after(user_data, seconds);
+	settings_keep_number("screen", "asleep_after_s", seconds);
+}
+
+static choice *choose_sleep(kiosk *k)
+{
+	static const unsigned minutes[] = { 2, 5, 10, 30, 0 };
+	choice *c = choice_new(k, "settings-sleep", _("Screen goes dark"), sleep_pressed, k);
+	g_autofree char *now = g_strdup_printf("%.0f", kiosk_options_of(k)->asleep_after_s);
+	for (size_t i = 0; i < G_N_ELEMENTS(minutes); i++) {
+		g_autofree char *value = g_strdup_printf("%u", minutes[i] * 60);
+		g_autofree char *words = minutes[i] ? g_strdup_printf(_("After %u min"), minutes[i])
+						    : g_strdup(_("Never"));
+		choice_add(c, value, words);
+	}
+	choice_set(c, now);
+	return c;
+}
+
+static GtkWidget *labelled(const char *label, choice *c)
+{
+	return kit_column(
+		4, kit_line("settings-title", label, "soft small", true), choice_button(c), NULL);
+}
+
+GtkWidget *health_settings_new(kiosk *k)
+{
+	GtkWidget *row = kit_row(12, labelled(_("Language"), choose_language(k)),
+		labelled(_("Colours"), choose_theme(k)),
+		labelled(_("Screen goes dark"), choose_sleep(k)), NULL);
+	gtk_box_set_homogeneous(GTK_BOX(row), TRUE);
+	return kit_classed(kit_column(10, kit_text(_("Settings"), "head"), row, NULL), "card");
+}
