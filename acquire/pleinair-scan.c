@@ -1,11 +1,11 @@
 /* pleinair scan SITE: records one scan. */
 #include "acquire/cli.h"
+#include "acquire/configuration.h"
 #include "acquire/picture.h"
 #include "acquire/scan.h"
 #include <stdio.h>
 
 #define COMMAND          "scan"
-#define CONFIGURATION    "/etc/pleinair.conf"
 #define PREVIEW_EVERY_US G_USEC_PER_SEC
 
 static char *device, *preset_name, *preview;
@@ -65,15 +65,6 @@ static void show_prediction(
 		g_printerr("%s: %u beams at %g Hz; this takes %s, %.2f million points and %s\n",
 			lidar->model, lidar->beams, lidar->scan_rate_hz, time,
 			(double)p->points * 1e-6, bytes);
-}
-
-/* The head that the appliance's own configuration names. */
-static char *configured_device(void)
-{
-	g_autoptr(GKeyFile) file = g_key_file_new();
-	return g_key_file_load_from_file(file, CONFIGURATION, G_KEY_FILE_NONE, NULL)
-		       ? g_key_file_get_string(file, "head", "device", NULL)
-		       : NULL;
 }
 
 static void print_result(const site *s, const struct scan_result *r)
@@ -206,7 +197,7 @@ int main(int argc, char **argv)
 			COMMAND, "there is no preset '%s': draft, standard or fine", preset_name);
 	/* A scan that is resumed has its own. */
 	if (!device && !resume && !discard)
-		device = configured_device();
+		device = configuration_device();
 	if (!device && !resume && !discard)
 		return cli_misuse(
 			COMMAND, "which device? Without a scanner try --device sim:court");

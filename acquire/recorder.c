@@ -71,7 +71,7 @@ static gboolean open_letter(gpointer data)
 	recorder *r = l->recorder;
 	const struct recorder_watcher *w = &r->watcher;
 	if (l->kind == LETTER_BEGUN) {
-		w->begun(l->error, w->user_data);
+		w->begun(w->user_data);
 		return G_SOURCE_REMOVE;
 	}
 	join(r);
@@ -168,9 +168,15 @@ static void is_predicted(
 	send(r, (struct letter){ .kind = LETTER_BEGUN });
 }
 
-static void is_developing(gpointer user_data)
+static void is_developing(const panorama *all, gpointer user_data)
 {
-	set_state(user_data, RECORDER_DEVELOPING);
+	recorder *r = user_data;
+	g_mutex_lock(&r->lock);
+	r->now.state = RECORDER_DEVELOPING;
+	r->preview_us = 0;
+	r->asked_us = g_get_monotonic_time();
+	keep_preview(r, all, r->asked_us);
+	g_mutex_unlock(&r->lock);
 }
 
 /* For %n. Caller frees. */
@@ -251,6 +257,9 @@ static struct letter record_site(recorder *r)
 				      : site_open_for_writing(r->site_path, &l.error);
 	if (s && !record(r, s, &l.scan, &partial, &l.error) && !partial)
 		site_discard_new(s);
+	/* One that could not even be gone on with is still there. */
+	if (s && r->resume && l.error && !partial)
+		site_find_partial(s, &partial, NULL);
 	l.stopped = g_error_matches(l.error, PUMP_ERROR, PUMP_ERROR_STOPPED);
 	g_mutex_lock(&r->lock);
 	bool keep = r->keep;
@@ -312,6 +321,11 @@ void recorder_free(recorder *r)
 bool recorder_is_working(const recorder *r)
 {
 	return r->thread;
+}
+
+bool recorder_is_checking(const recorder *r)
+{
+	return r->thread && r->only_check;
 }
 
 static bool is_free(const recorder *r, GError **error)
@@ -382,6 +396,14 @@ bool recorder_check(recorder *r, const char *device, GError **error)
 	return true;
 }
 
+bool recorder_pause(recorder *r, GError **error)
+{
+	g_mutex_lock(&r->lock);
+	bool paused = r->now.state == RECORDER_PAUSED;
+	g_mutex_unlock(&r->lock);
+	return paused || recorder_stop(r, true, error);
+}
+
 bool recorder_stop(recorder *r, bool keep, GError **error)
 {
 	g_mutex_lock(&r->lock);
@@ -438,6 +460,13 @@ struct recorder_head recorder_head(recorder *r)
 	struct recorder_head h = r->head;
 	g_mutex_unlock(&r->lock);
 	return h;
+}
+
+void recorder_forget_head(recorder *r)
+{
+	g_mutex_lock(&r->lock);
+	r->head = (struct recorder_head){ 0 };
+	g_mutex_unlock(&r->lock);
 }
 
 static uint8_t *paint(const panorama *p, enum picture plane)

@@ -36,8 +36,8 @@ struct recorder_head {
 };
 
 struct recorder_watcher {
-	/* The head answers and the folder is there; or error. */
-	void (*begun)(const GError *error, gpointer user_data);
+	/* The head answers and the folder is there. */
+	void (*begun)(gpointer user_data);
 	/* error NULL: whole. partial: it is kept, and can be gone on with. stopped: somebody asked for it. */
 	void (*ended)(const char *site, uint32_t scan, bool partial, bool stopped,
 		const GError *error, gpointer user_data);
@@ -50,20 +50,24 @@ recorder *recorder_new(const struct recorder_watcher *watcher);
 /* Stops what is under way, keeps the partial scan, and waits for it. NULL is fine. */
 void recorder_free(recorder *r);
 
-/* One of these at a time: SERVICE_ERROR_BUSY. Each tells by begun and then ended, or by checked. device: a URI; %n in it is the number
+/* One of these at a time: SERVICE_ERROR_BUSY. A scan tells by begun, when it comes so far, and by ended; a check by checked. device: a URI; %n in it is the number
  * that the scan will have. */
 bool recorder_start(recorder *r, const char *device, const char *site_path,
 	const struct preset *preset, GError **error);
 bool recorder_resume(recorder *r, const char *site_path, bool salvage, GError **error);
 /* Opens the head and identifies its lidar. */
 bool recorder_check(recorder *r, const char *device, GError **error);
+/* Stops, and keeps what there is; ended follows. Fine when it is paused already. */
+bool recorder_pause(recorder *r, GError **error);
 /* Stops; ended follows. keep false: the partial scan is removed, also one that is paused. */
 bool recorder_stop(recorder *r, bool keep, GError **error);
 bool recorder_discard(recorder *r, const char *site_path, GError **error);
 
-bool recorder_is_working(const recorder *r);             /* on a scan or a check */
+bool recorder_is_working(const recorder *r); /* on a scan or a check */
+bool recorder_is_checking(const recorder *r);
 struct recorder_progress recorder_progress(recorder *r); /* caller clears */
 struct recorder_head recorder_head(recorder *r);
+void recorder_forget_head(recorder *r); /* another one is meant from now on */
 /* What has been seen so far: 4 bytes a cell, RGBA, A 0 where nothing was; caller frees. *ret_serial changes with it. NULL: no scan
  * was made yet. Asking keeps it up to date. */
 uint8_t *recorder_preview(recorder *r, enum picture plane, uint32_t *ret_columns,

@@ -495,6 +495,11 @@ bool run_scan(run *r, GError **error)
 	       go_home(r, error);
 }
 
+const panorama *run_preview(const run *r)
+{
+	return r->preview;
+}
+
 uint32_t run_missing_columns(const run *r)
 {
 	return coverage_missing_columns(r->coverage);

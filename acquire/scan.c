@@ -316,7 +316,7 @@ static bool record_into(struct recording *r, struct scan_result *result, GError 
 		return false;
 	uint32_t missing = run_missing_columns(r->run);
 	if (r->options->developing)
-		r->options->developing(r->options->user_data);
+		r->options->developing(run_preview(r->run), r->options->user_data);
 	if (!develop_into(r->folder, r->scan, result, error) ||
 		!site_finish_scan(r->site, r->number, error))
 		return false;

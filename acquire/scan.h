@@ -23,8 +23,8 @@ struct scan_options {
 	bool (*progress)(const struct run_progress *progress, gpointer user_data);
 	void (*predicted)(const struct prediction *prediction, const struct lidar_identity *lidar,
 		gpointer user_data);
-	/* Called once, when all is recorded and the panorama is being made of it. May be NULL. */
-	void (*developing)(gpointer user_data);
+	/* Called once, when all is recorded and the panorama is being made of it, with all that the preview has. May be NULL. */
+	void (*developing)(const panorama *preview, gpointer user_data);
 	gpointer user_data;
 };
 

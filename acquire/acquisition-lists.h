@@ -1,0 +1,14 @@
+#ifndef ACQUIRE_ACQUISITION_LISTS_H
+#define ACQUIRE_ACQUISITION_LISTS_H
+/* What org.pleinair.Acquisition1 says of presets and devices, and pictures as file descriptors. */
+#include "acquire/recorder.h"
+
+/* aa{sv}, floating: of each preset, with what it takes where the head is known. */
+GVariant *acquisition_presets(const struct recorder_head *known);
+/* aa{sv}, floating: of each device of the head, known or not. error: what the last look or scan ended with, or NULL. */
+GVariant *acquisition_devices(const struct recorder_head *known, const GError *error);
+
+/* A sealed memfd with these bytes; -1 with error. */
+int acquisition_seal(const void *bytes, size_t length, GError **error);
+
+#endif
