@@ -472,11 +472,14 @@ void acquisition_service_free(acquisition_service *s)
 
 bool acquisition_service_export(acquisition_service *s, GDBusConnection *c, GError **error)
 {
-	if (!g_dbus_interface_skeleton_export(
-		    G_DBUS_INTERFACE_SKELETON(s->bus), c, OBJECT_PATH, error))
-		return false;
-	look(s);
-	return true;
+	return g_dbus_interface_skeleton_export(
+		G_DBUS_INTERFACE_SKELETON(s->bus), c, OBJECT_PATH, error);
+}
+
+void acquisition_service_begin(acquisition_service *s)
+{
+	if (!recorder_is_working(s->recorder))
+		look(s);
 }
 
 void acquisition_service_end(acquisition_service *s, void (*is_over)(void))

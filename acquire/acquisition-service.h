@@ -11,10 +11,11 @@ struct acquisition_options {
 };
 
 typedef struct acquisition_service acquisition_service;
-/* Looks at the head as soon as the main loop runs, so that it is known how long a scan takes. */
 acquisition_service *acquisition_service_new(const struct acquisition_options *options);
 void acquisition_service_free(acquisition_service *s); /* NULL is fine */
 bool acquisition_service_export(acquisition_service *s, GDBusConnection *c, GError **error);
+/* Looks at the head, so that it is known how long a scan takes. */
+void acquisition_service_begin(acquisition_service *s);
 /* Stops a scan that is under way, keeping what there is of it, and then calls ended. */
 void acquisition_service_end(acquisition_service *s, void (*ended)(void));
 

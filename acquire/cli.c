@@ -1,15 +1,18 @@
 #include "acquire/cli.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <locale.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #define BAR_AFTER_US     (1 * G_USEC_PER_SEC)
 #define BAR_EVERY_US     (G_USEC_PER_SEC / 10)
+#define TELL_EVERY_US    (G_USEC_PER_SEC / 10)
 #define ETA_AFTER_US     (3 * G_USEC_PER_SEC)
 #define PACE_MEMORY_S    10.0
 #define BAR_CELLS        24
@@ -90,11 +93,33 @@ char *cli_duration(double seconds)
 	return g_strdup_printf("%ld h %02ld min", s / 3600, s / 60 % 60);
 }
 
+static int progress_fd(void)
+{
+	const char *text = g_getenv("PLEINAIR_PROGRESS_FD");
+	int fd = text ? atoi(text) : -1, flags = fd > STDERR_FILENO ? fcntl(fd, F_GETFL) : -1;
+	if (flags < 0)
+		return -1;
+	fcntl(fd, F_SETFL, flags | O_NONBLOCK);
+	return fd;
+}
+
+static void tell(struct cli_bar *bar, double fraction, const char *doing, int64_t now_us)
+{
+	if (bar->fd < 0 || now_us - bar->told_us < TELL_EVERY_US)
+		return;
+	bar->told_us = now_us;
+	g_autofree char *line =
+		g_strdup_printf("%.4f %s\n", CLAMP(fraction, 0.0, 1.0), doing ? doing : "");
+	if (write(bar->fd, line, strlen(line)) < 0 && errno != EAGAIN)
+		bar->fd = -1;
+}
+
 struct cli_bar cli_bar_begin(const char *command)
 {
 	return (struct cli_bar){ .command = command,
 		.started_us = g_get_monotonic_time(),
-		.terminal = isatty(STDERR_FILENO) };
+		.terminal = isatty(STDERR_FILENO),
+		.fd = progress_fd() };
 }
 
 static int line_columns(void)
@@ -124,6 +149,7 @@ static char *time_left(struct cli_bar *bar, double fraction, int64_t now_us)
 void cli_bar_update(struct cli_bar *bar, double fraction, const char *doing)
 {
 	int64_t now_us = g_get_monotonic_time(), spent_us = now_us - bar->started_us;
+	tell(bar, fraction, doing, now_us);
 	if (!bar->terminal || spent_us < BAR_AFTER_US || now_us - bar->shown_us < BAR_EVERY_US)
 		return;
 	fraction = CLAMP(fraction, 0.0, 1.0);

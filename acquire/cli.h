@@ -29,12 +29,15 @@ void cli_print_json(JsonObject *object);
 void cli_print_json_array(JsonArray *array);
 
 /* A bar on the terminal, from the second second on; silent where stderr is none. ETA by the pace so
- * far. */
+ * far. Where $PLEINAIR_PROGRESS_FD is the number of a pipe, each step is a line on it: "0.531 what is
+ * done"; who does not read it misses lines. */
 struct cli_bar {
 	const char *command;
 	int64_t started_us, shown_us;
 	double shown_fraction, pace; /* a second */
 	bool terminal, visible;
+	int fd; /* of PLEINAIR_PROGRESS_FD; below 0: none */
+	int64_t told_us;
 };
 struct cli_bar cli_bar_begin(const char *command);
 void cli_bar_update(struct cli_bar *bar, double fraction, const char *doing);

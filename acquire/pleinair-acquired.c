@@ -25,6 +25,11 @@ static bool export_objects(GDBusConnection *c, gpointer user_data, GError **erro
 	return acquisition_service_export(user_data, c, error);
 }
 
+static void begin(gpointer user_data)
+{
+	acquisition_service_begin(user_data);
+}
+
 static void end(gpointer user_data)
 {
 	acquisition_service_end(user_data, service_quit);
@@ -49,6 +54,7 @@ int main(int argc, char **argv)
 		.name = NAME,
 		.system = on_system,
 		.export_objects = export_objects,
+		.begin = begin,
 		.end = end,
 		.user_data = s };
 	status = service_run(&service);

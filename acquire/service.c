@@ -101,10 +101,13 @@ static void got_bus(GDBusConnection *c, const char *name, gpointer user_data)
 
 static void got_name(GDBusConnection *c, const char *name, gpointer user_data)
 {
+	const struct service *s = running->service;
 	(void)c;
 	(void)name;
 	(void)user_data;
 	service_notify("READY=1");
+	if (s->begin && !running->ending)
+		s->begin(s->user_data);
 }
 
 static void lost_name(GDBusConnection *c, const char *name, gpointer user_data)

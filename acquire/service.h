@@ -11,6 +11,8 @@ struct service {
 	bool system;         /* the system bus; else the one that started it, or the session's */
 	/* Puts its objects on the connection, before the name is owned. */
 	bool (*export_objects)(GDBusConnection *c, gpointer user_data, GError **error);
+	/* The name is ours: nobody else does the same work. May be NULL. */
+	void (*begin)(gpointer user_data);
 	/* SIGTERM or SIGINT, or the bus is gone: comes to its end, and then calls service_quit. */
 	void (*end)(gpointer user_data);
 	gpointer user_data;

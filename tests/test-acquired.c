@@ -1,7 +1,7 @@
 /* pleinair-acquired on a bus of the test's own: what callers get, what they may not, and that a kill costs no scan. */
 #include "acquire/acquisition-bus.h"
 #include "acquire/scan.h"
-#include "tests/commands.h"
+#include "tests/bus-bench.h"
 #include "tests/simulated.h"
 #include <fcntl.h>
 #include <gio/gunixfdlist.h>
@@ -9,15 +9,12 @@
 
 #define NAME        "org.pleinair.Acquisition1"
 #define OBJECT_PATH "/org/pleinair/Acquisition1"
-#define PATIENCE_S  90
 /* A draft of it takes some seconds, so that it can be met amid its work. */
 #define SLOW_SCENE "hall?seed=3&ares=1584&camera=180x320&divergence_mrad=0"
 
 struct bench {
-	GTestDBus *bus;
-	GDBusConnection *connection;
+	struct bus_bench bus;
 	BusAcquisition1 *service;
-	GPid pid;
 	char *folder, *site_path, *elsewhere;
 	const char *device;
 	bool on_system;
@@ -31,24 +28,9 @@ struct bench {
 
 static void daemon_start(struct bench *b)
 {
-	g_autofree char *program = commands_program("pleinair-acquired");
-	g_autoptr(GError) error = NULL;
-	char *argv[] = { program, (char *)"--sites", b->folder, (char *)"--device",
-		(char *)b->device, b->on_system ? (char *)"--system" : NULL, NULL };
-	g_spawn_async(NULL, argv, NULL, G_SPAWN_DO_NOT_REAP_CHILD, commands_follow, NULL, &b->pid,
-		&error);
-	g_assert_no_error(error);
-}
-
-static int daemon_end(struct bench *b, int signal_number)
-{
-	int status = 0;
-	if (!b->pid)
-		return 0;
-	kill(b->pid, signal_number);
-	g_assert_cmpint(waitpid(b->pid, &status, 0), ==, b->pid);
-	b->pid = 0;
-	return status;
+	char *argv[] = { NULL, (char *)"--sites", b->folder, (char *)"--device", (char *)b->device,
+		b->on_system ? (char *)"--system" : NULL, NULL };
+	bus_bench_start(&b->bus, "pleinair-acquired", argv);
 }
 
 static const char *state_of(struct bench *b)
@@ -56,27 +38,6 @@ static const char *state_of(struct bench *b)
 	const char *state = bus_acquisition1_get_state(b->service);
 	return state ? state : "";
 }
-
-static gboolean too_late(gpointer user_data)
-{
-	bool *late = user_data;
-	*late = true;
-	return G_SOURCE_CONTINUE;
-}
-
-/* Runs the main loop until it holds. */
-#define WAIT_FOR(condition)                                                                        \
-	do {                                                                                       \
-		bool late = false;                                                                 \
-		guint timer = g_timeout_add_seconds(PATIENCE_S, too_late, &late);                  \
-		while (!(condition) && !late)                                                      \
-			g_main_context_iteration(NULL, TRUE);                                      \
-		g_source_remove(timer);                                                            \
-		if (late)                                                                          \
-			g_test_message("state %s, finished %u, stopped %u: %s", state_of(b),       \
-				b->finished, b->stopped, b->sentence);                             \
-		g_assert_true(condition);                                                          \
-	} while (0)
 
 static bool is_owned(struct bench *b)
 {
@@ -121,19 +82,11 @@ static void set_up(struct bench *b, gconstpointer data)
 	b->elsewhere = simulated_folder();
 	b->site_path = g_build_filename(b->folder, "oak", NULL);
 	b->device = device ? device : "sim:" SLOW_SCENE "&station=%n";
-	b->bus = g_test_dbus_new(G_TEST_DBUS_NONE);
-	g_test_dbus_up(b->bus);
-	/* The same bus is also what the daemon takes for the system's. */
-	g_setenv("DBUS_SYSTEM_BUS_ADDRESS", g_test_dbus_get_bus_address(b->bus), TRUE);
-	b->connection = g_dbus_connection_new_for_address_sync(g_test_dbus_get_bus_address(b->bus),
-		G_DBUS_CONNECTION_FLAGS_AUTHENTICATION_CLIENT |
-			G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION,
-		NULL, NULL, &error);
-	g_assert_no_error(error);
-	b->service = bus_acquisition1_proxy_new_sync(b->connection,
+	bus_bench_begin(&b->bus);
+	b->service = bus_acquisition1_proxy_new_sync(b->bus.connection,
 		G_DBUS_PROXY_FLAGS_DO_NOT_AUTO_START, NAME, OBJECT_PATH, NULL, &error);
 	g_assert_no_error(error);
-	g_dbus_proxy_set_default_timeout(G_DBUS_PROXY(b->service), PATIENCE_S * 1000);
+	g_dbus_proxy_set_default_timeout(G_DBUS_PROXY(b->service), BUS_PATIENCE_S * 1000);
 	g_signal_connect(b->service, "finished", G_CALLBACK(has_finished), b);
 	g_signal_connect(b->service, "stopped", G_CALLBACK(has_stopped), b);
 }
@@ -148,12 +101,8 @@ static void set_up_running(struct bench *b, gconstpointer data)
 static void tear_down(struct bench *b, gconstpointer data)
 {
 	(void)data;
-	daemon_end(b, SIGTERM);
 	g_object_unref(b->service);
-	g_dbus_connection_close_sync(b->connection, NULL, NULL);
-	g_object_unref(b->connection);
-	g_test_dbus_down(b->bus);
-	g_object_unref(b->bus);
+	bus_bench_end(&b->bus);
 	g_free(b->folder);
 	g_free(b->elsewhere);
 	g_free(b->site_path);
@@ -162,17 +111,6 @@ static void tear_down(struct bench *b, gconstpointer data)
 }
 
 /* ---- calls ---- */
-
-static void assert_refused(GError *error, const char *code, const char *names)
-{
-	g_autoptr(GError) e = error;
-	g_autofree char *remote = e ? g_dbus_error_get_remote_error(e) : NULL;
-	g_autofree char *name = g_strconcat("org.pleinair.Error.", code, NULL);
-	g_assert_cmpstr(remote, ==, name);
-	if (!strstr(e->message, names))
-		g_test_message("%s", e->message);
-	g_assert_nonnull(strstr(e->message, names));
-}
 
 static guint start_scan(struct bench *b)
 {
@@ -376,7 +314,7 @@ static void scan_outlives_the_daemon(struct bench *b, gconstpointer data)
 	(void)data;
 	start_scan(b);
 	wait_for_columns(b);
-	g_assert_cmpint(daemon_end(b, SIGTERM), ==, 0);
+	g_assert_cmpint(bus_bench_kill(&b->bus, SIGTERM), ==, 0);
 	WAIT_FOR(!is_owned(b));
 	g_assert_cmpuint(partial_scan(b), ==, 1);
 	daemon_start(b);
@@ -422,24 +360,26 @@ static void refusals(struct bench *b, gconstpointer data)
 	GError *error = NULL;
 	g_autoptr(GVariant) devices = NULL;
 	(void)data;
-	assert_refused(fails_to_start(b, b->site_path, "best"), "Invalid", "no preset 'best'");
-	assert_refused(fails_to_start(b, "oak", "draft"), "Invalid", "whole path");
+	bus_bench_assert_refused(
+		fails_to_start(b, b->site_path, "best"), "Invalid", "no preset 'best'");
+	bus_bench_assert_refused(fails_to_start(b, "oak", "draft"), "Invalid", "whole path");
 	bus_acquisition1_call_pause_sync(b->service, NULL, &error);
-	assert_refused(g_steal_pointer(&error), "Busy", "no scan is under way");
+	bus_bench_assert_refused(g_steal_pointer(&error), "Busy", "no scan is under way");
 	bus_acquisition1_call_preview_sync(
 		b->service, "range", NULL, NULL, NULL, NULL, NULL, NULL, NULL, &error);
-	assert_refused(g_steal_pointer(&error), "Failed", "nothing has been scanned");
+	bus_bench_assert_refused(g_steal_pointer(&error), "Failed", "nothing has been scanned");
 	bus_acquisition1_call_preview_sync(
 		b->service, "smell", NULL, NULL, NULL, NULL, NULL, NULL, NULL, &error);
-	assert_refused(g_steal_pointer(&error), "Invalid", "no plane 'smell'");
+	bus_bench_assert_refused(g_steal_pointer(&error), "Invalid", "no plane 'smell'");
 	bus_acquisition1_call_resume_sync(b->service, b->site_path, FALSE, NULL, NULL, &error);
-	assert_refused(g_steal_pointer(&error), "Failed", b->site_path);
+	bus_bench_assert_refused(g_steal_pointer(&error), "Failed", b->site_path);
 	start_scan(b);
-	assert_refused(fails_to_start(b, b->site_path, "draft"), "Busy", "a scan is under way");
+	bus_bench_assert_refused(
+		fails_to_start(b, b->site_path, "draft"), "Busy", "a scan is under way");
 	bus_acquisition1_call_check_sync(b->service, &devices, NULL, &error);
-	assert_refused(g_steal_pointer(&error), "Busy", "a scan is under way");
+	bus_bench_assert_refused(g_steal_pointer(&error), "Busy", "a scan is under way");
 	bus_acquisition1_call_set_device_sync(b->service, "sim:court", NULL, &error);
-	assert_refused(g_steal_pointer(&error), "Busy", "at work");
+	bus_bench_assert_refused(g_steal_pointer(&error), "Busy", "at work");
 	WAIT_FOR(b->finished);
 }
 
@@ -461,13 +401,17 @@ static void only_its_own_sites(struct bench *b, gconstpointer data)
 	g_autofree char *link = g_build_filename(b->folder, "link", NULL);
 	g_autofree char *linked = g_build_filename(link, "elm", NULL);
 	g_assert_cmpint(symlink(b->elsewhere, link), ==, 0);
-	assert_refused(fails_to_start(b, other, "draft"), "NotAllowed", "does not lie in");
-	assert_refused(fails_to_start(b, through, "draft"), "NotAllowed", "does not lie in");
-	assert_refused(fails_to_start(b, link, "draft"), "NotAllowed", "does not lie in");
-	assert_refused(fails_to_start(b, linked, "draft"), "NotAllowed", "does not lie in");
-	assert_refused(fails_to_start(b, b->folder, "draft"), "NotAllowed", "does not lie in");
-	assert_refused(fails_to_take(b, "replay:/etc/passwd"), "NotAllowed", "no file");
-	assert_refused(fails_to_take(b, "sim:/run/socket"), "NotAllowed", "no file");
+	bus_bench_assert_refused(
+		fails_to_start(b, other, "draft"), "NotAllowed", "does not lie in");
+	bus_bench_assert_refused(
+		fails_to_start(b, through, "draft"), "NotAllowed", "does not lie in");
+	bus_bench_assert_refused(fails_to_start(b, link, "draft"), "NotAllowed", "does not lie in");
+	bus_bench_assert_refused(
+		fails_to_start(b, linked, "draft"), "NotAllowed", "does not lie in");
+	bus_bench_assert_refused(
+		fails_to_start(b, b->folder, "draft"), "NotAllowed", "does not lie in");
+	bus_bench_assert_refused(fails_to_take(b, "replay:/etc/passwd"), "NotAllowed", "no file");
+	bus_bench_assert_refused(fails_to_take(b, "sim:/run/socket"), "NotAllowed", "no file");
 	g_autofree char *names = commands_names(b->elsewhere);
 	g_assert_cmpstr(names, ==, "");
 	start_scan(b);
@@ -489,27 +433,7 @@ static void second_one_is_refused(struct bench *b, gconstpointer data)
 
 /* ---- kills ---- */
 
-static guint kills(void)
-{
-	const char *text = g_getenv("PLEINAIR_KILLS");
-	return text ? (guint)g_ascii_strtoull(text, NULL, 10) : 4;
-}
-
-static bool wake_up(gpointer user_data)
-{
-	*(bool *)user_data = true;
-	return G_SOURCE_REMOVE;
-}
-
-static void live_for(guint ms)
-{
-	bool over = false;
-	g_timeout_add(ms, G_SOURCE_FUNC(wake_up), &over);
-	while (!over)
-		g_main_context_iteration(NULL, TRUE);
-}
-
-/* Begins or goes on, whatever the last kill left; true when it did. A kill while a folder is being made leaves nothing to go on with. */
+/* Begins or goes on, whatever the last kill left. A kill while a folder is being made leaves nothing to go on with. */
 static void go_on(struct bench *b)
 {
 	g_autoptr(GError) error = NULL;
@@ -527,12 +451,12 @@ static void kills_cost_no_scan(struct bench *b, gconstpointer data)
 	guint before = 0, killed_while_scanning = 0;
 	(void)data;
 	daemon_start(b);
-	for (guint i = 0; i < kills(); i++) {
+	for (guint i = 0; i < bus_bench_kills(); i++) {
 		WAIT_FOR(is_owned(b));
 		go_on(b);
-		live_for((guint)g_test_rand_int_range(0, 3000));
+		bus_bench_live_for((guint)g_test_rand_int_range(0, 3000));
 		killed_while_scanning += !is_in(b, "idle");
-		daemon_end(b, SIGKILL);
+		bus_bench_kill(&b->bus, SIGKILL);
 		WAIT_FOR(!is_owned(b));
 		guint now = whole_scans(b);
 		g_assert_cmpuint(now, >=, before);
@@ -548,7 +472,7 @@ static void kills_cost_no_scan(struct bench *b, gconstpointer data)
 	WAIT_FOR(b->finished);
 	g_assert_cmpuint(whole_scans(b), ==, before + 1);
 	g_assert_cmpuint(partial_scan(b), ==, 0);
-	g_test_message("%u kills, %u of them during a scan; %u scans whole", kills(),
+	g_test_message("%u kills, %u of them during a scan; %u scans whole", bus_bench_kills(),
 		killed_while_scanning, before + 1);
 }
 

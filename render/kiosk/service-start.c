@@ -35,7 +35,7 @@ static char *state_file(void)
 {
 	g_autofree char *folder = g_build_filename(g_get_user_state_dir(), "pleinair", NULL);
 	g_mkdir_with_parents(folder, 0700);
-	return g_build_filename(folder, "jobs.json", NULL);
+	return g_build_filename(folder, "jobs", NULL);
 }
 
 bool service_start(struct service_start *s, const char *program, const char *folder,
