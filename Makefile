@@ -4,7 +4,9 @@ MAKEFLAGS += --no-builtin-rules
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 BUILD ?= build
-PREFIX ?= /usr/local
+# Also as other projects spell it.
+prefix ?= /usr/local
+PREFIX ?= $(prefix)
 CFLAGS ?= -O3 -g
 CXXFLAGS ?= $(CFLAGS)
 SANITIZE ?=
@@ -23,7 +25,7 @@ cxx_flags :=
 programs :=
 pages :=
 shared :=
-include $(addsuffix /module.mk,$(modules)) tests/module.mk
+include $(addsuffix /module.mk,$(modules)) systemd/module.mk tests/module.mk
 PKG_CFLAGS := $(shell pkg-config --cflags $(pkgs) 2>/dev/null)
 PKG_LIBS := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
 # The C++ libraries are named by the bridges alone (*_pcl.cpp, *_cv.cpp); their headers are not held to our warnings.
@@ -117,6 +119,6 @@ $(BUILD)/tests/fuzz-%: $(BUILD)/tests/fuzz-%.o $(BUILD)/tests/replay-corpus.o $(
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 .SECONDARY:
--include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
+-include $(shell find $(BUILD) -name '*.d' -type f 2>/dev/null)
 
 include tests/targets.mk

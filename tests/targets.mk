@@ -91,15 +91,16 @@ bench: all
 format:
 	clang-format -i $(sources_all)
 
-#: make install         PREFIX=/usr/local, DESTDIR=
+#: make install         programs, manual and what makes a machine an appliance: PREFIX=/usr/local, DESTDIR=
 install: all
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin share/man/man1 share/man/man5)
 	install $(bins) $(DESTDIR)$(PREFIX)/bin
-	install -m 644 $(wildcard */*.1) $(DESTDIR)$(PREFIX)/share/man/man1
+	install -m 644 $(wildcard */*.1 */*/*.1) $(DESTDIR)$(PREFIX)/share/man/man1
 	install -m 644 $(wildcard */*.5) $(DESTDIR)$(PREFIX)/share/man/man5
 	@for f in $(patsubst render/%,%,$(shared)); do install -D -m 644 render/$$f $(DESTDIR)$(PREFIX)/share/pleinair/$$f || exit 1; done
 	@for l in $(languages); do install -D -m 644 $(BUILD)/share/locale/$$l/LC_MESSAGES/pleinair.mo \
 		$(DESTDIR)$(PREFIX)/share/locale/$$l/LC_MESSAGES/pleinair.mo || exit 1; done
+	@sh systemd/install.sh '$(DESTDIR)' '$(PREFIX)' '$(sysconfdir)' $(appliance) $(appliance_conf)
 
 #: make clean           remove what was built
 clean:
