@@ -1,6 +1,7 @@
 /* pleinair kiosk: the touch screen, in a window or filling one, on a folder of sites. */
 #include "acquire/cli.h"
 #include "render/camera.h"
+#include "render/kiosk/kiosk-probe.h"
 #include "render/kiosk/kiosk.h"
 #include "render/kiosk/language.h"
 #include "render/kiosk/settings.h"
@@ -114,6 +115,7 @@ static int run(struct run *r, const char *folder)
 	g_unix_signal_add(SIGINT, asked_to_end, r);
 	kiosk *k = kiosk_new(s, &r->options, window_is_gone, r);
 	g_main_loop_run(loop);
+	kiosk_probe_stop();
 	kiosk_free(k);
 	return CLI_DONE;
 }
@@ -151,6 +153,8 @@ int main(int argc, char **argv)
 			"box's own screen");
 		return cli_fail(COMMAND, error);
 	}
+	if (!kiosk_probe_start(&error))
+		return cli_fail(COMMAND, error);
 	g_autofree char *folder = make_folder(argc > 1 ? argv[1] : NULL, &error);
 	if (!folder)
 		return cli_fail(COMMAND, error);

@@ -62,11 +62,15 @@ static GtkWidget *card(struct sites *s, GVariant *about)
 	g_variant_lookup(about, "name", "&s", &name);
 	g_variant_lookup(about, "error", "&s", &error);
 	GtkWidget *picture = gtk_picture_new();
-	gtk_widget_set_size_request(picture, CARD_WIDTH, PICTURE_HIGH);
-	gtk_picture_set_can_shrink(GTK_PICTURE(picture), TRUE);
+	GtkWidget *frame = gtk_overlay_new(), *room = gtk_box_new(GTK_ORIENTATION_VERTICAL, 0);
+	/* All cards are of one size, whatever their pictures are. */
+	gtk_widget_set_size_request(room, CARD_WIDTH, PICTURE_HIGH);
+	gtk_overlay_set_child(GTK_OVERLAY(frame), room);
+	gtk_overlay_add_overlay(GTK_OVERLAY(frame), picture);
+	gtk_picture_set_content_fit(GTK_PICTURE(picture), GTK_CONTENT_FIT_COVER);
 	GtkWidget *b = gtk_button_new();
 	gtk_button_set_child(
-		GTK_BUTTON(b), kit_column(0, picture, words_of(about, name, error), NULL));
+		GTK_BUTTON(b), kit_column(0, frame, words_of(about, name, error), NULL));
 	kit_classed(b, "site");
 	g_autofree char *id = g_strconcat("site-", name, NULL);
 	gtk_widget_set_name(b, id);
