@@ -110,8 +110,13 @@ $(foreach p,$(programs),$(eval $(call program,$(p))))
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs) | $(shared_files)
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
-$(BUILD)/tests/test-kiosk-%: $(BUILD)/tests/test-kiosk-%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs_of_render/kiosk) \
-	$(libs_of_sim) | $(shared_files)
+# What tests of the kiosk have besides: its widgets, a compositor with a touch screen, and fingers (kiosk-rig.h).
+rig_objects := $(patsubst %.c,$(BUILD)/%.o,$(wildcard tests/kiosk-rig*.c))
+$(BUILD)/tests/test-kiosk-%: $(BUILD)/tests/test-kiosk-%.o $(rig_objects) $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o \
+	$(libs_of_render/kiosk) $(libs_of_sim) | $(shared_files) $(touch_module) $(BUILD)/tests/rig-app
+	$(call say,LD)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs) $(link_libs_of_render/kiosk)
+$(BUILD)/tests/rig-app: $(BUILD)/tests/rig-app.o $(libs_of_render/kiosk)
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs) $(link_libs_of_render/kiosk)
 # A fuzz target is plain C with LLVMFuzzerTestOneInput; here it is linked to a driver that replays its corpus.
