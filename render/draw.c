@@ -203,7 +203,7 @@ struct draw_chosen draw_choose(draw_room *room, const frame *f, struct draw_time
 	return (struct draw_chosen){ room->mask, room->of_layer };
 }
 
-void draw_ground(draw_room *room, const frame *f, struct picture_buffer *to)
+void draw_below_strokes(draw_room *room, const frame *f, struct picture_buffer *to)
 {
 	struct draw_job j = { .f = f, .to = to };
 	g_autofree struct chunk_view *views = chunk_views_new(f, &j.count);

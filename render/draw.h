@@ -25,7 +25,7 @@ struct draw_chosen {
 };
 struct draw_chosen draw_choose(draw_room *room, const frame *f, struct draw_times *ret_times);
 /* And all that lies below them: paper, coloured points, shading. */
-void draw_ground(draw_room *room, const frame *f, struct picture_buffer *to);
+void draw_below_strokes(draw_room *room, const frame *f, struct picture_buffer *to);
 
 struct picture_buffer picture_buffer_new(uint32_t width, uint32_t height);
 void picture_buffer_clear(struct picture_buffer *p);

@@ -63,7 +63,7 @@ static bool add_page(struct output *o, const frame *f, const char *file, struct 
 	page->has_paper = o->has_paper;
 	if (o->has_paper && vector_page_wants_ground(f)) {
 		make_room(o, f);
-		draw_ground(o->room, f, &o->large);
+		draw_below_strokes(o->room, f, &o->large);
 		page->ground = picture_buffer_reduced(&o->large, o->supersample);
 	}
 	return o->kind == OUTPUT_SVG ? vector_page_save_svg(page, file, error)

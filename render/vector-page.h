@@ -58,7 +58,7 @@ vector_page *vector_page_new(draw_room *room, const frame *f, const segments *tr
 void vector_page_free(vector_page *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(vector_page, vector_page_free)
 
-/* Whether anything but strokes and even paper is in the frame, so that a ground is needed (draw_ground). */
+/* Whether anything but strokes and even paper is in the frame, so that a ground is needed (draw_below_strokes). */
 bool vector_page_wants_ground(const frame *f);
 
 /* Errors are those of files.h, or cairo's. Both give the same bytes for the same page. */

@@ -1,6 +1,7 @@
 #include "render/kiosk/kiosk-private.h"
 #include <string.h>
 
+#define TOAST_DOWN    76
 #define TOAST_SECONDS 6
 
 /* ---- at the foot ---- */
@@ -87,9 +88,11 @@ static void build_toast(kiosk *k)
 	k->toast = gtk_revealer_new();
 	gtk_revealer_set_child(GTK_REVEALER(k->toast), k->toast_box);
 	gtk_revealer_set_transition_type(
-		GTK_REVEALER(k->toast), GTK_REVEALER_TRANSITION_TYPE_SLIDE_UP);
+		GTK_REVEALER(k->toast), GTK_REVEALER_TRANSITION_TYPE_SLIDE_DOWN);
 	gtk_widget_set_halign(k->toast, GTK_ALIGN_CENTER);
-	gtk_widget_set_valign(k->toast, GTK_ALIGN_END);
+	gtk_widget_set_valign(k->toast, GTK_ALIGN_START);
+	/* Below the bar, where no screen has buttons that are needed at once. */
+	gtk_widget_set_margin_top(k->toast, TOAST_DOWN);
 	gtk_widget_set_can_target(k->toast, FALSE);
 	gtk_overlay_add_overlay(GTK_OVERLAY(k->overlay), k->toast);
 }
