@@ -99,7 +99,7 @@ static void look(acquisition_service *s)
 	g_autoptr(GError) error = NULL;
 	g_clear_handle_id(&s->look_again, g_source_remove);
 	if (s->device && !s->ended && !recorder_check(s->recorder, s->device, &error))
-		g_warning("%s", error->message);
+		g_printerr("pleinair acquired: %s\n", error->message);
 }
 
 static void answer_lookers(acquisition_service *s)

@@ -43,7 +43,7 @@ void service_notify(const char *state)
 	if (fd < 0)
 		return;
 	if (sendto(fd, state, strlen(state), MSG_NOSIGNAL, (struct sockaddr *)&to, length) < 0)
-		g_warning("NOTIFY_SOCKET: %s", g_strerror(errno));
+		g_printerr("pleinair: NOTIFY_SOCKET: %s\n", g_strerror(errno));
 	close(fd);
 }
 

@@ -84,7 +84,8 @@ GPtrArray *job_file_load(const char *path, uint32_t *ret_next)
 		read_all(file, all, ret_next, &error))
 		return g_steal_pointer(&all);
 	g_autofree char *aside = g_strconcat(path, ".broken", NULL);
-	g_warning("%s: cannot be read: %s; it is moved to %s", path, error->message, aside);
+	g_printerr("pleinair jobsd: %s: cannot be read: %s; it is moved to %s\n", path,
+		error->message, aside);
 	g_rename(path, aside);
 	g_ptr_array_set_size(all, 0);
 	return g_steal_pointer(&all);

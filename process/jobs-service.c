@@ -57,7 +57,7 @@ static BusJobs1Job *make_object(jobs_service *s, const struct job *job)
 	g_signal_connect(o, "handle-cancel", G_CALLBACK(cancel), s);
 	if (!g_dbus_interface_skeleton_export(
 		    G_DBUS_INTERFACE_SKELETON(o), s->connection, path, &error))
-		g_warning("%s", error->message);
+		g_printerr("pleinair jobsd: %s\n", error->message);
 	g_hash_table_insert(s->objects, GUINT_TO_POINTER(job->number), o);
 	return o;
 }

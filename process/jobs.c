@@ -41,7 +41,7 @@ static void remember(jobs *j)
 {
 	g_autoptr(GError) error = NULL;
 	if (!job_file_save(j->state_path, j->all, j->next, &error))
-		g_warning("%s", error->message);
+		g_printerr("pleinair jobsd: %s\n", error->message);
 }
 
 static void tell(jobs *j, const struct job *job)

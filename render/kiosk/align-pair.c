@@ -182,6 +182,8 @@ const char *align_pair_headline(
 		return e->decision == DECISION_ACCEPTED ? _("You vouched that these two fit.")
 							: _("These two scans fit together.");
 	}
-	*ret_advice = _(words[e->verification.verdict].advice);
+	*ret_advice = e->origin == EDGE_PICKED ? _("It stands as your points say. If you are sure "
+						   "of them, tap \"They fit\".")
+					       : _(words[e->verification.verdict].advice);
 	return _(words[e->verification.verdict].headline);
 }

@@ -85,6 +85,7 @@ static GtkWidget *style_button(struct draw_screen *s, const char *name, const ch
 {
 	GtkWidget *picture = gtk_picture_new();
 	gtk_picture_set_can_shrink(GTK_PICTURE(picture), TRUE);
+	gtk_picture_set_content_fit(GTK_PICTURE(picture), GTK_CONTENT_FIT_COVER);
 	gtk_widget_set_size_request(picture, SMALL_WIDTH, SMALL_HEIGHT);
 	gtk_widget_set_overflow(picture, GTK_OVERFLOW_HIDDEN);
 	kit_classed(picture, "picture");

@@ -1,4 +1,5 @@
 #include "render/kiosk/kiosk-private.h"
+#include "render/kiosk/kiosk-probe.h"
 #include "render/kiosk/screens.h"
 #include "render/kiosk/sleep.h"
 #include "render/kiosk/theme.h"
@@ -11,6 +12,8 @@ static void show_bar(kiosk *k)
 	guint n = k->titles->len;
 	kit_set_text(k->title, n ? g_ptr_array_index(k->titles, n - 1) : "");
 	gtk_widget_set_visible(k->back, n > 1);
+	if (n)
+		kiosk_probe_set("screen", "%s", kiosk_screen(k));
 	guint undos = k->undos->len;
 	gtk_widget_set_sensitive(k->undo, undos > 0);
 	const struct undo *u = undos ? g_ptr_array_index(k->undos, undos - 1) : NULL;

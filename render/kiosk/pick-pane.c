@@ -36,10 +36,10 @@ static struct pane *pane_of(GtkWidget *area)
 
 static double least_scale(const struct pane *p)
 {
-	double wide = gtk_widget_get_width(p->area), high = gtk_widget_get_height(p->area);
+	double wide = gtk_widget_get_width(p->area);
 	if (!p->columns || wide < 1)
 		return 1;
-	return MAX(wide / p->columns, high / p->rows);
+	return wide / p->columns;
 }
 
 static void stay_inside(struct pane *p)

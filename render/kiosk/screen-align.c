@@ -493,6 +493,7 @@ static GtkWidget *pane_box(struct align_screen *s, int side)
 	struct pick_pane_watcher w = { pane_tapped, mark_tapped, mark_moved, at };
 	s->pane[side] = pick_pane_new(side ? "pane-b" : "pane-a",
 		side ? _("Panorama of the second scan") : _("Panorama of the first scan"), &w);
+	g_object_ref_sink(s->pane[side]);
 	g_object_set_data_full(G_OBJECT(s->pane[side]), "side", at, g_free);
 	s->title[side] =
 		kit_classed(kit_line(side ? "title-b" : "title-a", "", "head", false), "tag");
@@ -506,11 +507,21 @@ static GtkWidget *pane_box(struct align_screen *s, int side)
 	return over;
 }
 
+/* So that a long sentence does not push the panoramas aside. */
+static void narrow(GtkWidget *label)
+{
+	gtk_label_set_width_chars(GTK_LABEL(label), 20);
+	gtk_label_set_max_width_chars(GTK_LABEL(label), 24);
+}
+
 static GtkWidget *verdict_box(struct align_screen *s)
 {
 	s->headline = kit_named_text("align-verdict", _("The scans are being read."), "title");
 	s->advice = kit_named_text("align-advice", "", NULL);
 	s->reason = kit_named_text("align-reason", "", "small soft");
+	narrow(s->headline);
+	narrow(s->advice);
+	narrow(s->reason);
 	return kit_column(4, s->headline, s->advice, s->reason, NULL);
 }
 
@@ -544,7 +555,8 @@ static GtkWidget *work_box(struct align_screen *s)
 static GtkWidget *side_panel(struct align_screen *s)
 {
 	s->hint = kit_named_text("align-hint", "", "small soft");
-	s->list = kit_column(6, NULL);
+	narrow(s->hint);
+	s->list = g_object_ref_sink(kit_column(6, NULL));
 	gtk_widget_set_name(s->list, "picks");
 	g_object_set_data(G_OBJECT(s->list), "align", s);
 	s->remove = kit_button("pick-remove", "user-trash-symbolic", _("Remove pair"), NULL, NULL,
@@ -564,6 +576,7 @@ static GtkWidget *side_panel(struct align_screen *s)
 		kit_grow(kit_scroll(s->list), false, true), s->remove, work_box(s), s->align,
 		s->again, decide, NULL);
 	gtk_widget_set_size_request(panel, SIDE_WIDTH, -1);
+	gtk_widget_set_hexpand(panel, FALSE);
 	return panel;
 }
 
@@ -584,6 +597,9 @@ static void align_screen_free(gpointer data)
 	struct align_screen *s = data;
 	align_pair_free(s->pair);
 	align_picks_free(s->picks);
+	g_object_unref(s->pane[0]);
+	g_object_unref(s->pane[1]);
+	g_object_unref(s->list);
 	g_clear_object(&s->gone);
 	g_free(s->residual_m);
 	g_free(s->blunder);

@@ -343,6 +343,7 @@ static void destroyed(GtkWidget *w, gpointer user_data)
 	g_cancellable_cancel(s->gone);
 	g_signal_handlers_disconnect_by_data(acquisition(s), s);
 	g_clear_handle_id(&s->timer, g_source_remove);
+	/* It may go before us. */
 	canvas_forget(s->panorama);
 }
 
@@ -350,6 +351,7 @@ static void scan_screen_free(gpointer data)
 {
 	struct scan_screen *s = data;
 	g_clear_object(&s->gone);
+	g_object_unref(s->panorama);
 	g_free(s);
 }
 
@@ -362,6 +364,7 @@ GtkWidget *screen_scan_new(kiosk *k)
 	s->plane = "range";
 	s->panorama = canvas_new("scan-panorama", _("The panorama as far as it is scanned"),
 		&(struct canvas_watcher){ 0 });
+	g_object_ref_sink(s->panorama);
 	s->bar = gtk_progress_bar_new();
 	gtk_widget_set_name(s->bar, "scan-bar");
 	s->widget = kit_margin(

@@ -19,9 +19,12 @@ struct site_screen {
 	easel *easel;
 	job_watch *job;
 	bool asked; /* what is out of date was asked for already */
+	/* A scan comes before all else: the computing is stopped for it, and begins again after. */
+	bool scan_waits, scan_starts;
 };
 
 static void reload(struct site_screen *s);
+static void start_scan(struct site_screen *s);
 
 /* ---- what is computed ---- */
 
@@ -48,14 +51,28 @@ static void work_ended(
 	(void)result;
 	s->job = NULL;
 	show_work(s, false);
+	if (s->scan_waits) {
+		s->asked = false;
+		start_scan(s);
+		return;
+	}
 	if (!g_strcmp0(state, "failed"))
 		kiosk_complain(s->kiosk, sentence, NULL);
 	reload(s);
 }
 
+/* Then nobody else can write to the site. */
+static bool is_scanned(const struct site_screen *s)
+{
+	BusAcquisition1 *a = services_acquisition(kiosk_services(s->kiosk));
+	const char *state = bus_acquisition1_get_state(a);
+	return s->scan_starts || (state && strcmp(state, "idle") && strcmp(state, "paused") &&
+					 !g_strcmp0(bus_acquisition1_get_site(a), s->folder));
+}
+
 static void start_work(struct site_screen *s)
 {
-	if (s->job || !services_has_jobs(kiosk_services(s->kiosk)))
+	if (s->job || is_scanned(s) || !services_has_jobs(kiosk_services(s->kiosk)))
 		return;
 	s->asked = true;
 	work_goes_on(0, NULL, -1, s);
@@ -205,10 +222,13 @@ static void started(GObject *source, GAsyncResult *result, gpointer user_data)
 	if (g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED))
 		return;
 	struct site_screen *s = user_data;
+	s->scan_starts = false;
 	gtk_widget_set_sensitive(s->scan, TRUE);
 	kiosk_complain_of(s->kiosk, error);
 	if (good)
 		show_scan(s);
+	else
+		reload(s);
 }
 
 static void resumed(GObject *source, GAsyncResult *result, gpointer user_data)
@@ -224,16 +244,27 @@ static void resumed(GObject *source, GAsyncResult *result, gpointer user_data)
 		show_scan(s);
 }
 
+static void start_scan(struct site_screen *s)
+{
+	const char *preset = preset_chooser_preset(s->chooser);
+	s->scan_waits = false;
+	s->scan_starts = true;
+	bus_acquisition1_call_start(services_acquisition(kiosk_services(s->kiosk)), s->folder,
+		preset, s->gone, started, s);
+}
+
 static void scan_pressed(GtkButton *b, gpointer user_data)
 {
 	struct site_screen *s = user_data;
-	const char *preset = preset_chooser_preset(s->chooser);
 	(void)b;
-	if (!preset)
+	if (!preset_chooser_preset(s->chooser))
 		return;
 	gtk_widget_set_sensitive(s->scan, FALSE);
-	bus_acquisition1_call_start(services_acquisition(kiosk_services(s->kiosk)), s->folder,
-		preset, s->gone, started, s);
+	s->scan_waits = s->job != NULL;
+	if (s->job)
+		job_watch_cancel(s->job);
+	else
+		start_scan(s);
 }
 
 static void resume_pressed(GtkButton *b, gpointer user_data)

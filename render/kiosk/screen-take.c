@@ -7,7 +7,8 @@
 #include "render/kiosk/take-preset.h"
 #include "render/kiosk/take-words.h"
 
-#define MADE_KINDS 4
+#define MADE_KINDS   4
+#define CHOICE_WIDTH 200
 
 struct take {
 	kiosk *kiosk;
@@ -94,6 +95,7 @@ static choice *choose_preset(struct take *t, const struct card *card)
 	for (const struct take_preset *p = take_presets(card->kind); p->id; p++)
 		choice_add(c, p->id, _(p->label));
 	gtk_widget_set_hexpand(choice_button(c), FALSE);
+	gtk_widget_set_size_request(choice_button(c), CHOICE_WIDTH, -1);
 	gtk_size_group_add_widget(t->choices, choice_button(c));
 	return c;
 }

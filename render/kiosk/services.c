@@ -47,7 +47,7 @@ static void start(struct one *o)
 	if (s->options.system)
 		return;
 	if (!service_start(&o->start, o->program, s->folder, s->device, &error))
-		g_warning("%s", error->message);
+		g_printerr("pleinair kiosk: %s\n", error->message);
 }
 
 static gboolean start_again(gpointer user_data)

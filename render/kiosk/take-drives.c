@@ -97,6 +97,7 @@ static GtkWidget *what_button(
 	GtkWidget *texts =
 		kit_column(2, kit_text(title, NULL), kit_text(words, "soft small"), NULL);
 	GtkWidget *b = kit_button(name, NULL, "", title, "great", G_CALLBACK(what_pressed), d);
+	gtk_widget_set_valign(texts, GTK_ALIGN_CENTER);
 	gtk_button_set_child(GTK_BUTTON(b), texts);
 	gtk_widget_set_sensitive(b, fits && bytes > 0);
 	g_object_set_data_full(G_OBJECT(b), "drive", g_strdup(to->path), g_free);

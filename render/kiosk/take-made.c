@@ -194,7 +194,7 @@ static void take_made_free(gpointer data)
 	g_autoptr(GError) error = NULL;
 	kiosk_forget_undo(m->kiosk, m);
 	if (!exports_forget_removed(m->site, &error))
-		g_warning("%s", error->message);
+		g_printerr("pleinair kiosk: %s\n", error->message);
 	g_ptr_array_unref(m->removed);
 	g_ptr_array_unref(m->items);
 	g_free(m->site);
