@@ -18,6 +18,7 @@ demo: deps
 check: deps
 	$(MAKE) all tests
 	$(MAKE) check-house
+	$(MAKE) check-units
 	$(MAKE) check-tests
 	$(MAKE) check-sanitized
 
@@ -58,12 +59,20 @@ check-asan-quick:
 check-asan-slow:
 	$(MAKE) run_tests='$(slow_tests)' check-tests
 #: make check-slow      the tests that make check leaves out under ASan and UBSan, since they take long there
-check-slow: check-truth
+check-slow: check-truth check-kernel
 	$(MAKE) $(asan) check-asan-slow
 #: make check-truth     segments of simulated sites at the standard preset against the truth, which check-slow does too
 .PHONY: check-truth
 check-truth: all $(BUILD)/tests/test-segmentation-truth
 	PLEINAIR_SLOW=1 sh tests/tap.sh $(BUILD) $(BUILD)/tests/test-segmentation-truth
+#: make check-units     what makes a machine an appliance, as systemd's and the bus's own tools see it; make check does this too
+check-units: all
+	@sh tests/check-units.sh $(BUILD)
+#: make check-kernel    both daemons under systemd on Debian's kernel in QEMU, which takes minutes; make check-slow does this too
+check-kernel: all
+	@sh tests/deps.sh $(kernel_packages) || true
+	prove --timer --exec sh tests/kernel/run.sh :: $(BUILD)
+.PHONY: check-units check-kernel
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:
 	$(MAKE) $(asan) check-tests
