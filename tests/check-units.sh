@@ -26,6 +26,11 @@ for policy in "$root"/usr/share/dbus-1/system.d/*.conf; do
 	grep -q "^User=$user\$" "$unit" || bad "$name: policy, activation file and unit are not of the same user"
 	grep -q "^u $user " "$root/usr/lib/sysusers.d/pleinair.conf" || bad "$user: sysusers does not make this user"
 done
+if command -v systemd-sysusers > /dev/null; then
+	said=$(systemd-sysusers --root="$root" 2>&1) || bad "systemd-sysusers fails"
+	printf '%s\n' "$said" | grep -v '^Creating' | grep . && bad "systemd-sysusers has something to say"
+	grep -q '^pleinair:.*pleinair-acquired' "$root/etc/group" || bad "sysusers: the scanner's user is not in the group"
+fi
 # Rules for devices: each line compares and sets, in keys that udev has.
 awk '!/^#/ && NF' "$root/usr/lib/udev/rules.d/70-pleinair.rules" | tr ',' '\n' | sed 's/^ *//' |
 	grep -vE '^(ACTION|SUBSYSTEM|KERNEL|ATTRS?\{[A-Za-z/]+\}|ENV\{[A-Z_]+\}|GROUP|MODE|TAG|SYMLINK|LABEL|GOTO)(==|!=|\+?=)"[^"]*"$' &&

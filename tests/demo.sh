@@ -24,3 +24,11 @@ echo "    $folder/exports/panoramas/index.html    the panoramas"
 echo "    $folder/exports/report.html             how the four scans fit"
 echo "    $folder/exports/pictures/index.html     classes, segments, feature degree, feature and dithering points"
 echo "The site itself is the folder $folder"
+# Another scan is then one tap away: the scanner that is simulated stands at the next tripod position.
+if [ -n "${WAYLAND_DISPLAY:-}${DISPLAY:-}" ] && [ -z "${DEMO_NO_KIOSK:-}" ]; then
+	echo "demo: the touch screen opens, with the simulated scanner connected: tap demo-site, and then Scan"
+	"$bin/pleinair" kiosk --device "sim:court?seed=$seed&station=%n" "$(dirname "$folder")" ||
+		echo "demo: the touch screen could not be opened; all else is done"
+else
+	echo "With a display, make demo ends on the touch screen: pleinair kiosk --device 'sim:court?seed=$seed&station=%n' $(dirname "$folder")"
+fi
