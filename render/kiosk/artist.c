@@ -27,6 +27,7 @@ struct artist {
 	bool may_be_stopped; /* what is drawn now: pictures of a moving view are finished, or none would ever be */
 	struct camera camera;
 	uint32_t serial;       /* of the wish */
+	int64_t wished_us;     /* likewise */
 	drawing *next_drawing; /* NULL: the one there is */
 	bool has_next_small;
 	GPtrArray *next_small;
@@ -39,6 +40,7 @@ struct artist {
 	frame *frame[ARTIST_SIZES];
 	struct camera seen;
 	uint32_t seen_serial;
+	int64_t seen_wished_us;
 	bool seen_moving, is_broken;
 	uint32_t size;
 	struct light_sum sum;
@@ -168,6 +170,7 @@ static bool draw_moving(artist *a, GError **error)
 		return false;
 	struct artist_picture show = to_show(&p, &a->seen);
 	show.seconds = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
+	show.wished_us = a->seen_wished_us;
 	a->size = artist_size_next(a->size, show.seconds);
 	send(a, (struct letter){ .kind = LETTER_PICTURE, .picture = show });
 	picture_buffer_clear(&p);
@@ -185,7 +188,8 @@ static void show_sum(artist *a, double seconds)
 				.height = a->sum.height,
 				.camera = a->seen,
 				.pictures = a->sum.pictures,
-				.seconds = seconds } });
+				.seconds = seconds,
+				.wished_us = a->seen_wished_us } });
 }
 
 /* One picture more of a still view; shown when the mean has become visibly finer. */
@@ -256,6 +260,7 @@ static void adopt(artist *a)
 	a->seen_serial = a->serial;
 	a->seen = a->camera;
 	a->seen_moving = a->moving;
+	a->seen_wished_us = a->wished_us;
 	a->is_broken = false;
 	a->small_next = 0;
 	a->sum.pictures = 0;
@@ -357,6 +362,7 @@ artist *artist_new(const scene *s, enum backend_wish wish, const struct artist_w
 static void wish_is_new(artist *a)
 {
 	a->serial++;
+	a->wished_us = g_get_monotonic_time();
 	if (a->may_be_stopped)
 		g_atomic_int_set(&a->stop, 1);
 	g_cond_signal(&a->changed);

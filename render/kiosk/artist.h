@@ -16,6 +16,7 @@ struct artist_picture {
 	struct camera camera; /* of the wish that it answers, of the size that was wished for */
 	uint32_t pictures;    /* that it is the mean of; 0: a smaller one of a moving view */
 	double seconds;       /* that drawing took */
+	int64_t wished_us;    /* when it was wished for, by g_get_monotonic_time */
 };
 struct artist_watcher {
 	void (*picture)(const struct artist_picture *p, gpointer user_data);

@@ -1,10 +1,13 @@
 #include "render/kiosk/easel.h"
+#include "render/kiosk/kiosk-probe.h"
 
 /* A view that has not changed for so long stands still. */
 #define STILL_MS       140
 #define PICK_RADIUS_PX 14.0
 #define FOCUS_SECONDS  0.6
 #define FOCUS_NEARER   2.0
+/* After so long without a picture another gesture has begun. */
+#define PACE_NEW_US (G_USEC_PER_SEC / 2)
 
 struct easel {
 	GtkWidget *canvas;
@@ -18,6 +21,12 @@ struct easel {
 	double way_s; /* of the way from..to; 0: it has arrived */
 	int64_t left_us;
 	guint still_timer, tick;
+	/* How well pictures of the gesture that is under way keep up. */
+	struct {
+		guint pictures;
+		int64_t first_us, last_us;
+		double latest_s;
+	} pace;
 };
 
 /* ---- wishes ---- */
@@ -180,10 +189,29 @@ static void draw_marks(cairo_t *cr, double width, double height, gpointer user_d
 
 /* ---- what the artist brings ---- */
 
+/* For tests and those who measure: pictures of a gesture, over how many seconds, and how late the latest of them was. */
+static void tell_pace(easel *e, const struct artist_picture *p)
+{
+	int64_t now_us = g_get_monotonic_time();
+	if (p->pictures)
+		return;
+	if (now_us - e->pace.last_us > PACE_NEW_US) {
+		e->pace.pictures = 0;
+		e->pace.first_us = now_us;
+		e->pace.latest_s = 0;
+	}
+	e->pace.pictures++;
+	e->pace.last_us = now_us;
+	e->pace.latest_s = MAX(e->pace.latest_s, (double)(now_us - p->wished_us) * 1e-6);
+	kiosk_probe_set("pace", "%u %.3f %.3f %u", e->pace.pictures,
+		(double)(now_us - e->pace.first_us) * 1e-6, e->pace.latest_s, p->width);
+}
+
 static void got_picture(const struct artist_picture *p, gpointer user_data)
 {
 	easel *e = user_data;
 	canvas_show(e->canvas, p->bgrx, p->width, p->height);
+	tell_pace(e, p);
 	if (e->watcher.shown)
 		e->watcher.shown(p, e->watcher.user_data);
 }
