@@ -1,5 +1,6 @@
 /* The whole way by touch, against the simulated scanner: a new site, two scans, their alignment, the drawing, a style, a thing drawn in its
  * own way, and what is taken home. $PLEINAIR_SHOTS: a folder for pictures of the screens on the way. */
+#include "acquire/scan.h"
 #include "process/scan-data.h"
 #include "process/scan-graph.h"
 #include "tests/commands.h"
@@ -353,6 +354,75 @@ static void refused(void)
 	rig_free(w.rig);
 }
 
+/* ---- the screen is killed ---- */
+
+static guint whole_scans(struct walk *w)
+{
+	g_autoptr(GError) error = NULL;
+	g_autofree char *path = g_build_filename(w->folder, "Site 1", NULL);
+	g_autoptr(site) s = site_open(path, &error);
+	g_assert_no_error(error);
+	g_autoptr(GArray) scans = site_scans(s, &error);
+	g_assert_no_error(error);
+	for (guint i = 0; i < scans->len; i++) {
+		uint32_t number = g_array_index(scans, uint32_t, i);
+		g_autoptr(panorama) p = scan_load(s, number, true, &error);
+		g_assert_no_error(error);
+	}
+	return scans->len;
+}
+
+/* A scan is under way, or is begun by touch. */
+static void have_scan(struct walk *w)
+{
+	struct rig_place p;
+	for (int i = 0; i < 1200; i++) {
+		g_autofree char *screen = rig_state(w->rig, "screen");
+		if (!g_strcmp0(screen, "scan"))
+			return;
+		if (!g_strcmp0(screen, "sites") && rig_find(w->rig, "site-Site 1", &p))
+			rig_tap(w->rig, "site-Site 1");
+		else if (!g_strcmp0(screen, "site") && rig_find(w->rig, "preset-draft", &p) &&
+			 rig_find(w->rig, "scan-start", &p) && p.sensitive) {
+			rig_tap(w->rig, "preset-draft");
+			rig_tap(w->rig, "scan-start");
+			g_usleep(500000);
+		}
+		g_usleep(100000);
+	}
+	g_error("no scan could be begun");
+}
+
+static void killed(void)
+{
+	struct walk w;
+	const char *text = g_getenv("PLEINAIR_KILLS");
+	guint kills = text ? (guint)g_ascii_strtoull(text, NULL, 10) : 3, met = 0;
+	walk_begin(&w, 1280, 800, SCENE);
+	make_site(&w);
+	for (guint i = 0; i < kills; i++) {
+		have_scan(&w);
+		g_usleep((gulong)g_test_rand_int_range(0, 2000) * 1000);
+		g_autofree char *screen = rig_state(w.rig, "screen");
+		met += !g_strcmp0(screen, "scan");
+		rig_kill(w.rig);
+		int64_t since_us = g_get_monotonic_time();
+		rig_start(w.rig);
+		g_test_message(
+			"back after %.2f s", (double)(g_get_monotonic_time() - since_us) * 1e-6);
+		wait_words(&w, "toast-text", "stopped unexpectedly");
+		whole_scans(&w);
+	}
+	guint before = whole_scans(&w);
+	have_scan(&w);
+	for (int i = 0; i < 1200 && whole_scans(&w) == before; i++)
+		g_usleep(100000);
+	g_assert_cmpuint(whole_scans(&w), ==, before + 1);
+	g_test_message("%u kills of the screen, %u while it showed a scan: %u scans whole", kills,
+		met, before + 1);
+	rig_free(w.rig);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -364,5 +434,6 @@ int main(int argc, char **argv)
 	}
 	g_test_add_func("/kiosk-workflow/1280x800", small_screen);
 	g_test_add_func("/kiosk-workflow/1920x1080", refused);
+	g_test_add_func("/kiosk-workflow/killed", killed);
 	return g_test_run();
 }

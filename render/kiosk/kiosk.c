@@ -271,6 +271,18 @@ static void say_how_it_ended(kiosk *k)
 	g_file_set_contents(path, "", 0, NULL);
 }
 
+/* A scan that goes on is what people want to see first. */
+static void go_to_scan(kiosk *k)
+{
+	BusAcquisition1 *a = services_acquisition(k->services);
+	const char *state = bus_acquisition1_get_state(a), *folder = bus_acquisition1_get_site(a);
+	g_autofree char *name = folder ? g_path_get_basename(folder) : NULL;
+	if (!state || !strcmp(state, "idle") || !strcmp(state, "paused") || !folder || !*folder)
+		return;
+	kiosk_push(k, screen_site_new(k, folder), "site", name);
+	kiosk_push(k, screen_scan_new(k), "scan", _("Scanning"));
+}
+
 kiosk *kiosk_new(services *s, const struct kiosk_options *options,
 	void (*closed)(gpointer user_data), gpointer user_data)
 {
@@ -287,6 +299,7 @@ kiosk *kiosk_new(services *s, const struct kiosk_options *options,
 	build_window(k);
 	services_watch(s, &(struct services_watcher){ service_came, service_went, k });
 	kiosk_push(k, screen_sites_new(k), "sites", _("Sites"));
+	go_to_scan(k);
 	gtk_window_present(GTK_WINDOW(k->window));
 	say_how_it_ended(k);
 	return k;
