@@ -3,10 +3,10 @@
 /* How small pictures of a moving view must be, so that this machine draws enough of them: learnt from those before. */
 #include <stdint.h>
 
-/* Half the side first (DESIGN, "Render"), and what else there is. */
 #define ARTIST_SIZES 5
 extern const double artist_sizes[ARTIST_SIZES];
-#define ARTIST_SIZE_FIRST 2
+/* Of a drawing that was never seen moving: a picture that is too large comes too late, one that is too small soon grows. */
+#define ARTIST_SIZE_FIRST (ARTIST_SIZES - 1)
 /* Between them a moving picture's time is right. */
 #define ARTIST_SECONDS_LEAST 0.020
 #define ARTIST_SECONDS_MOST  0.040

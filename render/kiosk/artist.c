@@ -246,6 +246,7 @@ static void adopt(artist *a)
 		forget_frames(a);
 		drawing_free(a->drawing);
 		a->drawing = g_steal_pointer(&a->next_drawing);
+		a->size = ARTIST_SIZE_FIRST;
 	}
 	if (a->has_next_small) {
 		g_clear_pointer(&a->small, g_ptr_array_unref);
