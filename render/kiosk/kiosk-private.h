@@ -22,6 +22,7 @@ struct kiosk {
 	status *status;
 	GtkWidget *window, *overlay, *stack, *back, *title, *undo, *theme;
 	GtkWidget *toast, *toast_box, *toast_text, *toast_advice; /* a revealer and what is in it */
+	GQueue toasts; /* of char *: what is said after the one that is shown */
 	guint toast_timer, start_over;
 	GtkWidget *shade, *sheet_box; /* visible while there is a sheet */
 	GPtrArray *titles;            /* of the screens, the last is at the front */

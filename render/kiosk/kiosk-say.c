@@ -6,11 +6,18 @@
 
 /* ---- at the foot ---- */
 
+static void show_toast(kiosk *k, const char *sentence, const char *advice, bool stays);
+
 static void hide_toast(GtkButton *button, gpointer user_data)
 {
 	kiosk *k = user_data;
 	(void)button;
 	g_clear_handle_id(&k->toast_timer, g_source_remove);
+	g_autofree char *next = g_queue_pop_head(&k->toasts);
+	if (next) {
+		show_toast(k, next, NULL, false);
+		return;
+	}
 	gtk_revealer_set_reveal_child(GTK_REVEALER(k->toast), FALSE);
 	gtk_widget_set_can_target(k->toast, FALSE);
 }
@@ -42,7 +49,11 @@ static void show_toast(kiosk *k, const char *sentence, const char *advice, bool 
 void kiosk_say(kiosk *k, const char *sentence)
 {
 	journal_add(k->journal, sentence);
-	show_toast(k, sentence, NULL, false);
+	/* What was said before is read first. */
+	if (gtk_revealer_get_reveal_child(GTK_REVEALER(k->toast)))
+		g_queue_push_tail(&k->toasts, g_strdup(sentence));
+	else
+		show_toast(k, sentence, NULL, false);
 }
 
 void kiosk_complain(kiosk *k, const char *sentence, const char *advice)

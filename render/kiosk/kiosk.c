@@ -220,6 +220,7 @@ static void take_down(kiosk *k)
 {
 	GtkWidget *child;
 	g_clear_handle_id(&k->toast_timer, g_source_remove);
+	g_queue_clear_full(&k->toasts, g_free);
 	g_clear_handle_id(&k->start_over, g_source_remove);
 	kiosk_close_sheet(k);
 	while ((child = gtk_widget_get_last_child(k->stack)))

@@ -157,6 +157,28 @@ static void draw_stations(cairo_t *cr, GtkWidget *map, const site_state *s, cons
 	}
 }
 
+/* A place without a scan yet. */
+static void draw_next(cairo_t *cr, GtkWidget *map, const site_state *s, const struct frame_m *f)
+{
+	static const double dashes[] = { 5, 4 };
+	double x, y, at[3] = { s->next.x_m, s->next.y_m };
+	place(f, at, &x, &y);
+	cairo_arc(cr, x, y, STATION_PX, 0, 2 * G_PI);
+	set_colour(cr, map, "paper");
+	cairo_fill(cr);
+	set_colour(cr, map, "main");
+	cairo_set_line_width(cr, 3);
+	cairo_set_dash(cr, dashes, G_N_ELEMENTS(dashes), 0);
+	cairo_arc(cr, x, y, STATION_PX, 0, 2 * G_PI);
+	cairo_stroke(cr);
+	cairo_set_dash(cr, NULL, 0, 0);
+	cairo_move_to(cr, x - 7, y);
+	cairo_line_to(cr, x + 7, y);
+	cairo_move_to(cr, x, y - 7);
+	cairo_line_to(cr, x, y + 7);
+	cairo_stroke(cr);
+}
+
 static void draw(GtkDrawingArea *area, cairo_t *cr, int width, int height, gpointer user_data)
 {
 	GtkWidget *map = GTK_WIDGET(area);
@@ -169,6 +191,8 @@ static void draw(GtkDrawingArea *area, cairo_t *cr, int width, int height, gpoin
 		draw_plan(cr, map, s, &f);
 	for (guint i = 0; i < s->graph->edges->len; i++)
 		draw_edge(cr, map, s, &g_array_index(s->graph->edges, struct edge, i), &f);
+	if (s->has_next)
+		draw_next(cr, map, s, &f);
 	draw_stations(cr, map, s, &f);
 	draw_scale(cr, map, &f, height);
 }

@@ -96,22 +96,36 @@ const char *site_state_scan_verdict(const site_state *s, uint32_t number)
 	return p->group == 1 ? "good" : p->group ? "doubt" : "bad";
 }
 
+static char *next_words(const site_state *s)
+{
+	if (!s->next_is_known)
+		return NULL;
+	if (!s->has_next)
+		return g_strdup(_("They see all that there is around them."));
+	return g_strdup_printf(
+		_("From the ring on the plan, %.0f m² more would be seen."), s->next.new_m2);
+}
+
 char *site_state_words(const site_state *s, const char **ret_verdict)
 {
 	guint n = s->scans->len, known = s->graph->scans->len;
+	g_autofree char *next = next_words(s);
 	*ret_verdict = NULL;
 	if (!n)
 		return g_strdup(_("Nothing is scanned yet. Set the tripod up and tap Scan."));
 	if (n == 1)
-		return g_strdup(_("One scan. Set the tripod up where it sees part of the same, and "
-				  "scan again."));
+		return next ? g_strdup_printf(_("One scan. %s"), next)
+			    : g_strdup(_("One scan. Set the tripod up where it sees part of the "
+					 "same, and scan again."));
 	if (known < n)
 		return g_strdup_printf(ngettext("%u new scan is not yet aligned.",
 					       "%u new scans are not yet aligned.", n - known),
 			n - known);
 	*ret_verdict = s->placed >= n ? "good" : "bad";
-	if (s->placed >= n)
-		return g_strdup_printf(_("All %u scans fit together."), n);
+	if (s->placed >= n) {
+		g_autofree char *fit = g_strdup_printf(_("All %u scans fit together."), n);
+		return next ? g_strconcat(fit, " ", next, NULL) : g_steal_pointer(&fit);
+	}
 	return g_strdup_printf(ngettext("%u scan does not fit the others for sure. Tap Align and "
 					"pick points that both see.",
 				       "%u scans do not fit the others for sure. Tap Align and "
@@ -157,6 +171,8 @@ site_state *site_state_new(const char *folder, GError **error)
 	open_drawn(s);
 	s->needs_work =
 		s->scans->len && (s->graph->scans->len < s->scans->len || !model_has_all(s));
+	if (s->drawn && !s->needs_work)
+		s->has_next = site_next_find(s->drawn, &s->next, &s->next_is_known);
 	return g_steal_pointer(&s);
 }
 

@@ -2,7 +2,7 @@
 #define RENDER_KIOSK_SITE_STATE_H
 /* What there is to know of a site on its screen: read at once, on any thread, const after. */
 #include "process/scan-graph.h"
-#include "render/drawn-site.h"
+#include "render/kiosk/site-next.h"
 
 #define SITE_PLAN_SIDE 640u
 
@@ -21,6 +21,9 @@ struct site_state {
 	/* What stands there from above, A8, north up; NULL without a model. */
 	uint8_t *plan;
 	double plan_west_m, plan_north_m, plan_m_per_px;
+	/* Where to scan next; only when all scans are in the model, has_next false: nowhere that is worth it. */
+	bool next_is_known, has_next;
+	struct next_station next;
 };
 /* Errors are site_open's and the graph's. */
 site_state *site_state_new(const char *folder, GError **error);
