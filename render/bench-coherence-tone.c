@@ -24,7 +24,7 @@ drawing *tone_drawing(drawing *d)
 		line->filters = 0;
 		toned += kept;
 	}
-	d->paper.grain = 0;
+	d->whole.paper.grain = 0;
 	if (toned)
 		return d;
 	drawing_free(d);
@@ -88,7 +88,7 @@ static float paper_light(const frame *f)
 {
 	float rgb[3];
 	for (int k = 0; k < 3; k++)
-		rgb[k] = light_of_srgb((float)f->drawing->paper.colour[k] / 255);
+		rgb[k] = light_of_srgb((float)f->drawing->whole.paper.colour[k] / 255);
 	return light_luminance(rgb);
 }
 

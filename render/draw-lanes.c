@@ -31,14 +31,13 @@ INLINE void lay_row(const float colour[3], float grain, const uint8_t *height, u
 
 INLINE void lay_paper(const struct draw_job *j, const struct band *b, struct draw_desk *d)
 {
-	const struct style_paper *paper = &j->f->drawing->paper;
-	float colour[3];
+	const struct style_paper *paper = &j->f->drawing->whole.paper;
 	for (int k = 0; k < 3; k++)
-		colour[k] = light_of_srgb((float)paper->colour[k] / 255);
+		d->paper[k] = light_of_srgb((float)paper->colour[k] / 255);
 	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
 		float *canvas[3] = { band_row(b, d->canvas[0], y), band_row(b, d->canvas[1], y),
 			band_row(b, d->canvas[2], y) };
-		lay_row(colour, paper->grain, j->f->relief + (size_t)y * b->width, b->width,
+		lay_row(d->paper, paper->grain, j->f->relief + (size_t)y * b->width, b->width,
 			band_row(b, d->relief, y), canvas);
 	}
 }
@@ -121,6 +120,32 @@ static void show_points(const struct draw_job *j, const struct band *b, struct d
 				show_pixel(step, light, light);
 			for (int k = 0; k < 3; k++)
 				band_row(b, d->canvas[k], y)[x] = light[k];
+		}
+}
+
+/* What is away from the focus fades to the paper. */
+static void fade_to_paper(const struct draw_job *j, const struct band *b, struct draw_desk *d)
+{
+	const struct camera *c = &j->f->camera;
+	const struct style_paper *paper = &j->f->drawing->whole.paper;
+	float by_focal = 1 / (float)c->focal_px;
+	for (uint32_t y = b->from; y < b->from + b->rows; y++)
+		for (uint32_t x = 0; x < b->width; x++) {
+			int32_t key = mask_key(j->mask, (int32_t)x, (int32_t)y);
+			if (key >= MASK_EMPTY)
+				continue;
+			float depth_m = mask_depth(key);
+			float at_m[3] = { ((float)x + 0.5f - (float)c->width / 2) * by_focal *
+						  depth_m,
+				((float)y + 0.5f - (float)c->height / 2) * by_focal * depth_m,
+				depth_m };
+			float part = j->f->focus.amount * frame_away(&j->f->focus, at_m);
+			float up = 1 + 0.5f * paper->grain * band_row(b, d->relief, y)[x];
+			for (int k = 0; k < 3; k++) {
+				float *at = &band_row(b, d->canvas[k], y)[x],
+				      bare = d->paper[k] * up;
+				*at += part * (fminf(bare, 1) - *at);
+			}
 		}
 }
 
@@ -244,6 +269,8 @@ INLINE void draw_band(const struct draw_job *j, const struct band *b, struct dra
 	if (d->has_points)
 		show_points(j, b, d);
 	edl_shade(b, j->f, j->mask, d->canvas);
+	if (j->f->focus.is_there)
+		fade_to_paper(j, b, d);
 	for (uint32_t n = 0; j->lists && n < j->f->layers; n++)
 		draw_layer(j, b, d, n);
 	put_out(j, b, d);

@@ -253,7 +253,7 @@ drawing *drawing_new(const style *s, const segments *tree, char ***ret_unused, G
 		.style = s, .tree = tree ? tree : none, .is_whole = tree, .error = error
 	};
 	g_autoptr(drawing) d = g_new0(drawing, 1);
-	d->paper = s->paper;
+	d->whole = s->whole;
 	d->pipelines = g_array_new(FALSE, FALSE, sizeof(struct pipeline));
 	d->pipeline_of = g_new0(uint8_t, SEGMENTS_MAX + 1);
 	begin(&w);

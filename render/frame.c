@@ -84,12 +84,13 @@ static void want(struct frame_layer *l, const scene *s)
 	}
 }
 
-static void want_at_most(struct frame_layer *l, const scene *s)
+/* Of a point that is lit it is what a darker one wants. */
+static void want_at_most(struct frame_layer *l, const scene *s, float lit)
 {
-	l->is_queue = l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
+	memset(l->wanted_most, 0, sizeof l->wanted_most);
 	for (int n = 0; n < 256; n++)
 		for (int kind = 0; kind < FEATURE_KINDS; kind++) {
-			float here = l->wanted_per_px[n];
+			float here = l->wanted_per_px[(int)((1 - lit) * (float)n)];
 			if (l->is_queue && kind == FEATURE_DITHER)
 				here *= s->dither_per_m2 / l->dithering_per_m2[n];
 			l->wanted_most[kind] = MAX(l->wanted_most[kind], here);
@@ -191,7 +192,7 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	set_ways(l);
 	l->stroke_area_px = area_of(l);
 	want(l, f->scene);
-	want_at_most(l, f->scene);
+	l->is_queue = l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
 	return true;
 }
 
@@ -207,6 +208,61 @@ static bool add_layers(frame *f, GError **error)
 				return false;
 		}
 	return true;
+}
+
+/* ---- light and focus ---- */
+
+static enum frame_lit lit_of(const struct frame_layer *l, float amount)
+{
+	if (amount <= 0)
+		return LIT_NOT;
+	if (l->ink.tone == TONE_COLOUR)
+		return LIT_TONE;
+	return l->ink.colour == COLOUR_POINT ? LIT_COLOUR : LIT_OMITTED;
+}
+
+static void turn_to_camera(const frame *f, const double v[3], float ret[3])
+{
+	const double *row[3] = { f->camera.right, f->camera.down, f->camera.forward };
+	for (int k = 0; k < 3; k++)
+		ret[k] = (float)(row[k][0] * v[0] + row[k][1] * v[1] + row[k][2] * v[2]);
+}
+
+static void see_accents(frame *f)
+{
+	double away_m[3];
+	for (int k = 0; k < 3; k++)
+		away_m[k] = f->focus.site_m[k] - f->camera.eye_m[k];
+	turn_to_camera(f, f->light.site_from, f->light.from);
+	turn_to_camera(f, away_m, f->focus.at_m);
+}
+
+void frame_set_light(frame *f, const struct style_light *light)
+{
+	double azimuth = light->azimuth_deg * (G_PI / 180),
+	       elevation = light->elevation_deg * (G_PI / 180);
+	f->light.amount = light->amount;
+	f->light.site_from[0] = sin(azimuth) * cos(elevation);
+	f->light.site_from[1] = cos(azimuth) * cos(elevation);
+	f->light.site_from[2] = sin(elevation);
+	for (uint32_t n = 0; n < f->layers; n++) {
+		struct frame_layer *l = &f->layer[n];
+		l->lit = lit_of(l, light->amount);
+		want_at_most(l, f->scene, l->lit == LIT_TONE ? light->amount : 0);
+	}
+	f->serial = scene_serial(); /* of what layers want */
+	see_accents(f);
+}
+
+void frame_set_focus(frame *f, const struct style_focus *focus)
+{
+	f->focus = (struct frame_focus){ .is_there = style_focus_is_there(focus),
+		.amount = focus->amount,
+		.abstraction = focus->abstraction,
+		.radius_m = focus->radius_m,
+		.per_m = 1 / focus->falloff_m,
+		.site_m = { focus->x_m, focus->y_m, focus->z_m } };
+	see_accents(f);
 }
 
 /* ---- paper ---- */
@@ -225,8 +281,8 @@ static float height_at(const paper_texture *p, float x, float y)
 /* Does not move with the camera, so it is laid once. */
 static bool lay_paper(frame *f, GError **error)
 {
-	g_autoptr(paper_texture) p = paper_texture_new(f->drawing->paper.texture, error);
-	float step = 1 / (f->px * f->drawing->paper.scale);
+	g_autoptr(paper_texture) p = paper_texture_new(f->drawing->whole.paper.texture, error);
+	float step = 1 / (f->px * f->drawing->whole.paper.scale);
 	if (!p)
 		return false;
 	f->relief_width = f->camera.width;
@@ -275,6 +331,7 @@ bool frame_move(frame *f, const struct camera *c, GError **error)
 	f->camera = *c;
 	for (int k = 0; k < 3; k++)
 		f->eye_m[k] = c->eye_m[k] - f->scene->origin_m[k];
+	see_accents(f);
 	return true;
 }
 
@@ -289,6 +346,8 @@ frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GErro
 	f->layer = g_new0(struct frame_layer, FRAME_LAYERS_MAX + 1);
 	if (!frame_move(f, c, error) || !lay_paper(f, error) || !add_layers(f, error))
 		return NULL;
+	frame_set_light(f, &d->whole.light);
+	frame_set_focus(f, &d->whole.focus);
 	return g_steal_pointer(&f);
 }
 

@@ -10,10 +10,33 @@
 #include "render/stroke-texture.h"
 #include "render/style.h"
 
+#include <math.h>
+
 #define FRAME_LAYERS_MAX   64
 #define FRAME_THREADS_MOST 64
 /* Height of the pictures that lengths in styles are for. */
 #define FRAME_STYLE_HEIGHT 1200.0
+/* Of leaves, and whatever else stands any way. */
+#define FRAME_DIFFUSE_UNKNOWN 0.5f
+
+/* How a layer takes on the style's light. */
+enum frame_lit {
+	LIT_NOT,
+	LIT_TONE, /* points count as darker than they are */
+	LIT_OMITTED, /* where it is light, strokes of one ink are left out (Wagner et al. 2022, section 3.3) */
+	LIT_COLOUR, /* the points' colours are darker */
+};
+struct frame_light {
+	float amount;  /* 0: there is none */
+	float from[3]; /* the unit vector towards it, as the camera sees it */
+	double site_from[3];
+};
+struct frame_focus {
+	bool is_there;
+	float amount, abstraction, radius_m, per_m; /* 1 / falloff */
+	float at_m[3];                              /* as the camera sees it */
+	double site_m[3];
+};
 
 /* A layer of one pipeline, with lengths in the picture's pixels. */
 struct frame_layer {
@@ -25,6 +48,7 @@ struct frame_layer {
 	/* The texture, four neighbouring texels in one, with nothing beyond its borders: rows of 2^texel_shift, variants below each other. */
 	uint32_t *texels, texel_shift;
 	float stroke_area_px; /* integral of a mean stroke's alpha */
+	enum frame_lit lit;
 	bool is_queue; /* INK_DITHERING and TONE_COLOUR: dithering points, and behind them all others */
 	float wanted_most
 		[FEATURE_KINDS]; /* of a kind, at any lightness; where it is a queue, for all dithering points of black surface */
@@ -50,8 +74,10 @@ struct frame {
 	const scene *scene;
 	const drawing *drawing;
 	struct camera camera;
-	float px;                  /* pixels of the picture to one of the style's */
-	double eye_m[3];           /* from the scene's origin */
+	float px;        /* pixels of the picture to one of the style's */
+	double eye_m[3]; /* from the scene's origin */
+	struct frame_light light;
+	struct frame_focus focus;
 	struct frame_layer *layer; /* inks, in the order in which they are drawn */
 	uint32_t layers;
 	uint8_t *relief; /* of the paper, width x height, PAPER_TEXTURE_MEAN is flat */
@@ -72,6 +98,30 @@ void frame_free(frame *f); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
 /* Another camera with a picture of the same size; the layers stay. */
 bool frame_move(frame *f, const struct camera *c, GError **error);
+
+/* Another light or focus than the drawing's. */
+void frame_set_light(frame *f, const struct style_light *light);
+void frame_set_focus(frame *f, const struct style_focus *focus);
+/* How light a surface is in the light, 0..1; its unit normal as the camera sees it, 0 0 0 where there is none. */
+static inline float frame_diffuse(const struct frame_light *l, const float normal[3])
+{
+	float along = normal[0] * l->from[0] + normal[1] * l->from[1] + normal[2] * l->from[2];
+	bool has_normal = normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
+	return !has_normal ? FRAME_DIFFUSE_UNKNOWN : along > 0 ? along : 0;
+}
+
+/* 0..1: how far a place is from the focus, as the camera sees it. */
+static inline float frame_away(const struct frame_focus *focus, const float at_m[3])
+{
+	float away2 = 0;
+	if (!focus->is_there)
+		return 0;
+	for (int k = 0; k < 3; k++)
+		away2 += (at_m[k] - focus->at_m[k]) * (at_m[k] - focus->at_m[k]);
+	float part = (sqrtf(away2) - focus->radius_m) * focus->per_m;
+	part = CLAMP(part, 0, 1);
+	return part * part * (3 - 2 * part);
+}
 
 /* Threads that cpu draws it with. */
 uint32_t frame_threads(const frame *f);

@@ -4,7 +4,8 @@
 
 /* Camera of common.glsl. */
 struct camera_block {
-	float lens[4], turn[3][4], size[4], paper[4], light[256];
+	float lens[4], turn[3][4], size[4], paper[4], light[256], light_from[4], focus[4],
+		focus_reach[4];
 };
 
 /* ---- open, close ---- */
@@ -85,7 +86,7 @@ void gles_draw_fill(gles_draw *d, const struct gles_buffer *b, uint32_t words, u
 static void set_camera(gles_draw *d, const frame *f)
 {
 	const struct camera *c = &f->camera;
-	const struct style_paper *paper = &f->drawing->paper;
+	const struct style_paper *paper = &f->drawing->whole.paper;
 	struct camera_block b = { .lens = { (float)c->focal_px, (float)c->width / 2,
 					  (float)c->height / 2, (float)c->near_m },
 		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m } };
@@ -97,6 +98,14 @@ static void set_camera(gles_draw *d, const frame *f)
 		b.paper[k] = light_of_srgb((float)paper->colour[k] / 255);
 	b.paper[3] = paper->grain;
 	memcpy(b.light, light_of_bytes(), sizeof b.light);
+	memcpy(b.light_from, f->light.from, sizeof f->light.from);
+	b.light_from[3] = f->light.amount;
+	memcpy(b.focus, f->focus.at_m, sizeof f->focus.at_m);
+	b.focus[3] = f->focus.amount;
+	b.focus_reach[0] = f->focus.radius_m;
+	b.focus_reach[1] = f->focus.per_m;
+	b.focus_reach[2] = f->focus.abstraction;
+	b.focus_reach[3] = f->focus.is_there;
 	d->c->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d->camera);
 	d->c->gl.BufferData(GL_UNIFORM_BUFFER, sizeof b, &b, GL_STREAM_DRAW);
 }

@@ -41,7 +41,7 @@ static void describe(const struct frame_layer *l, struct layer_block *ret)
 		.shape = { ink->length_px, ink->width_px, ink->spacing_px, ink->length_variation },
 		.look = { ink->grow, ink->scatter, ink->saturation, ink->tooth },
 		.opacity = { ink->opacity, ink->opacity_variation, ink->degree, ink->fade_m },
-		.texels = { 1, 1, 1 },
+		.texels = { 1, 1, 1, (float)l->lit },
 		.which = { l->kinds, l->is_queue, kinds_along(ink), ink->colour == COLOUR_POINT },
 		.colour = { 0, band_blend_of(l), frame_copies(l) },
 	};

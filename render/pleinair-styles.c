@@ -165,9 +165,11 @@ static int list_steps(void)
 		for (const struct step_parameter *p = k->parameters; p->name; p++)
 			print_parameter(p);
 	}
-	printf("\npaper: what is drawn on\n");
-	for (const struct step_parameter *p = paper_parameters; p->name; p++)
-		print_parameter(p);
+	for (const struct style_section *n = style_sections; n->name; n++) {
+		printf("\n%s: %s\n", n->name, n->help);
+		for (const struct step_parameter *p = n->parameters; p->name; p++)
+			print_parameter(p);
+	}
 	return cli_done(COMMAND);
 }
 

@@ -41,6 +41,22 @@ INLINE void draw_splat(const struct band *b, const visibility_mask *m, const str
 		}
 }
 
+/* Of points from here on: what is left of their colours in the style's light. */
+INLINE vf lit_of(const frame *f, const struct disc_pass *p, const int16_t (*packed)[2])
+{
+	const struct frame_light *light = &f->light;
+	vf site[3], along = all(0);
+	unpack_lanes(*(const vi_loose *)packed, site);
+	vf length2 = site[0] * site[0] + site[1] * site[1] + site[2] * site[2];
+	for (int k = 0; k < 3; k++)
+		along += (p->turn[k][0] * site[0] + p->turn[k][1] * site[1] +
+				 p->turn[k][2] * site[2]) *
+			 light->from[k];
+	vf diffuse = choose(
+		length2 > 0, most(along, all(0)) / root(length2), all(FRAME_DIFFUSE_UNKNOWN));
+	return 1 - light->amount * (1 - diffuse);
+}
+
 void LANES_NAME(splat_chunk)(const struct band *b, const frame *f, const visibility_mask *m,
 	const struct chunk_view *v, const struct points_step *step, float *const light[3],
 	float *weight)
@@ -53,6 +69,9 @@ void LANES_NAME(splat_chunk)(const struct band *b, const frame *f, const visibil
 		disc_lanes_find(f->scene, &p, v, i, 0, &d);
 		if (!any(d.drawn))
 			continue;
+		vf lit = all(1);
+		if (f->light.amount > 0)
+			lit = lit_of(f, &p, f->scene->normal + v->chunk->first + i);
 		vi here = (d.y + d.half[1] >= (float)b->from) &
 			  (d.y - d.half[1] <= (float)(b->from + b->rows));
 		for (unsigned left = bits(d.drawn & here); left; left &= left - 1) {
@@ -63,7 +82,8 @@ void LANES_NAME(splat_chunk)(const struct band *b, const frame *f, const visibil
 				{ d.half[0][k], d.half[1][k] }, { d.squash[0][k], d.squash[1][k] },
 				{ d.tilt[0][k], d.tilt[1][k] }, d.depth_m[k],
 				fminf(4 * (1 - d.rank[k]) + 1e-3f, 1),
-				{ linear[rgba[0]], linear[rgba[1]], linear[rgba[2]] },
+				{ linear[(int)(rgba[0] * lit[k])], linear[(int)(rgba[1] * lit[k])],
+					linear[(int)(rgba[2] * lit[k])] },
 				v->pipeline };
 			draw_splat(b, m, &s, light, weight);
 		}

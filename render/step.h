@@ -127,7 +127,7 @@ struct step_kind {
 extern const struct step_kind step_kinds
 	[]; /* "mask", "points", "sprites", "lines", "strokes", "edl"; ends with a row without a name */
 const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
-/* In a table of parameters: that of a kind, or paper_parameters (style.h). NULL: there is none. */
+/* In a table of parameters: that of a kind, or of a section (style.h). NULL: there is none. */
 const struct step_parameter *step_parameter_find(
 	const struct step_parameter *parameters, const char *name);
 /* Sets the fallback of every parameter of the table; what else is in the struct stays. */

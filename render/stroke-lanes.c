@@ -51,6 +51,8 @@ INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
 {
 	const struct ink_step *ink = &b->layer->ink;
 	vf alpha = visibility(b, c) * facing(b, c) * ink->opacity;
+	if (b->f->focus.is_there)
+		alpha *= 1 - b->f->focus.amount * c->away;
 	if (ink->opacity_variation > 0)
 		alpha *= 1 - ink->opacity_variation *
 				     lanes_chance(c->point, stroke_salt(c->copy, SALT_OPACITY));
@@ -66,14 +68,18 @@ INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
 
 INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[3])
 {
+	const struct frame_light *light = &b->f->light;
 	const struct ink_step *ink = &b->layer->ink;
 	const uint8_t *rgba = b->f->scene->rgba[c->point];
 	memcpy(ret, ink->ink, 3);
 	if (ink->colour != COLOUR_POINT || !rgba[3])
 		return;
-	float grey = scene_lightness(rgba);
+	float grey = scene_lightness(rgba), lit = 1;
+	if (b->layer->lit == LIT_COLOUR)
+		lit = 1 - light->amount * (1 - frame_diffuse(light, c->normal));
 	for (int k = 0; k < 3; k++)
-		ret[k] = (uint8_t)CLAMP(grey + ink->saturation * (rgba[k] - grey) + 0.5f, 0, 255);
+		ret[k] = (uint8_t)CLAMP(
+			lit * (grey + ink->saturation * (rgba[k] - grey)) + 0.5f, 0, 255);
 }
 
 INLINE void turn_along(const struct brush *b, struct stroke *s, const float along[2])
@@ -140,7 +146,8 @@ INLINE struct stroke_block *block_of(struct stroke_chain *to)
 INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struct stroke_chain *to)
 {
 	find_normals(b, l);
-	vf whole = opacity_of(b, l);
+	l->away = away_of(b, l);
+	vf whole = opacity_of(b, l), larger = enlarged(b, l);
 	struct stroke_block *block = block_of(to);
 	for (unsigned left = l->left & bits(whole >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
@@ -149,12 +156,12 @@ INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struc
 		if (!line_of(b, &c, &line))
 			continue;
 		float octaves = stroke_fade_octaves(c.depth_m),
-		      need = need_along(b, &c, &line) * STROKE_FADE_MORE(octaves);
+		      need = need_along(b, &c, &line) * STROKE_FADE_MORE(octaves) / larger[k];
 		float alpha = whole[k] * stroke_fade(c.rank, need, octaves);
 		if (alpha < ALPHA_LEAST)
 			continue;
 		block->stroke[block->count++] =
-			stroke_of(b, &c, alpha, 1, goes_along(b) ? &line : NULL, true);
+			stroke_of(b, &c, alpha, larger[k], goes_along(b) ? &line : NULL, true);
 	}
 }
 
@@ -166,6 +173,7 @@ INLINE void try_on_surface(
 		return;
 	vf need = l->need * STROKE_FADE_MORE(l->octaves);
 	vf alpha = opacity_of(b, l) * fade_of(l->rank, need, l->octaves);
+	vf larger = enlarged(b, l);
 	vf short_of = l->need / (l->last * choose(l->is_flat, all((float)b->copies), all(1)));
 	struct stroke_block *block = block_of(to);
 	for (unsigned left = l->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
@@ -174,7 +182,7 @@ INLINE void try_on_surface(
 		struct line line;
 		bool has_line = goes_along(b) && line_of(b, &c, &line);
 		block->stroke[block->count++] = stroke_of(b, &c, alpha[k],
-			MIN(stroke_growth(short_of[k]), b->layer->ink.grow),
+			MIN(stroke_growth(short_of[k]), b->layer->ink.grow) * larger[k],
 			has_line ? &line : NULL, l->is_flat[k]);
 	}
 }

@@ -54,6 +54,7 @@ struct lane_candidates {
 	vf normal[3]; /* as the camera sees it; 0 0 0: none */
 	vf site_normal[3];
 	vi is_flat;
+	vf away;       /* 0..1: from the focus */
 	unsigned left; /* which of them may be drawn */
 };
 
@@ -188,6 +189,49 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 	c->y_px = choose(moves, b->middle_y + at[1] * scale, c->y_px);
 }
 
+/* frame_diffuse() */
+INLINE vf diffuse_of(const struct brush *b, const struct lane_candidates *c)
+{
+	const float *from = b->f->light.from;
+	vf along = c->normal[0] * from[0] + c->normal[1] * from[1] + c->normal[2] * from[2];
+	return choose(has_no_normal(c), all(FRAME_DIFFUSE_UNKNOWN), most(along, all(0)));
+}
+
+/* Strokes to a square pixel that points of this lightness want in the light. */
+INLINE vf wanted_of(const struct brush *b, const struct lane_candidates *c, vi lightness)
+{
+	const float *wanted = b->layer->wanted_per_px;
+	float amount = b->f->light.amount;
+	if (b->layer->lit == LIT_OMITTED)
+		return (vf)gather(wanted, lightness, 4) * (1 - amount * diffuse_of(b, c));
+	if (b->layer->lit == LIT_TONE)
+		lightness = __builtin_convertvector(__builtin_convertvector(lightness, vf) *
+							    (1 - amount * (1 - diffuse_of(b, c))),
+			vi);
+	return (vf)gather(wanted, lightness, 4);
+}
+
+/* frame_away() of where they are */
+INLINE vf away_of(const struct brush *b, const struct lane_candidates *c)
+{
+	const struct frame_focus *focus = &b->f->focus;
+	vf ray[2];
+	if (!focus->is_there)
+		return all(0);
+	rays_of(b, c, ray);
+	vf right = ray[0] * c->depth_m - focus->at_m[0],
+	   down = ray[1] * c->depth_m - focus->at_m[1], ahead = c->depth_m - focus->at_m[2];
+	vf part = clamp01((root(right * right + down * down + ahead * ahead) - focus->radius_m) *
+			  focus->per_m);
+	return part * part * (3 - 2 * part);
+}
+
+/* So much larger strokes are for being away from the focus. */
+INLINE vf enlarged(const struct brush *b, const struct lane_candidates *c)
+{
+	return 1 + b->f->focus.abstraction * c->away;
+}
+
 /* Of the angle that a surface is seen at, times how much longer the ray is than the depth: a square metre of it covers so many
  * (focal length / depth)^2. along: the normal along the ray. */
 INLINE vf cosine_of(const struct brush *b, const struct lane_candidates *c, vf along)
@@ -210,13 +254,17 @@ INLINE void find_wanted(const struct brush *b, struct lane_candidates *c)
 {
 	vi lightness = lightness_of(gather(b->f->scene->rgba, c->point, 4));
 	vf nearest_m = nearest_of(b, c->depth_m), px_per_m = b->focal_px / nearest_m;
-	c->wanted = (vf)gather(b->layer->wanted_per_px, lightness, 4);
+	bool lit = b->layer->lit == LIT_TONE || b->layer->lit == LIT_OMITTED;
+	if (lit)
+		find_normals(b, c);
+	c->wanted = wanted_of(b, c, lightness);
 	find_place(b, lightness, c);
 	c->most = c->wanted * px_per_m * px_per_m * STROKE_FADE_MORE(octaves_of(nearest_m));
 	c->left &= bits(c->rank < c->most * b->ray_most);
 	if (!c->left)
 		return;
-	find_normals(b, c);
+	if (!lit)
+		find_normals(b, c);
 	/* Moved they are seen at another angle. */
 	vf turned = b->moved_m * b->ray_most / nearest_m;
 	c->most *= least(cosine_of(b, c, magnitude(along_of(b, c)) + turned), all(b->ray_most));
@@ -230,7 +278,9 @@ INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_cand
 	if (b->layer->ink.scatter > 0)
 		scatter(b, c);
 	vf along = along_of(b, c), px_per_m = b->focal_px / c->depth_m;
-	c->need = c->wanted * px_per_m * px_per_m * cosine_of(b, c, along);
+	c->away = away_of(b, c);
+	c->need = c->wanted * px_per_m * px_per_m * cosine_of(b, c, along) /
+		  (enlarged(b, c) * enlarged(b, c));
 	c->octaves = octaves_of(c->depth_m);
 	c->left &= bits(c->rank < c->need * STROKE_FADE_MORE(c->octaves));
 	if (backs_hidden)

@@ -214,8 +214,9 @@ static JsonObject *style_properties(void)
 	json_object_set_object_member(o, "description", text_schema("string", "for people"));
 	json_object_set_object_member(
 		o, "base", text_schema("string", "the name of a style that this one alters"));
-	json_object_set_object_member(
-		o, "paper", closed_schema(parameters(paper_parameters), "what is drawn on"));
+	for (const struct style_section *n = style_sections; n->name; n++)
+		json_object_set_object_member(
+			o, n->name, closed_schema(parameters(n->parameters), n->help));
 	json_object_set_object_member(o, "segments", segments_schema());
 	return o;
 }

@@ -14,7 +14,7 @@ G_DEFINE_QUARK(style - error - quark, style_error)
 		.name = #field, .type = row_type, .offset = offsetof(struct style_paper, field),   \
 		.unit = "", __VA_ARGS__                                                            \
 	}
-const struct step_parameter paper_parameters[] = {
+static const struct step_parameter paper_parameters[] = {
 	PAPER(texture, PARAMETER_TEXTURE, .fallback_name = "cartridge",
 		.help = "a name, or the path of a PNG"),
 	PAPER(colour, PARAMETER_COLOUR, .fallback = 0xffffff, .help = "what nothing is drawn on"),
@@ -22,6 +22,48 @@ const struct step_parameter paper_parameters[] = {
 		.help = "how much the relief of the paper is seen"),
 	PAPER(scale, PARAMETER_NUMBER, .least = 0.1, .most = 10, .slider_least = 0.5,
 		.slider_most = 3, .fallback = 1, .help = "how large the texture is; 1: as it is"),
+	{ NULL },
+};
+
+#define NUMBER(of, field, in, low, high, slider_low, slider_high, start, text)                     \
+	{                                                                                          \
+		.name = #field, .type = PARAMETER_NUMBER, .offset = offsetof(struct of, field),    \
+		.unit = (in), .least = (low), .most = (high), .slider_least = (slider_low),        \
+		.slider_most = (slider_high), .fallback = (start), .help = (text)                  \
+	}
+static const struct step_parameter light_parameters[] = {
+	NUMBER(style_light, amount, "", 0, 1, 0, 1, 0,
+		"how much of the lightness it decides; 0: there is no light"),
+	NUMBER(style_light, azimuth_deg, "degrees", -360, 360, 0, 360, 315,
+		"where it comes from: clockwise from the site's y axis, as on a compass"),
+	NUMBER(style_light, elevation_deg, "degrees", -90, 90, 0, 90, 45, "above the ground"),
+	{ NULL },
+};
+
+#define SITE_REACH_M 1e7
+#define PLACE(field)                                                                               \
+	NUMBER(style_focus, field, "m", -SITE_REACH_M, SITE_REACH_M, -100, 100, 0,                 \
+		"its middle, in the site's coordinates")
+static const struct step_parameter focus_parameters[] = {
+	NUMBER(style_focus, amount, "", 0, 1, 0, 1, 0,
+		"how much ink and colour fade to the paper far away from it"),
+	NUMBER(style_focus, abstraction, "", 0, 8, 0, 3, 0,
+		"so much larger and fewer strokes become far away; 1: twice as large"),
+	NUMBER(style_focus, radius_m, "m", 0, 100000, 0.5, 30, 5, "all within it is drawn as ever"),
+	NUMBER(style_focus, falloff_m, "m", 0.01, 100000, 0.5, 60, 10,
+		"from there to where things are far away"),
+	PLACE(x_m),
+	PLACE(y_m),
+	PLACE(z_m),
+	{ NULL },
+};
+
+const struct style_section style_sections[] = {
+	{ "paper", "what is drawn on", paper_parameters, offsetof(struct style_whole, paper) },
+	{ "light", "a lamp far away, which all is darker behind", light_parameters,
+		offsetof(struct style_whole, light) },
+	{ "focus", "a place that is drawn whole, and less and less around it", focus_parameters,
+		offsetof(struct style_whole, focus) },
 	{ NULL },
 };
 
@@ -104,18 +146,32 @@ static bool read_description(style_reader *r, JsonNode *value, style *s)
 	return take_words(r, value, &s->description);
 }
 
-static bool read_paper_member(style_reader *r, const char *key, JsonNode *value, void *user_data)
+#define SECTION_MEMBERS_MAX 16
+
+struct reading {
+	const struct style_section *section;
+	void *into;
+};
+
+static bool read_member(style_reader *r, const char *key, JsonNode *value, void *user_data)
 {
-	static const char *const known[] = { "texture", "colour", "grain", "scale", NULL };
-	const struct step_parameter *p = step_parameter_find(paper_parameters, key);
-	return p ? style_reader_parameter(r, p, value, user_data)
-		 : style_reader_unknown(r, key, value, "paper", known);
+	const struct reading *to = user_data;
+	const struct step_parameter *all = to->section->parameters,
+				    *p = step_parameter_find(all, key);
+	const char *known[SECTION_MEMBERS_MAX + 1] = { NULL };
+	if (p)
+		return style_reader_parameter(r, p, value, to->into);
+	for (int n = 0; all[n].name && n < SECTION_MEMBERS_MAX; n++)
+		known[n] = all[n].name;
+	return style_reader_unknown(r, key, value, to->section->name, known);
 }
 
-static bool read_paper(style_reader *r, JsonNode *value, style *s)
+static bool read_section(
+	style_reader *r, const struct style_section *section, JsonNode *value, style *s)
 {
+	struct reading to = { section, (char *)&s->whole + section->offset };
 	return style_reader_object(r, value, "an object") &&
-	       style_reader_each(r, value, read_paper_member, &s->paper);
+	       style_reader_each(r, value, read_member, &to);
 }
 
 static bool read_segments(style_reader *r, JsonNode *value, style *s)
@@ -144,18 +200,23 @@ static const struct field {
 	{ "source", read_source },
 	{ "description", read_description },
 	{ "base", read_nothing },
-	{ "paper", read_paper },
 	{ "segments", read_segments },
 };
 
 static bool read_field(style_reader *r, const char *key, JsonNode *value, void *user_data)
 {
-	const char *names[G_N_ELEMENTS(fields) + 1] = { NULL };
-	for (size_t i = 0; i < G_N_ELEMENTS(fields); i++)
+	const char *names[G_N_ELEMENTS(fields) + SECTION_MEMBERS_MAX + 1] = { NULL };
+	size_t known = 0;
+	for (size_t i = 0; i < G_N_ELEMENTS(fields); i++) {
 		if (strcmp(fields[i].name, key) == 0)
 			return fields[i].read(r, value, user_data);
-	for (size_t i = 0; i < G_N_ELEMENTS(fields); i++)
-		names[i] = fields[i].name;
+		names[known++] = fields[i].name;
+	}
+	for (const struct style_section *n = style_sections; n->name; n++) {
+		if (strcmp(n->name, key) == 0)
+			return read_section(r, n, value, user_data);
+		names[known++] = n->name;
+	}
 	return style_reader_unknown(r, key, value, "a style", names);
 }
 
@@ -181,7 +242,7 @@ static bool read_schema(style_reader *r, JsonNode *root)
 
 static void take_over(style *s, const style *base)
 {
-	s->paper = base->paper;
+	s->whole = base->whole;
 	g_free(s->source);
 	s->source = g_strdup(base->source);
 }
@@ -215,7 +276,8 @@ static style *new_style(const char *name, const char *path)
 	s->source = g_strdup("user");
 	s->description = g_strdup("");
 	s->nodes = g_ptr_array_new_with_free_func(free_node);
-	step_parameters_fill(paper_parameters, &s->paper);
+	for (const struct style_section *n = style_sections; n->name; n++)
+		step_parameters_fill(n->parameters, (char *)&s->whole + n->offset);
 	return s;
 }
 

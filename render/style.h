@@ -5,6 +5,8 @@
  *
  *     { "schema": 1, "title": "Pencil", "source": "pleinair", "description": "...", "base": "other-style",
  *       "paper": { "texture": "cartridge", "colour": "#f7f3e8", "grain": 0.3 },
+ *       "light": { "amount": 0.8, "azimuth_deg": 315, "elevation_deg": 40 },
+ *       "focus": { "amount": 1, "radius_m": 6, "x_m": 3, "y_m": -2, "z_m": 1 },
  *       "segments": {
  *           "site": { "steps": [ { "step": "strokes", "id": "edges", "points": "directional", "length_px": 30 }, ... ] },
  *           "vegetation": { "remove": [ "tone" ], "change": { "edges": { "opacity": 0.5 } }, "add": [ { "step": "sprites", ... } ] },
@@ -16,7 +18,7 @@
  * "add" (at the end) alter it, in this order. Steps without "id" have the name of their kind. A mask is always there, with the id
  * "mask": change it, or list one of one's own.
  *
- * "base" takes over another style: its paper and source where nothing else is said, and its nodes. A node that has "steps" here
+ * "base" takes over another style: its paper, light, focus and source where nothing else is said, and its nodes. A node that has "steps" here
  * replaces that of the base; one that alters is applied after that of the base. A base is looked for beside the file first.
  *
  * A style has the name of its file. "name" is for text from memory; in a file it may be left out, and must be the same.
@@ -43,15 +45,45 @@ struct style_paper {
 	float grain;         /* 0..1: how much its relief shades it */
 	float scale;         /* of the texture, 1: as it is, at 1200 px of height */
 };
-extern const struct step_parameter
-	paper_parameters[]; /* of struct style_paper; ends with a row without a name */
+/* A lamp far away (Wagner et al. 2022, section 3.1, "light direction"): what turns away from it is darker. Ink becomes denser there, or is
+ * left out where it is light; what has the points' colours takes it on these. */
+struct style_light {
+	float amount; /* 0..1: how much of the lightness it decides; 0: there is none */
+	float azimuth_deg; /* where it comes from: clockwise from the site's y axis, on a map that has x to the right */
+	float elevation_deg; /* above the ground */
+};
+/* A place that is drawn whole, and less and less around it (Redmond & Dingliana 2007, section 4.1). */
+struct style_focus {
+	float amount;      /* 0..1: how much is lost to the paper far away from it */
+	float abstraction; /* so much larger, and fewer, strokes become far away: 1 is twice as large */
+	float radius_m;  /* all this is drawn as ever */
+	float falloff_m; /* beyond it, until it is far away */
+	float x_m, y_m, z_m;
+};
+static inline bool style_focus_is_there(const struct style_focus *f)
+{
+	return f->amount > 0 || f->abstraction > 0;
+}
+
+/* What a style says of the whole picture, and not of nodes. */
+struct style_whole {
+	struct style_paper paper;
+	struct style_light light;
+	struct style_focus focus;
+};
+struct style_section {
+	const char *name, *help;                 /* name: of the object in the file */
+	const struct step_parameter *parameters; /* ends with a row without a name */
+	size_t offset;                           /* in struct style_whole */
+};
+extern const struct style_section style_sections[]; /* ends with a row without a name */
 
 typedef struct style style;
 struct style {
 	char *name, *title, *source,
 		*description; /* none is NULL; source: a paper, "pleinair" or "user" */
 	char *path;           /* of its file; NULL for one from memory */
-	struct style_paper paper;
+	struct style_whole whole;
 	GPtrArray *nodes; /* style-private.h */
 };
 /* Errors: one sentence, "pencil.json line 12: segments.site.steps[0].length_px: 900 is too much; it goes from 1 to 400 px"; those of
@@ -85,7 +117,7 @@ struct pipeline {
 /* A style for the leaves of a site. Equal pipelines are one; ids do not count in that. */
 typedef struct drawing drawing;
 struct drawing {
-	struct style_paper paper;
+	struct style_whole whole;
 	GArray *pipelines; /* of struct pipeline; at least one */
 	uint8_t *
 		pipeline_of; /* [SEGMENTS_MAX + 1]: of each leaf; of what is no leaf as of the site */

@@ -281,7 +281,7 @@ vector_page *vector_page_new(draw_room *room, const frame *f, const segments *tr
 	p->title = g_strdup(title);
 	p->has_paper = true;
 	for (int k = 0; k < 3; k++)
-		p->paper[k] = f->drawing->paper.colour[k];
+		p->paper[k] = f->drawing->whole.paper.colour[k];
 	p->layers = g_ptr_array_new_with_free_func(layer_free);
 	add_layers(p, f, &chosen, tree);
 	return p;
@@ -289,7 +289,7 @@ vector_page *vector_page_new(draw_room *room, const frame *f, const segments *tr
 
 bool vector_page_wants_ground(const frame *f)
 {
-	bool wants = f->drawing->paper.grain > 0;
+	bool wants = f->drawing->whole.paper.grain > 0;
 	for (guint p = 0; p < f->drawing->pipelines->len; p++)
 		wants |= splat_step(f, (uint8_t)p) || frame_step(f, p, "edl");
 	return wants;

@@ -74,7 +74,8 @@ static void check_drawing(const drawing *d)
 {
 	g_assert_cmpuint(d->pipelines->len, >=, 1);
 	g_assert_cmpuint(d->pipelines->len, <=, PIPELINES_MAX);
-	check_parameters(paper_parameters, &d->paper);
+	for (const struct style_section *n = style_sections; n->name; n++)
+		check_parameters(n->parameters, (const char *)&d->whole + n->offset);
 	for (guint i = 0; i < d->pipelines->len; i++)
 		check_pipeline(&g_array_index(d->pipelines, struct pipeline, i));
 	for (uint32_t id = 0; id <= SEGMENTS_MAX; id++)

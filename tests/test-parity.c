@@ -112,13 +112,19 @@ static void compare(gles_draw *d, const char *name, const style *how)
 	scene_free(s);
 }
 
-static void compare_text(gles_draw *d, const char *name, const char *steps)
+/* sections: others than the paper; may be NULL. */
+static void compare_whole(gles_draw *d, const char *name, const char *sections, const char *steps)
 {
-	g_autofree char *text = g_strdup_printf(
-		"{\"schema\":1,\"paper\":{\"grain\":0.3,\"colour\":\"#f4ecd8\"},\"segments\":{%s}}",
-		steps);
+	g_autofree char *text = g_strdup_printf("{\"schema\":1,\"paper\":{\"grain\":0.3,"
+						"\"colour\":\"#f4ecd8\"},%s\"segments\":{%s}}",
+		sections ? sections : "", steps);
 	g_autoptr(style) how = style_of(text);
 	compare(d, name, how);
+}
+
+static void compare_text(gles_draw *d, const char *name, const char *steps)
+{
+	compare_whole(d, name, NULL, steps);
 }
 
 static gles_draw *open_draw(void)
@@ -145,8 +151,12 @@ static void test_step(gconstpointer data)
 	compare_text(d, kind->name, steps);
 }
 
+#define LIGHT "\"light\":{\"amount\":0.8,\"azimuth_deg\":200,\"elevation_deg\":40},"
+#define FOCUS                                                                                      \
+	"\"focus\":{\"amount\":0.9,\"abstraction\":1.5,\"radius_m\":0.5,\"falloff_m\":2,"          \
+	"\"x_m\":999.5,\"y_m\":1,\"z_m\":1},"
 static const struct look {
-	const char *name, *steps;
+	const char *name, *steps, *sections;
 } looks[] = {
 	{ "coloured", "{\"step\":\"strokes\",\"points\":\"all\",\"colour\":\"point\",\"tooth\":0,"
 		      "\"opacity\":0.7,\"spacing_px\":12}" },
@@ -181,6 +191,26 @@ static const struct look {
 		    "deg\":70,"
 		    "\"angle_variation_deg\":90,\"scatter\":0,\"spacing_px\":3}" },
 	{ "no-layers", "" },
+	{ "lit-points", "{\"step\":\"points\"}", LIGHT },
+	{ "lit-tone",
+		"{\"step\":\"lines\",\"points\":\"dithering\",\"tone\":\"colour\",\"spacing_px\":2,"
+		"\"length_px\":6,\"width_px\":0.8}",
+		LIGHT },
+	{ "lit-omitted",
+		"{\"step\":\"sprites\",\"points\":\"surface\",\"spacing_px\":4,\"length_px\":5}",
+		LIGHT },
+	{ "lit-paint",
+		"{\"step\":\"strokes\",\"points\":\"all\",\"colour\":\"point\",\"blend\":\"paint\","
+		"\"texture\":\"brush\",\"spacing_px\":7,\"length_px\":30,\"width_px\":9}",
+		LIGHT },
+	{ "focus",
+		"{\"step\":\"points\"},{\"step\":\"edl\"},{\"step\":\"strokes\",\"points\":\"all\","
+		"\"spacing_px\":9,\"direction\":\"edge\"}",
+		FOCUS },
+	{ "focus-lit",
+		"{\"step\":\"sprites\",\"points\":\"all\",\"tone\":\"colour\",\"spacing_px\":2,"
+		"\"length_px\":4}",
+		LIGHT FOCUS },
 };
 
 static void test_look(gconstpointer data)
@@ -190,7 +220,7 @@ static void test_look(gconstpointer data)
 	if (!d)
 		return;
 	g_autofree char *steps = g_strdup_printf("\"site\":{\"steps\":[%s]}", l->steps);
-	compare_text(d, l->name, steps);
+	compare_whole(d, l->name, l->sections, steps);
 }
 
 static void test_style(gconstpointer data)

@@ -90,7 +90,7 @@ static const struct wrong {
 		"x.json line 2: segment: a style has no such field; did you mean 'segments'?" },
 	{ "{\"schema\":1,\n\"x\":{}}", "x.json line 2: x: a style has no such field; there is "
 				       "$schema, schema, name, title, "
-				       "source, description, base, paper, segments" },
+				       "source, description, base, segments, paper, light, focus" },
 	{ "{\"schema\":1,\"title\":\"\"}",
 		"x.json line 1: title: a text has 1 to 1000 bytes; this one has 0" },
 	{ "{\"schema\":1,\"title\":\"a\\u001b[2J\"}",
@@ -283,10 +283,10 @@ static void test_fields(void)
 	g_assert_cmpstr(s->source, ==, "pleinair");
 	g_assert_cmpstr(s->description, ==, "D");
 	g_assert_null(s->path);
-	g_assert_cmpmem(s->paper.colour, 4, "\x10\xab\xfe\xff", 4);
-	g_assert_cmpfloat(s->paper.grain, ==, 1);
-	g_assert_cmpfloat(s->paper.scale, ==, 2.5f);
-	g_assert_cmpstr(s->paper.texture, ==, "/p/w.png");
+	g_assert_cmpmem(s->whole.paper.colour, 4, "\x10\xab\xfe\xff", 4);
+	g_assert_cmpfloat(s->whole.paper.grain, ==, 1);
+	g_assert_cmpfloat(s->whole.paper.scale, ==, 2.5f);
+	g_assert_cmpstr(s->whole.paper.texture, ==, "/p/w.png");
 	g_autoptr(style) plain = style_parse(
 		"{\"schema\":1,\"segments\":{\"site\":{}}}", -1, "a/plain.json", &error);
 	g_assert_no_error(error);
@@ -294,7 +294,7 @@ static void test_fields(void)
 	g_assert_cmpstr(plain->title, ==, "plain");
 	g_assert_cmpstr(plain->source, ==, "user");
 	g_assert_cmpstr(plain->description, ==, "");
-	g_assert_cmpstr(plain->paper.texture, ==, "cartridge");
+	g_assert_cmpstr(plain->whole.paper.texture, ==, "cartridge");
 }
 
 /* ---- files ---- */
@@ -314,6 +314,7 @@ static char *put(const char *name, const char *text)
 #define BASE                                                                                       \
 	"{\"schema\":1,\"source\":\"Paper "                                                        \
 	"2004\",\"paper\":{\"colour\":\"#112233\",\"grain\":0.5},"                                 \
+	"\"light\":{\"amount\":0.5,\"azimuth_deg\":90},\"focus\":{\"radius_m\":3},"                \
 	"\"segments\":{\"site\":{\"steps\":[{\"step\":\"strokes\",\"texture\":\"t/a.png\"},"       \
 	"{\"step\":\"points\"}]},\"water\":{\"remove\":[\"points\"]}}}"
 
@@ -321,7 +322,8 @@ static void test_base(void)
 {
 	g_autofree char *base = put("base/one.json", BASE);
 	g_autofree char *path = put("base/two.json",
-		"{\"schema\":1,\"base\":\"one\",\"paper\":{\"grain\":0.25},\"segments\":{"
+		"{\"schema\":1,\"base\":\"one\",\"paper\":{\"grain\":0.25},"
+		"\"light\":{\"amount\":0.75},\"focus\":{\"x_m\":-7},\"segments\":{"
 		"\"site\":{\"change\":{\"strokes\":{\"length_px\":77}}},"
 		"\"water\":{\"steps\":[{\"step\":\"edl\"}]}}}");
 	g_autoptr(GError) error = NULL;
@@ -329,8 +331,14 @@ static void test_base(void)
 	g_assert_no_error(error);
 	g_assert_cmpstr(s->name, ==, "two");
 	g_assert_cmpstr(s->source, ==, "Paper 2004");
-	g_assert_cmpmem(s->paper.colour, 3, "\x11\x22\x33", 3);
-	g_assert_cmpfloat(s->paper.grain, ==, 0.25f);
+	g_assert_cmpmem(s->whole.paper.colour, 3, "\x11\x22\x33", 3);
+	g_assert_cmpfloat(s->whole.paper.grain, ==, 0.25f);
+	g_assert_cmpfloat(s->whole.light.amount, ==, 0.75f);
+	g_assert_cmpfloat(s->whole.light.azimuth_deg, ==, 90);
+	g_assert_cmpfloat(s->whole.light.elevation_deg, ==, 45);
+	g_assert_cmpfloat(s->whole.focus.x_m, ==, -7);
+	g_assert_cmpfloat(s->whole.focus.radius_m, ==, 3);
+	g_assert_false(style_focus_is_there(&s->whole.focus));
 	g_autoptr(drawing) d = drawing_new(s, NULL, NULL, &error);
 	g_assert_no_error(error);
 	const struct pipeline *p = &g_array_index(d->pipelines, struct pipeline, 0);

@@ -15,14 +15,14 @@ vec2 turned_along(vec2 along, float half_px, candidate c)
 				 along.x * turn_by.y + along.y * turn_by.x);
 }
 
-uint colour_of(candidate c)
+uint colour_of(candidate c, float lit)
 {
 	uint rgba = looks[c.index].x;
 	if (which.w == 0u || rgba >> 24 == 0u)
 		return colour.x & 0xffffffu;
 	float grey = float(lightness_of(rgba));
 	vec3 own = vec3(uvec3(rgba, rgba >> 8, rgba >> 16) & 255u);
-	uvec3 b = uvec3(clamp(grey + look.z * (own - grey) + 0.5, 0.0, 255.0));
+	uvec3 b = uvec3(clamp((texels.w == LIT_COLOUR ? lit : 1.0) * (grey + look.z * (own - grey)) + 0.5, 0.0, 255.0));
 	return b.x | b.y << 8 | b.z << 16;
 }
 
@@ -50,7 +50,7 @@ void write_stroke(uint at, candidate c, choice one)
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
 	uint variant = uint(chance(c, SALT_VARIANT) * texels.z);
-	strokes[at * WORDS + 9u] = colour_of(c) | variant << 24;
+	strokes[at * WORDS + 9u] = colour_of(c, one.lit) | variant << 24;
 }
 
 void main()

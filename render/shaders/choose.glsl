@@ -19,6 +19,7 @@ const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u;
 const uint SALT_LENGTH = 1u, SALT_ANGLE = 2u, SALT_OPACITY = 3u, SALT_VARIANT = 4u, SALT_ACROSS = 5u, SALT_DOWN = 6u, SALTS = 8u;
 const float COSINE_LEAST = 0.1, COSINE_UNKNOWN = 1.0, FORESHORTENED = 0.25;
 const float ALPHA_LEAST = 1.0 / 255.0, COPY_REACH = 1.3, FADE_MEAN = 0.7213;
+const float LIT_TONE = 1.0, LIT_OMITTED = 2.0, LIT_COLOUR = 3.0;
 const uint NO_DIRECTION = 0x8000u;
 
 struct candidate {
@@ -34,9 +35,9 @@ struct line {
 	float px_per_m, slope;
 };
 
-/* What becomes of a candidate; alpha 0: nothing. normal 0 0 0: all of one depth. */
+/* What becomes of a candidate; alpha 0: nothing. normal 0 0 0: all of one depth. lit: what is left of its colour. */
 struct choice {
-	float alpha, growth;
+	float alpha, growth, lit;
 	line edge;
 	vec3 normal;
 };
@@ -122,10 +123,21 @@ float more_of(float octaves)
 }
 
 /* Strokes wanted to a square pixel where a surface of that colour is seen from the front. */
-float wanted_at(candidate c)
+float wanted_at(candidate c, vec3 normal)
 {
 	uint n = lightness_of(looks[c.index].x);
-	return wanted_per_px[n >> 2][n & 3u];
+	float light_left = 1.0;
+	if (texels.w == LIT_TONE)
+		n = uint(float(n) * lit_of(normal));
+	if (texels.w == LIT_OMITTED)
+		light_left = 1.0 - light_from.w * diffuse_of(normal);
+	return wanted_per_px[n >> 2][n & 3u] * light_left;
+}
+
+/* From the focus. */
+float away_from(candidate c)
+{
+	return away_of(ray_of(c) * c.depth_m);
 }
 
 /* The same to a square metre of it. */
@@ -293,15 +305,17 @@ bool goes_along(candidate c)
 choice choice_on_edge(candidate c)
 {
 	choice one;
-	one.growth = 1.0;
+	float away = away_from(c);
+	one.growth = 1.0 + focus_reach.z * away;
 	one.edge = line_of(c);
 	one.normal = turned(points[c.index].w);
-	one.alpha = visibility(c) * facing(c, one.normal);
+	one.lit = lit_of(one.normal);
+	one.alpha = visibility(c) * facing(c, one.normal) * (1.0 - focus.w * away);
 	if (one.alpha <= 0.0 || !one.edge.is_there)
 		one.alpha = 0.0;
 	else {
 		float octaves = octaves_at(c.depth_m);
-		one.alpha *= fade_of(c.rank, need_along(c, one.edge) * more_of(octaves), octaves);
+		one.alpha *= fade_of(c.rank, need_along(c, one.edge) * more_of(octaves) / one.growth, octaves);
 	}
 	one.edge.is_there = one.edge.is_there && goes_along(c);
 	return one;
@@ -329,11 +343,13 @@ bool giver_of(uint n, uint i, out giver g)
 	vec2 place = place_in_queue(g.c);
 	g.rank = place.x;
 	g.last = place.y;
-	g.wanted = wanted_at(g.c);
+	g.normal = texels.w > 0.0 ? turned(points[g.c.index].w) : vec3(0.0);
+	g.wanted = wanted_at(g.c, g.normal);
 	g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
 	if (g.rank >= g.most)
 		return false;
-	g.normal = turned(points[g.c.index].w);
+	if (texels.w <= 0.0)
+		g.normal = turned(points[g.c.index].w);
 	g.is_flat = g.c.kind < UNDIRECTED && g.normal != vec3(0.0);
 	if (g.is_flat)
 		g.copies = colour.z;
@@ -346,16 +362,17 @@ choice choice_on_surface(giver g, inout candidate c)
 	one.alpha = 0.0;
 	one.edge.is_there = false;
 	one.normal = g.normal;
+	one.lit = lit_of(one.normal);
 	if (g.is_flat && look.y > 0.0)
 		scatter(c);
-	float octaves = octaves_at(c.depth_m);
-	float need = need_on_surface(g.wanted, c.depth_m, cosine_of(c, one.normal));
+	float octaves = octaves_at(c.depth_m), away = away_from(c), larger = 1.0 + focus_reach.z * away;
+	float need = need_on_surface(g.wanted, c.depth_m, cosine_of(c, one.normal)) / (larger * larger);
 	float fade = fade_of(g.rank, need * more_of(octaves), octaves);
 	float front = facing(c, one.normal);
 	if (fade <= 0.0 || front <= 0.0)
 		return one;
-	one.alpha = fade * front * visibility(c);
-	one.growth = min(growth_of(need / (g.last * float(g.copies))), look.x);
+	one.alpha = fade * front * visibility(c) * (1.0 - focus.w * away);
+	one.growth = min(growth_of(need / (g.last * float(g.copies))), look.x) * larger;
 	if (goes_along(c))
 		one.edge = line_of(c);
 	if (!g.is_flat)

@@ -16,6 +16,9 @@ layout(std140, binding = 0) uniform Camera {
 	vec4 size;         /* width, height, px to one of the style, far_m */
 	vec4 paper;        /* linear r g b, grain */
 	vec4 light[64];    /* linear, of sRGB bytes, four in one */
+	vec4 light_from;   /* towards the style's light, as the camera sees it; its amount, 0: there is none */
+	vec4 focus;        /* its middle, as the camera sees it; what fades far away from it */
+	vec4 focus_reach;  /* radius_m, 1 / falloff_m, abstraction, 1: there is one */
 };
 
 float light_of_byte(uint b)
@@ -27,6 +30,27 @@ vec3 light_of_bytes(uint rgba)
 {
 	return vec3(light_of_byte(rgba & 255u), light_of_byte(rgba >> 8 & 255u),
 		light_of_byte(rgba >> 16 & 255u));
+}
+
+/* frame_diffuse() */
+float diffuse_of(vec3 normal)
+{
+	return normal == vec3(0.0) ? 0.5 : max(dot(normal, light_from.xyz), 0.0);
+}
+
+/* What is left of a lightness in the style's light. */
+float lit_of(vec3 normal)
+{
+	return 1.0 - light_from.w * (1.0 - diffuse_of(normal));
+}
+
+/* frame_away() */
+float away_of(vec3 at)
+{
+	if (focus_reach.w <= 0.0)
+		return 0.0;
+	float part = clamp((distance(at, focus.xyz) - focus_reach.x) * focus_reach.y, 0.0, 1.0);
+	return part * part * (3.0 - 2.0 * part);
 }
 
 float mask_depth(uint key)

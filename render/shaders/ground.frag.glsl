@@ -57,7 +57,7 @@ void main()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
 	uint key = texelFetch(mask_keys, at, 0).r, pipeline = key & 255u;
-	vec3 c = min(paper.rgb * (1.0 + 0.5 * paper.a * relief_at(gl_FragCoord.xy)), 1.0);
+	vec3 bare = min(paper.rgb * (1.0 + 0.5 * paper.a * relief_at(gl_FragCoord.xy)), 1.0), c = bare;
 	vec4 rule = points[pipeline], sum = vec4(0.0);
 	if (has_points != 0u && key < MASK_EMPTY && rule.w > 0.0) {
 		sum = vec4(sums_at(at));
@@ -71,5 +71,9 @@ void main()
 	}
 	if (key < MASK_EMPTY && edl[pipeline].y > 0.0)
 		c *= edl_shade(at, edl[pipeline].xy);
+	if (key < MASK_EMPTY && focus_reach.w > 0.0) {
+		vec3 ray = vec3((gl_FragCoord.xy - lens.yz) / lens.x, 1.0);
+		c += focus.w * away_of(ray * mask_depth(key)) * (bare - c);
+	}
 	canvas = vec4(c, 1.0);
 }

@@ -8,7 +8,7 @@ layout(std140, binding = 1) uniform Layer {
 	vec4 ink_linear;
 	vec4 own_way;    /* cosine and sine of its own angle, on the screen */
 	vec4 turns[128]; /* cosine and sine of 256 turns within its variation */
-	vec4 texels;  /* of the texture: length, width, variants */
+	vec4 texels;  /* of the texture: length, width, variants; how the layer is lit: enum frame_lit */
 	uvec4 which;  /* bits of kinds; dithering with tone; bits of kinds along lines; in points' colours */
 	uvec4 colour; /* the ink's bytes; how it blends: enum band_blend; how many strokes a point gives */
 };

@@ -21,7 +21,13 @@ void main()
 		return;
 	/* Those of the last ranks come and go softly. */
 	float weight = min(4.0 * (1.0 - d.rank) + 1e-3, 1.0), steep = 1.0 / (d.radius * d.radius);
-	vec3 colour = light_of_bytes(looks[views[n].at.x + i].x);
+	uint rgba = looks[views[n].at.x + i].x;
+	if (light_from.w > 0.0) {
+		uvec3 lit = uvec3(vec3(uvec3(rgba, rgba >> 8, rgba >> 16) & 255u) *
+				  lit_of(turned(points[views[n].at.x + i].w)));
+		rgba = lit.x | lit.y << 8 | lit.z << 16;
+	}
+	vec3 colour = light_of_bytes(rgba);
 	uint pipeline = views[n].pipeline.x, width = uint(size.x);
 	for (int y = max(d.box.y, strip.x); y <= min(d.box.w, strip.y - 1); y++)
 		for (int x = d.box.x; x <= d.box.z; x++) {
