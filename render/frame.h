@@ -16,8 +16,6 @@
 #define FRAME_THREADS_MOST 64
 /* Height of the pictures that lengths in styles are for. */
 #define FRAME_STYLE_HEIGHT 1200.0
-/* Of leaves, and whatever else stands any way. */
-#define FRAME_DIFFUSE_UNKNOWN 0.5f
 
 /* How a layer takes on the style's light. */
 enum frame_lit {
@@ -102,12 +100,12 @@ bool frame_move(frame *f, const struct camera *c, GError **error);
 /* Another light or focus than the drawing's. */
 void frame_set_light(frame *f, const struct style_light *light);
 void frame_set_focus(frame *f, const struct style_focus *focus);
-/* How light a surface is in the light, 0..1; its unit normal as the camera sees it, 0 0 0 where there is none. */
+/* How light a surface is in the light: 1 where it faces it, 0 where it turns its back to it, and even steps of the cosine between, so that
+ * things are round in the shade too. The unit normal as the camera sees it; 0 0 0 where there is none, as leaves have it. */
 static inline float frame_diffuse(const struct frame_light *l, const float normal[3])
 {
 	float along = normal[0] * l->from[0] + normal[1] * l->from[1] + normal[2] * l->from[2];
-	bool has_normal = normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
-	return !has_normal ? FRAME_DIFFUSE_UNKNOWN : along > 0 ? along : 0;
+	return 0.5f + 0.5f * along;
 }
 
 /* 0..1: how far a place is from the focus, as the camera sees it. */

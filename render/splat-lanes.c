@@ -52,8 +52,7 @@ INLINE vf lit_of(const frame *f, const struct disc_pass *p, const int16_t (*pack
 		along += (p->turn[k][0] * site[0] + p->turn[k][1] * site[1] +
 				 p->turn[k][2] * site[2]) *
 			 light->from[k];
-	vf diffuse = choose(
-		length2 > 0, most(along, all(0)) / root(length2), all(FRAME_DIFFUSE_UNKNOWN));
+	vf diffuse = 0.5f + 0.5f * where(length2 > 0, along / root(length2));
 	return 1 - light->amount * (1 - diffuse);
 }
 

@@ -31,7 +31,7 @@ struct step_parameter {
 	size_t offset;      /* in the kind's struct */
 	double least, most; /* legal */
 	double slider_least,
-		slider_most;        /* what is offered to people first, within the legal ones */
+		slider_most; /* what is offered to people first, within the legal ones; both 0: no slider */
 	double fallback;            /* a number, a choice, 0xrrggbb */
 	const char *fallback_name;  /* of a texture */
 	const char *const *choices; /* NULL-terminated */

@@ -193,8 +193,8 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 INLINE vf diffuse_of(const struct brush *b, const struct lane_candidates *c)
 {
 	const float *from = b->f->light.from;
-	vf along = c->normal[0] * from[0] + c->normal[1] * from[1] + c->normal[2] * from[2];
-	return choose(has_no_normal(c), all(FRAME_DIFFUSE_UNKNOWN), most(along, all(0)));
+	return 0.5f +
+	       0.5f * (c->normal[0] * from[0] + c->normal[1] * from[1] + c->normal[2] * from[2]);
 }
 
 /* Strokes to a square pixel that points of this lightness want in the light. */

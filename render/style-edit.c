@@ -78,12 +78,6 @@ static JsonObject *object_made(JsonObject *o, const char *key)
 	return in;
 }
 
-bool style_edit_is_changed(const style_edit *e)
-{
-	const JsonObject *nodes = object_in(e->root, "segments");
-	return nodes && json_object_get_size((JsonObject *)nodes) > 0;
-}
-
 /* The step with this id in a list of a node; NULL: it is not there. */
 static JsonObject *step_in(JsonObject *node, const char *list, const char *id)
 {
@@ -113,6 +107,28 @@ void style_edit_change(style_edit *e, const char *node, const char *step_id, con
 	if (!step)
 		step = object_made(object_made(n, "change"), step_id);
 	json_object_set_member(step, parameter, value);
+}
+
+void style_edit_set(style_edit *e, const char *section, const char *parameter, JsonNode *value)
+{
+	json_object_set_member(object_made(e->root, section), parameter, value);
+}
+
+/* json_node_copy shares the objects. */
+static JsonNode *own_copy(JsonNode *n)
+{
+	g_autofree char *text = json_to_string(n, FALSE);
+	return json_from_string(text, NULL);
+}
+
+void style_edit_take_accents(style_edit *e, const style_edit *from)
+{
+	static const char *const accents[] = { "light", "focus" };
+	for (size_t i = 0; i < G_N_ELEMENTS(accents); i++) {
+		JsonNode *n = json_object_get_member(from->root, accents[i]);
+		if (n && !json_object_has_member(e->root, accents[i]))
+			json_object_set_member(e->root, accents[i], own_copy(n));
+	}
 }
 
 void style_edit_set_steps(style_edit *e, const char *node, const GArray *steps)

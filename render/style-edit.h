@@ -14,11 +14,13 @@ style_edit *style_edit_parse(const char *text, GError **error);
 void style_edit_free(style_edit *e); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(style_edit, style_edit_free)
 
-/* Whether it says anything that the style it was begun with does not. */
-bool style_edit_is_changed(const style_edit *e);
 /* Gives one parameter of the step with this id a value; takes value. */
 void style_edit_change(style_edit *e, const char *node, const char *step_id, const char *parameter,
 	JsonNode *value);
+/* The same of a section of the whole picture: "light" (style_sections); takes value. */
+void style_edit_set(style_edit *e, const char *section, const char *parameter, JsonNode *value);
+/* The light and the focus that the other one says, where this one says none. */
+void style_edit_take_accents(style_edit *e, const style_edit *from);
 /* The node has these steps (of struct step), whatever it would inherit; none: it is not drawn. */
 void style_edit_set_steps(style_edit *e, const char *node, const GArray *steps);
 /* The node is as the base has it. */

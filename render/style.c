@@ -42,7 +42,7 @@ static const struct step_parameter light_parameters[] = {
 
 #define SITE_REACH_M 1e7
 #define PLACE(field)                                                                               \
-	NUMBER(style_focus, field, "m", -SITE_REACH_M, SITE_REACH_M, -100, 100, 0,                 \
+	NUMBER(style_focus, field, "m", -SITE_REACH_M, SITE_REACH_M, 0, 0, 0,                      \
 		"its middle, in the site's coordinates")
 static const struct step_parameter focus_parameters[] = {
 	NUMBER(style_focus, amount, "", 0, 1, 0, 1, 0,

@@ -237,7 +237,7 @@ static void select_thing(struct walk *w, const char *kind)
 {
 	struct rig_place p = rig_wait_for(w->rig, "draw-canvas", limit_s), panel;
 	for (int i = 0; i < 60; i++) {
-		double x = p.x + p.width * (0.15 + 0.06 * (i % 8));
+		double x = p.x + p.width * (0.19 + 0.06 * (i % 8));
 		double y = p.y + p.height * (0.2 + 0.1 * (i / 8));
 		rig_tap_at(w->rig, x, y);
 		g_usleep(700000);
@@ -251,6 +251,53 @@ static void select_thing(struct walk *w, const char *kind)
 	g_error("no %s was met", kind);
 }
 
+/* Three numbers that the kiosk tells of the light, or the focus. */
+static void accents_of(struct walk *w, const char *key, double ret[3])
+{
+	g_autofree char *text = rig_state(w->rig, key);
+	g_assert_nonnull(text);
+	g_assert_cmpint(sscanf(text, "%lf %lf %lf", &ret[0], &ret[1], &ret[2]), ==, 3);
+}
+
+/* A finger moves the light and the focus, and both can be taken back. */
+static void light_and_focus(struct walk *w)
+{
+	struct rig_place p = rig_wait_for(w->rig, "draw-canvas", limit_s);
+	double x = p.x + p.width / 2, y = p.y + p.height / 2, before[3], after[3];
+	rig_tap(w->rig, "style-figure-1-strokes-hatching");
+	rig_tap(w->rig, "draw-light");
+	rig_wait_for(w->rig, "tool-hint", limit_s);
+	accents_of(w, "light", before);
+	g_assert_cmpfloat(before[0], >, 0);
+	rig_drag(w->rig, x, y, x + 180, y - 20, 0.5);
+	accents_of(w, "light", after);
+	g_assert_cmpfloat(fabs(remainder(after[1] - before[1], 360)), >, 30);
+	g_usleep(4000000);
+	shot(w, "draw-light");
+	rig_tap(w->rig, "draw-focus");
+	rig_tap_at(w->rig, x, y + 30);
+	g_usleep(1500000);
+	accents_of(w, "focus", before);
+	g_assert_cmpfloat(before[0], >, 0);
+	rig_drag(w->rig, x, y, x + 80, y + 20, 0.5);
+	accents_of(w, "focus", after);
+	g_assert_cmpfloat(after[2], >, before[2] * 1.1);
+	g_assert_cmpfloat(after[0], <, before[0]);
+	g_usleep(4000000);
+	shot(w, "draw-focus");
+	rig_tap(w->rig, "tool-without");
+	rig_wait_gone(w->rig, "tool-hint", limit_s);
+	rig_tap(w->rig, "undo");
+	g_usleep(500000);
+	accents_of(w, "focus", before);
+	g_assert_cmpfloat(fabs(before[0] - after[0]), <, 0.01);
+	rig_tap(w->rig, "draw-focus");
+	rig_tap(w->rig, "tool-without");
+	rig_wait_gone(w->rig, "tool-hint", limit_s);
+	accents_of(w, "focus", after);
+	g_assert_cmpfloat(after[0] + after[1], ==, 0);
+}
+
 static void draw_it(struct walk *w)
 {
 	rig_tap(w->rig, "site-draw");
@@ -260,12 +307,15 @@ static void draw_it(struct walk *w)
 	rig_tap(w->rig, "style-figure-7a");
 	g_usleep(4000000);
 	shot(w, "draw-other-style");
-	struct rig_place p = rig_wait_for(w->rig, "draw-canvas", limit_s);
+	struct rig_place p = rig_wait_for(w->rig, "draw-canvas", limit_s), panel;
 	double x = p.x + p.width / 2, y = p.y + p.height / 2;
 	rig_drag(w->rig, x, y, x + 120, y, 0.4);
 	rig_pinch(w->rig, x, y, 120, 200, 0.4);
 	g_usleep(4000000);
 	shot(w, "draw-turned");
+	/* None of that was a tap. */
+	g_assert_false(rig_find(w->rig, "node-name", &panel));
+	light_and_focus(w);
 	rig_tap(w->rig, "draw-overview");
 	g_usleep(3000000);
 	select_thing(w, w->thing);

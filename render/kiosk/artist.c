@@ -29,6 +29,9 @@ struct artist {
 	uint32_t serial;       /* of the wish */
 	int64_t wished_us;     /* likewise */
 	drawing *next_drawing; /* NULL: the one there is */
+	bool has_next_accents;
+	struct style_light next_light;
+	struct style_focus next_focus;
 	bool has_next_small;
 	GPtrArray *next_small;
 	uint32_t next_small_width, next_small_height;
@@ -38,6 +41,9 @@ struct artist {
 	painter *painter;
 	drawing *drawing;
 	frame *frame[ARTIST_SIZES];
+	bool has_accents;
+	struct style_light light;
+	struct style_focus focus;
 	struct camera seen;
 	uint32_t seen_serial;
 	int64_t seen_wished_us;
@@ -118,6 +124,14 @@ static void forget_frames(artist *a)
 		g_clear_pointer(&a->frame[n], frame_free);
 }
 
+static void light_frame(const artist *a, frame *f)
+{
+	if (!a->has_accents || !f)
+		return;
+	frame_set_light(f, &a->light);
+	frame_set_focus(f, &a->focus);
+}
+
 static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GError **error)
 {
 	frame **f = &a->frame[size];
@@ -125,6 +139,7 @@ static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GE
 		g_clear_pointer(f, frame_free);
 	if (!*f) {
 		*f = frame_new(a->scene, a->drawing, c, error);
+		light_frame(a, *f);
 		if (*f)
 			(*f)->stop = &a->stop;
 		return *f;
@@ -247,6 +262,15 @@ static void adopt(artist *a)
 		drawing_free(a->drawing);
 		a->drawing = g_steal_pointer(&a->next_drawing);
 		a->size = ARTIST_SIZE_FIRST;
+		a->has_accents = false;
+	}
+	if (a->has_next_accents) {
+		a->has_accents = true;
+		a->light = a->next_light;
+		a->focus = a->next_focus;
+		a->has_next_accents = false;
+		for (int n = 0; n < ARTIST_SIZES; n++)
+			light_frame(a, a->frame[n]);
 	}
 	if (a->has_next_small) {
 		g_clear_pointer(&a->small, g_ptr_array_unref);
@@ -397,6 +421,17 @@ void artist_set_drawing(artist *a, drawing *d)
 	g_mutex_lock(&a->lock);
 	drawing_free(a->next_drawing);
 	a->next_drawing = d;
+	a->has_next_accents = false;
+	wish_is_new(a);
+	g_mutex_unlock(&a->lock);
+}
+
+void artist_set_accents(artist *a, const struct style_light *light, const struct style_focus *focus)
+{
+	g_mutex_lock(&a->lock);
+	a->next_light = *light;
+	a->next_focus = *focus;
+	a->has_next_accents = true;
 	wish_is_new(a);
 	g_mutex_unlock(&a->lock);
 }

@@ -34,6 +34,9 @@ void artist_free(artist *a);
 
 /* What is drawn from now on; takes d. */
 void artist_set_drawing(artist *a, drawing *d);
+/* Another light and focus than that drawing has, until there is another drawing. */
+void artist_set_accents(
+	artist *a, const struct style_light *light, const struct style_focus *focus);
 /* Drawings that are drawn small whenever a still view is done; takes drawings (of drawing, with a free function). NULL: none. */
 void artist_set_small(artist *a, GPtrArray *drawings, uint32_t width, uint32_t height);
 /* From where; moving: more such will follow at once. */

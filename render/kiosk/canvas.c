@@ -2,10 +2,12 @@
 
 /* A second tap comes within this, or the first was alone. */
 #define DOUBLE_TAP_MS 320
-#define KEY_STEP_PX   40.0
-#define KEY_ZOOM      1.15
-#define KEY_TWIST     0.087
-#define WHEEL_ZOOM    1.1
+/* A finger that has gone farther than this, of the widget's pixels, has not tapped. */
+#define TAP_SLOP    14.0
+#define KEY_STEP_PX 40.0
+#define KEY_ZOOM    1.15
+#define KEY_TWIST   0.087
+#define WHEEL_ZOOM  1.1
 
 struct _PleinairCanvas {
 	GtkWidget parent;
@@ -15,6 +17,7 @@ struct _PleinairCanvas {
 	uint32_t width, height;
 	GtkGesture *drag, *pan, *mouse_pan, *zoom, *twist;
 	double last_x, last_y, last_scale, last_angle;
+	bool may_be_tap; /* what is down has not moved, and is alone */
 	guint tap_timer;
 	double tap_x, tap_y;
 	void (*marks)(cairo_t *, double, double, gpointer);
@@ -54,6 +57,8 @@ static void drag_update(GtkGestureDrag *g, double x, double y, gpointer user_dat
 	if (gtk_gesture_is_recognized(c->zoom))
 		return;
 	(void)g;
+	if (hypot(x, y) > TAP_SLOP)
+		c->may_be_tap = false;
 	moved(c, x, y, c->watcher.drag);
 }
 
@@ -79,6 +84,7 @@ static void two_begin(GtkGesture *g, GdkEventSequence *s, gpointer user_data)
 	PleinairCanvas *c = user_data;
 	double x, y;
 	(void)s;
+	c->may_be_tap = false;
 	c->last_scale = 1;
 	c->last_angle = 0;
 	if (gtk_gesture_get_bounding_box_center(g, &x, &y)) {
@@ -127,10 +133,22 @@ static gboolean was_single(gpointer user_data)
 	return G_SOURCE_REMOVE;
 }
 
+static void pressed(GtkGestureClick *g, int n, double x, double y, gpointer user_data)
+{
+	PleinairCanvas *c = user_data;
+	(void)g;
+	(void)n;
+	(void)x;
+	(void)y;
+	c->may_be_tap = true;
+}
+
 static void tapped(GtkGestureClick *g, int n, double x, double y, gpointer user_data)
 {
 	PleinairCanvas *c = user_data;
 	(void)g;
+	if (!c->may_be_tap)
+		return;
 	gtk_widget_grab_focus(GTK_WIDGET(c));
 	c->tap_x = x * px(c);
 	c->tap_y = y * px(c);
@@ -325,6 +343,7 @@ static void add_gestures(PleinairCanvas *c)
 	g_signal_connect(c->twist, "angle-changed", G_CALLBACK(angle_changed), c);
 	gtk_gesture_group(c->twist, c->zoom);
 	GtkGesture *click = add(c, gtk_gesture_click_new());
+	g_signal_connect(click, "pressed", G_CALLBACK(pressed), c);
 	g_signal_connect(click, "released", G_CALLBACK(tapped), c);
 	GtkGesture *hold = add(c, gtk_gesture_long_press_new());
 	g_signal_connect(hold, "pressed", G_CALLBACK(held), c);

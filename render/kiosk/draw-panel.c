@@ -3,8 +3,6 @@
 #include "render/kiosk/step-sliders.h"
 
 #define PANEL_WIDTH 400
-/* Changes of one slider that follow each other sooner are taken back together. */
-#define ONE_SLIDE_US 2500000
 
 static const struct segment *node_of(const struct draw_screen *s)
 {
@@ -24,17 +22,24 @@ static void slid(
 {
 	struct draw_screen *s = user_data;
 	char key[32];
-	g_autofree char *what = g_strdup_printf("%u %s %s", s->node, step_id, p->name);
-	int64_t now_us = g_get_monotonic_time();
-	if (g_strcmp0(what, s->last_slid) || now_us - s->last_slid_us > ONE_SLIDE_US) {
-		g_autofree char *did = g_strdup_printf(_("%s changed"), node_name(s));
-		draw_screen_will_change(s, did);
-	}
-	g_free(s->last_slid);
-	s->last_slid = g_steal_pointer(&what);
-	s->last_slid_us = now_us;
+	g_autofree char *what = g_strdup_printf("%u %s %s", s->node, step_id, p->name),
+			*did = g_strdup_printf(_("%s changed"), node_name(s));
+	draw_screen_will_slide(s, what, did);
 	style_edit_change(s->edit, draw_screen_node_key(s, key), step_id, p->name, value);
 	draw_screen_redraw(s, true);
+}
+
+/* Of the whole picture; paper, light or focus. */
+static void section_slid(
+	const char *section, const struct step_parameter *p, JsonNode *value, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	g_autofree char *what = g_strdup_printf("%s %s", section, p->name);
+	g_autofree char *did = g_strdup_printf(_("%s changed"), _("The whole site"));
+	draw_screen_will_slide(s, what, did);
+	style_edit_set(s->edit, section, p->name, value);
+	draw_screen_redraw(s, true);
+	draw_accents_refresh(s);
 }
 
 static void hide_pressed(GtkButton *b, gpointer user_data)
@@ -159,6 +164,8 @@ void draw_panel_fill(struct draw_screen *s)
 		gtk_box_append(box, actions(s));
 	if (steps)
 		gtk_box_append(box, step_sliders_new(steps, slid, s));
+	if (now && s->node == SEGMENT_SITE)
+		gtk_box_append(box, section_sliders_new(&now->whole, section_slid, s));
 	gtk_box_append(box, kit_button("style-save", "document-save-symbolic", _("Keep as a style"),
 				    NULL, "main", G_CALLBACK(save_pressed), s));
 }
@@ -207,17 +214,23 @@ void draw_panel_marks(struct draw_screen *s, cairo_t *cr, const struct camera *c
 void draw_panel_show(struct draw_screen *s, bool visible)
 {
 	gtk_widget_set_visible(s->panel, visible);
-	if (visible)
-		draw_panel_fill(s);
+	if (!visible)
+		return;
+	draw_accents_end(s);
+	draw_panel_fill(s);
+}
+
+void draw_panel_close(struct draw_screen *s)
+{
+	draw_panel_show(s, false);
+	s->leaf = 0;
+	select_node(s, SEGMENT_SITE);
 }
 
 static void close_pressed(GtkButton *b, gpointer user_data)
 {
-	struct draw_screen *s = user_data;
 	(void)b;
-	draw_panel_show(s, false);
-	s->leaf = 0;
-	select_node(s, SEGMENT_SITE);
+	draw_panel_close(user_data);
 }
 
 GtkWidget *draw_panel_new(struct draw_screen *s)

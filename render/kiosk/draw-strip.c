@@ -24,10 +24,14 @@ void draw_screen_use_style(struct draw_screen *s, const char *name)
 	}
 	g_autofree char *old = s->style_name;
 	s->style_name = g_strdup(name);
+	/* Light and focus are the person's, whatever it is drawn with. */
+	if (s->edit)
+		style_edit_take_accents(edit, s->edit);
 	style_edit_free(s->edit);
 	s->edit = edit;
 	draw_screen_redraw(s, false);
 	draw_panel_fill(s);
+	draw_accents_refresh(s);
 	mark_chosen(s);
 }
 

@@ -114,6 +114,8 @@ static double height_of(const easel *e)
 static void dragged(double right_px, double down_px, gpointer user_data)
 {
 	easel *e = user_data;
+	if (e->watcher.dragged && e->watcher.dragged(right_px, down_px, e->watcher.user_data))
+		return;
 	stop_way(e);
 	looking_drag(&e->now, right_px, down_px, height_of(e));
 	has_moved(e);
@@ -295,6 +297,14 @@ void easel_set_drawing(easel *e, drawing *d, bool passing)
 	}
 	drawing_free(e->waiting);
 	e->waiting = d;
+}
+
+void easel_set_accents(easel *e, const struct style_light *light, const struct style_focus *focus)
+{
+	if (!e->artist)
+		return;
+	artist_set_accents(e->artist, light, focus);
+	has_moved(e);
 }
 
 void easel_set_small(easel *e, GPtrArray *drawings, uint32_t width, uint32_t height)

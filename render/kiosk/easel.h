@@ -14,6 +14,8 @@ struct easel_watcher {
 	void (*small)(uint32_t n, const struct artist_picture *p, gpointer user_data);
 	/* picked NULL: there is nothing. */
 	void (*tapped)(const struct scene_picked *picked, gpointer user_data);
+	/* One finger; true: it was its owner's, and the view stays. May be NULL. */
+	bool (*dragged)(double right_px, double down_px, gpointer user_data);
 	void (*failed)(const char *sentence, gpointer user_data);
 	/* To mark things on the picture: with its camera. May be NULL. */
 	void (*marks)(cairo_t *cr, const struct camera *c, gpointer user_data);
@@ -30,6 +32,8 @@ GtkWidget *easel_widget(easel *e);
 void easel_set_site(easel *e, const drawn_site *d);
 /* Takes d. passing: more will follow at once, so it is drawn as a moving view is. */
 void easel_set_drawing(easel *e, drawing *d, bool passing);
+/* Another light and focus than the drawing's, until another drawing is set; a finger moves them. */
+void easel_set_accents(easel *e, const struct style_light *light, const struct style_focus *focus);
 void easel_set_small(easel *e, GPtrArray *drawings, uint32_t width, uint32_t height);
 /* Goes there, within seconds (0: at once). */
 void easel_look(easel *e, const struct looking *to, double seconds);

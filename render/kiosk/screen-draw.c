@@ -4,6 +4,7 @@
 
 #define WALK_SECONDS 1.4
 #define LOOK_SECONDS 0.9
+#define ONE_SLIDE_US 2500000
 /* A better one takes over when it stands in the person's own folder; else this is the first. */
 #define FIRST_STYLE "figure-7c"
 
@@ -59,6 +60,7 @@ static void take_back(gpointer data)
 	g_clear_pointer(&s->last_slid, g_free);
 	draw_screen_redraw(s, false);
 	draw_panel_fill(s);
+	draw_accents_refresh(s);
 }
 
 void draw_screen_will_change(struct draw_screen *s, const char *did)
@@ -67,6 +69,16 @@ void draw_screen_will_change(struct draw_screen *s, const char *did)
 	b->screen = s;
 	b->text = style_edit_text(s->edit);
 	kiosk_did(s->kiosk, did, take_back, b, before_free, s);
+}
+
+void draw_screen_will_slide(struct draw_screen *s, const char *what, const char *did)
+{
+	int64_t now_us = g_get_monotonic_time();
+	if (g_strcmp0(what, s->last_slid) || now_us - s->last_slid_us > ONE_SLIDE_US)
+		draw_screen_will_change(s, did);
+	g_free(s->last_slid);
+	s->last_slid = g_strdup(what);
+	s->last_slid_us = now_us;
 }
 
 /* ---- where to look from ---- */
@@ -188,7 +200,13 @@ static void small(uint32_t n, const struct artist_picture *p, gpointer user_data
 
 static void tapped(const struct scene_picked *picked, gpointer user_data)
 {
-	draw_panel_select(user_data, picked ? picked->leaf : 0);
+	if (!draw_accents_tapped(user_data, picked))
+		draw_panel_select(user_data, picked ? picked->leaf : 0);
+}
+
+static bool dragged(double right_px, double down_px, gpointer user_data)
+{
+	return draw_accents_dragged(user_data, right_px, down_px);
 }
 
 static void has_failed(const char *sentence, gpointer user_data)
@@ -200,6 +218,7 @@ static void has_failed(const char *sentence, gpointer user_data)
 static void marks(cairo_t *cr, const struct camera *c, gpointer user_data)
 {
 	draw_panel_marks(user_data, cr, c);
+	draw_accents_marks(user_data, cr, c);
 }
 
 /* ---- loading ---- */
@@ -262,9 +281,10 @@ static GtkWidget *tools(struct draw_screen *s)
 		kit_button("draw-keep-view", "bookmark-new-symbolic", NULL, _("Keep this view"),
 			NULL, G_CALLBACK(save_view_pressed), s),
 		NULL);
-	gtk_widget_set_halign(column, GTK_ALIGN_START);
-	gtk_widget_set_valign(column, GTK_ALIGN_START);
-	return kit_margin(column, 12);
+	GtkWidget *all = kit_row(8, column, draw_accents_tools(s), NULL);
+	gtk_widget_set_halign(all, GTK_ALIGN_START);
+	gtk_widget_set_valign(all, GTK_ALIGN_START);
+	return kit_margin(all, 12);
 }
 
 static GtkWidget *corner(struct draw_screen *s)
@@ -304,6 +324,7 @@ static void build(struct draw_screen *s)
 	GtkWidget *over = gtk_overlay_new();
 	gtk_overlay_set_child(GTK_OVERLAY(over), easel_widget(s->easel));
 	gtk_overlay_add_overlay(GTK_OVERLAY(over), tools(s));
+	gtk_overlay_add_overlay(GTK_OVERLAY(over), draw_accents_bar(s));
 	gtk_overlay_add_overlay(GTK_OVERLAY(over), corner(s));
 	gtk_overlay_add_overlay(GTK_OVERLAY(over), draw_panel_new(s));
 	gtk_stack_add_named(GTK_STACK(s->stack),
@@ -344,7 +365,13 @@ GtkWidget *screen_draw_new(kiosk *k, const char *folder)
 	s->node = SEGMENT_SITE;
 	s->pictures = g_ptr_array_new();
 	s->easel = easel_new("draw-canvas", kiosk_options_of(k)->backend,
-		&(struct easel_watcher){ shown, small, tapped, has_failed, marks, s });
+		&(struct easel_watcher){ .shown = shown,
+			.small = small,
+			.tapped = tapped,
+			.dragged = dragged,
+			.failed = has_failed,
+			.marks = marks,
+			.user_data = s });
 	build(s);
 	g_signal_connect(s->widget, "destroy", G_CALLBACK(destroyed), s);
 	g_object_set_data_full(G_OBJECT(s->widget), "screen", s, draw_screen_free);

@@ -55,7 +55,7 @@ static void chosen(GtkDropDown *w, GParamSpec *what, gpointer user_data)
 
 static const char *const palette[] = { "#000000", "#26241f", "#5a5148", "#8a8378", "#ffffff",
 	"#8c2f1b", "#c4572a", "#d9a441", "#5b6e2c", "#2f5d3a", "#1f6d78", "#23437a", "#5a3a78",
-	"#a23b6a" };
+	"#a23b6a", "#f4ecd8" };
 
 static void swatch_pressed(GtkButton *button, gpointer user_data)
 {
@@ -118,16 +118,29 @@ static GtkWidget *number_row(struct slider *s, float value, const char *name)
 	gtk_range_set_value(GTK_RANGE(scale), (double)value);
 	gtk_widget_set_name(scale, name);
 	gtk_accessible_update_property(
-		GTK_ACCESSIBLE(scale), GTK_ACCESSIBLE_PROPERTY_LABEL, p->help, -1);
+		GTK_ACCESSIBLE(scale), GTK_ACCESSIBLE_PROPERTY_LABEL, _(p->help), -1);
 	show_value(s, (double)value);
 	g_signal_connect(scale, "value-changed", G_CALLBACK(number_slid), s);
 	return scale;
 }
 
-static GtkWidget *widget_of(struct slider *s, const struct step *step)
+static GtkWidget *choice_row(struct slider *s, int32_t which)
+{
+	g_autoptr(GPtrArray) words = g_ptr_array_new();
+	for (const char *const *c = s->parameter->choices; *c; c++)
+		g_ptr_array_add(words, (gpointer)_(*c));
+	g_ptr_array_add(words, NULL);
+	GtkWidget *w = gtk_drop_down_new_from_strings((const char *const *)words->pdata);
+	gtk_drop_down_set_selected(GTK_DROP_DOWN(w), (guint)which);
+	g_signal_connect(w, "notify::selected", G_CALLBACK(chosen), s);
+	return w;
+}
+
+/* values: the struct that the parameter is of. */
+static GtkWidget *widget_of(struct slider *s, const void *values)
 {
 	const struct step_parameter *p = s->parameter;
-	const uint8_t *at = step->bytes + p->offset;
+	const uint8_t *at = (const uint8_t *)values + p->offset;
 	g_autofree char *name = g_strdup_printf("slider-%s-%s", s->step_id, p->name);
 	float number;
 	int32_t which;
@@ -143,19 +156,16 @@ static GtkWidget *widget_of(struct slider *s, const struct step *step)
 		gtk_switch_set_active(GTK_SWITCH(w), which != 0);
 		gtk_widget_set_halign(w, GTK_ALIGN_START);
 		g_signal_connect(w, "notify::active", G_CALLBACK(switched), s);
-	} else {
-		w = gtk_drop_down_new_from_strings(p->choices);
-		gtk_drop_down_set_selected(GTK_DROP_DOWN(w), (guint)which);
-		g_signal_connect(w, "notify::selected", G_CALLBACK(chosen), s);
-	}
+	} else
+		w = choice_row(s, which);
 	gtk_widget_set_name(w, name);
 	return w;
 }
 
 /* "length_px" -> "Length"; the unit stands with the value. */
-static char *title_of(const struct step_parameter *p)
+static char *words_of(const char *name)
 {
-	g_autofree char *words = g_strdelimit(g_strdup(p->name), "_", ' ');
+	g_autofree char *words = g_strdelimit(g_strdup(name), "_", ' ');
 	static const char *const units[] = { " px", " deg", " m" };
 	for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
 		if (g_str_has_suffix(words, units[i]))
@@ -165,25 +175,48 @@ static char *title_of(const struct step_parameter *p)
 	return g_strdup(_(words));
 }
 
-static GtkWidget *parameter_row(
-	const struct step *step, const struct step_parameter *p, step_slid slid, gpointer user_data)
+/* Some parameters, of a step or a section: struct part. */
+struct part {
+	const char *id, *title; /* id: interned, or for ever */
+	const struct step_parameter *parameters;
+	const void *values;
+	step_slid slid;
+	gpointer user_data;
+};
+
+static GtkWidget *parameter_row(const struct part *of, const struct step_parameter *p)
 {
 	struct slider *s = g_new0(struct slider, 1);
-	*s = (struct slider){ step->id, p, slid, user_data, NULL };
-	g_autofree char *title = title_of(p);
+	*s = (struct slider){ of->id, p, of->slid, of->user_data, NULL };
+	g_autofree char *title = words_of(p->name);
 	s->value = kit_line("value", "", "small number soft", false);
 	GtkWidget *head = kit_row(
 		8, kit_grow(kit_line("parameter", title, NULL, true), true, false), s->value, NULL);
-	GtkWidget *row = kit_column(0, head, widget_of(s, step), NULL);
-	gtk_widget_set_tooltip_text(row, p->help);
+	GtkWidget *row = kit_column(0, head, widget_of(s, of->values), NULL);
+	gtk_widget_set_tooltip_text(row, _(p->help));
 	g_object_set_data_full(G_OBJECT(row), "slider", s, g_free);
 	return row;
 }
 
-/* Textures are files, and choices inside a step what it is made of: not for people on a site. */
+/* Textures are files, and places are tapped: not for sliders. */
 static bool is_for_people(const struct step_parameter *p)
 {
-	return p->type != PARAMETER_TEXTURE;
+	return p->type != PARAMETER_TEXTURE &&
+	       !(p->type == PARAMETER_NUMBER && p->slider_least >= p->slider_most);
+}
+
+static GtkWidget *part_new(const struct part *of, bool open)
+{
+	GtkWidget *rows = kit_column(4, NULL);
+	for (const struct step_parameter *p = of->parameters; p->name; p++)
+		if (is_for_people(p))
+			gtk_box_append(GTK_BOX(rows), parameter_row(of, p));
+	GtkWidget *part = gtk_expander_new(of->title);
+	gtk_expander_set_child(GTK_EXPANDER(part), rows);
+	gtk_expander_set_expanded(GTK_EXPANDER(part), open);
+	g_autofree char *name = g_strdup_printf("step-%s", of->id);
+	gtk_widget_set_name(part, name);
+	return part;
 }
 
 GtkWidget *step_sliders_new(const GArray *steps, step_slid slid, gpointer user_data)
@@ -194,21 +227,25 @@ GtkWidget *step_sliders_new(const GArray *steps, step_slid slid, gpointer user_d
 		const struct step *step = &g_array_index(steps, struct step, i);
 		if (step->kind->stage == STEP_MASK)
 			continue;
-		GtkWidget *rows = kit_column(4, NULL);
-		for (const struct step_parameter *p = step->kind->parameters; p->name; p++)
-			if (is_for_people(p))
-				gtk_box_append(
-					GTK_BOX(rows), parameter_row(step, p, slid, user_data));
 		g_autofree char *title = g_strdup_printf("%s · %s", _(step->kind->title), step->id);
-		GtkWidget *part = gtk_expander_new(title);
-		gtk_expander_set_child(GTK_EXPANDER(part), rows);
-		gtk_expander_set_expanded(GTK_EXPANDER(part), is_first);
-		g_autofree char *name = g_strdup_printf("step-%s", step->id);
-		gtk_widget_set_name(part, name);
-		gtk_box_append(GTK_BOX(all), part);
+		struct part part = { step->id, title, step->kind->parameters, step->bytes, slid,
+			user_data };
+		gtk_box_append(GTK_BOX(all), part_new(&part, is_first));
 		is_first = false;
 	}
 	if (is_first)
 		gtk_box_append(GTK_BOX(all), kit_text(_("Nothing is drawn here."), "soft"));
+	return all;
+}
+
+GtkWidget *section_sliders_new(const struct style_whole *whole, step_slid slid, gpointer user_data)
+{
+	GtkWidget *all = kit_column(10, NULL);
+	for (const struct style_section *n = style_sections; n->name; n++) {
+		g_autofree char *title = words_of(n->name);
+		struct part part = { n->name, title, n->parameters, (const char *)whole + n->offset,
+			slid, user_data };
+		gtk_box_append(GTK_BOX(all), part_new(&part, false));
+	}
 	return all;
 }

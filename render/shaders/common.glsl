@@ -35,7 +35,7 @@ vec3 light_of_bytes(uint rgba)
 /* frame_diffuse() */
 float diffuse_of(vec3 normal)
 {
-	return normal == vec3(0.0) ? 0.5 : max(dot(normal, light_from.xyz), 0.0);
+	return 0.5 + 0.5 * dot(normal, light_from.xyz);
 }
 
 /* What is left of a lightness in the style's light. */

@@ -8,9 +8,20 @@ trap 'rm -rf "$work"' EXIT
 
 collect() {
 	sed -n 's/^ *"title": \("[^"]*"\).*/_(\1);/p' render/styles/*.json > "$work/style-titles.c"
+	# Parameters of steps and sections as step-sliders.c says them ("length_px" is "Length"), their choices, and what they are.
+	awk 'function say(text) { if (text != "") print "_(\"" text "\");" }
+		function titled(name) { sub(/_(px|deg|m)$/, "", name); gsub(/_/, " ", name)
+			return toupper(substr(name, 1, 1)) substr(name, 2) }
+		{ indent = match($0, /[^ ]/) - 1; split($0, part, "\""); key = part[2] }
+		indent == 4 { is_kind = key !~ /^(change|node|step|segments)/; if (key ~ /^(paper|light|focus)$/) say(titled(key)) }
+		indent == 6 && key == "title" && is_kind { say(part[4]) }
+		indent == 8 && is_kind { is_parameter = /: \{$/ && key !~ /^(step|id)$/; if (is_parameter) say(titled(key)) }
+		indent == 10 && is_parameter && key == "description" { sub(/ \((px|m|degrees)\)$/, "", part[4]); say(part[4]) }
+		indent == 10 && is_parameter && key == "enum" { for (i = 4; i in part; i += 2) say(part[i]) }' \
+		render/style.schema.json | sort -u > "$work/parameters.c"
 	xgettext --from-code=UTF-8 --keyword=_ --keyword=N_ --keyword=ngettext:1,2 --add-location=file --sort-by-file \
 		--package-name=pleinair --directory=. --directory="$work" --output="$work/pleinair.pot" \
-		render/kiosk/*.c style-titles.c 2>"$work/said" || { cat "$work/said" >&2; exit 1; }
+		render/kiosk/*.c style-titles.c parameters.c 2>"$work/said" || { cat "$work/said" >&2; exit 1; }
 	# The day of every run would be a change of its own.
 	sed -i '/^"POT-Creation-Date/d' "$work/pleinair.pot"
 }
