@@ -75,7 +75,7 @@ bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_v
 	float tilted = MIN(DISC_STEEPEST * ret->margin_px / (float)f->camera.focal_px, 1 / 3.f);
 	float moved_m = stroke_moved_most_m(c, 1, 1);
 	ret->nearest_m = fminf(ret->near_m * (1 - tilted), ret->near_m - moved_m);
-	float margin = ret->margin_px + STROKES_REACH * f->px;
+	float margin = ret->margin_px + STROKES_REACH * f->ink_px;
 	if (ret->high_px[0] < -margin || ret->high_px[1] < -margin ||
 		ret->low_px[0] > (float)f->camera.width + margin ||
 		ret->low_px[1] > (float)f->camera.height + margin)

@@ -179,9 +179,9 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 		return false;
 	}
 	*l = (struct frame_layer){ step, pipeline, kinds_of(&step->ink), step->ink };
-	l->ink.spacing_px *= f->px;
-	l->ink.length_px *= f->px;
-	l->ink.width_px *= f->px;
+	l->ink.spacing_px *= f->ink_px;
+	l->ink.length_px *= f->ink_px;
+	l->ink.width_px *= f->ink_px;
 	if (step->kind == step_kind_find("sprites"))
 		l->ink.width_px = l->ink.length_px;
 	for (int k = 0; k < 3; k++)
@@ -337,12 +337,19 @@ bool frame_move(frame *f, const struct camera *c, GError **error)
 
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error)
 {
+	return frame_new_coarse(s, d, c, 1, error);
+}
+
+frame *frame_new_coarse(
+	const scene *s, const drawing *d, const struct camera *c, double coarser, GError **error)
+{
 	g_autoptr(frame) f = g_new0(frame, 1);
 	f->serial = scene_serial();
 	f->scene = s;
 	f->drawing = d;
 	f->lanes = lanes_path_widest();
 	f->px = (float)(c->height / FRAME_STYLE_HEIGHT);
+	f->ink_px = f->px * (float)coarser;
 	f->layer = g_new0(struct frame_layer, FRAME_LAYERS_MAX + 1);
 	if (!frame_move(f, c, error) || !lay_paper(f, error) || !add_layers(f, error))
 		return NULL;

@@ -73,6 +73,7 @@ struct frame {
 	const drawing *drawing;
 	struct camera camera;
 	float px;        /* pixels of the picture to one of the style's */
+	float ink_px;    /* the same for strokes: more where they are coarser */
 	double eye_m[3]; /* from the scene's origin */
 	struct frame_light light;
 	struct frame_focus focus;
@@ -92,6 +93,10 @@ static inline bool frame_is_stopped(const struct frame *f)
 
 /* Scene and drawing must live longer. Errors of camera_validate, missing textures, more layers than FRAME_LAYERS_MAX. */
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error);
+/* With strokes that are so much larger (at least 1), and fewer: of a small picture of a moving view nobody sees finer ones, and it is
+ * drawn the sooner. Tones are the same. */
+frame *frame_new_coarse(
+	const scene *s, const drawing *d, const struct camera *c, double coarser, GError **error);
 void frame_free(frame *f); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
 /* Another camera with a picture of the same size; the layers stay. */

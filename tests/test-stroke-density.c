@@ -255,24 +255,29 @@ static const struct medium {
 	{ "strokes", "{\"step\":\"strokes\",\"length_px\":60,\"width_px\":12,\"spacing_px\":5" },
 };
 
-/* In black of one strength, and as it comes. */
-static const char *const inks[] = { STEADY ",\"ink\":\"#000000\"", "\"degree\":0" };
+/* In black of one strength, as it comes, and with strokes twice as large as the style has them. */
+static const struct way {
+	const char *ink;
+	double coarser;
+} ways[] = { { STEADY ",\"ink\":\"#000000\"", 1 }, { "\"degree\":0", 1 }, { "\"degree\":0", 2 } };
 
-static double light_with(const scene *s, const struct medium *medium, const char *ink)
+static double light_with(const scene *s, const struct medium *medium, const struct way *way)
 {
+	g_autoptr(GError) error = NULL;
 	g_autofree char *nodes =
 		g_strdup_printf(MADE_SITE("%s,\"points\":\"dithering\",\"tone\":\"colour\",%s}"),
-			medium->step, ink);
+			medium->step, way->ink);
 	g_autoptr(drawing) d = made_drawing(nodes);
 	struct camera c = before_wall(0, 60, 300);
-	g_autoptr(frame) f = made_frame(s, d, &c);
+	g_autoptr(frame) f = frame_new_coarse(s, d, &c, way->coarser, &error);
+	g_assert_no_error(error);
 	return mean_light(f, 1.9);
 }
 
 /* The light of walls of all greys against what step.h promises: 1 - strength * dark ^ gamma of the paper's lightness. */
 static void test_tone(void)
 {
-	double squares[G_N_ELEMENTS(media)][2] = { { 0 } };
+	double squares[G_N_ELEMENTS(media)][G_N_ELEMENTS(ways)] = { { 0 } };
 	int count = 0;
 	for (int grey = 0; grey <= 250; grey += 25, count++) {
 		g_auto(made) m = made_new();
@@ -281,16 +286,17 @@ static void test_tone(void)
 		float dark = fmaxf(0.95f - (float)grey / 255, 0) / 0.95f;
 		double wanted = (double)light_of_srgb(1 - 0.8f * dark);
 		for (size_t n = 0; n < G_N_ELEMENTS(media); n++)
-			for (int k = 0; k < 2; k++) {
-				double light = light_with(s, &media[n], inks[k]);
+			for (size_t k = 0; k < G_N_ELEMENTS(ways); k++) {
+				double light = light_with(s, &media[n], &ways[k]);
 				squares[n][k] += (light - wanted) * (light - wanted);
 				g_test_message("grey %.2f, %s: %.3f of %.3f", grey / 255.,
 					media[n].name, light, wanted);
 			}
 	}
 	for (size_t n = 0; n < G_N_ELEMENTS(media); n++)
-		for (int k = 0; k < 2; k++) {
-			g_test_message("%s: %.4f RMS", media[n].name, sqrt(squares[n][k] / count));
+		for (size_t k = 0; k < G_N_ELEMENTS(ways); k++) {
+			g_test_message("%s x%.0f: %.4f RMS", media[n].name, ways[k].coarser,
+				sqrt(squares[n][k] / count));
 			g_assert_cmpfloat(sqrt(squares[n][k] / count), <=, 0.04);
 		}
 }

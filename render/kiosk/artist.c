@@ -132,13 +132,21 @@ static void light_frame(const artist *a, frame *f)
 	frame_set_focus(f, &a->focus);
 }
 
+/* Strokes on a picture that is smaller than it is shown: between as large on it as on one that is not (0 here), for hatching to be seen
+ * as such, and as large on the screen (1), for things to keep their edges. */
+#define COARSER 0.65
+static double coarser_of(uint32_t size)
+{
+	return pow(artist_sizes[size], -COARSER);
+}
+
 static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GError **error)
 {
 	frame **f = &a->frame[size];
 	if (*f && ((*f)->camera.width != c->width || (*f)->camera.height != c->height))
 		g_clear_pointer(f, frame_free);
 	if (!*f) {
-		*f = frame_new(a->scene, a->drawing, c, error);
+		*f = frame_new_coarse(a->scene, a->drawing, c, coarser_of(size), error);
 		light_frame(a, *f);
 		if (*f)
 			(*f)->stop = &a->stop;
