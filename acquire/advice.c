@@ -4,7 +4,9 @@
 #include "firmware-io/record.h"
 #include "firmware-io/wire.h"
 #include <gio/gio.h>
+#include <glib/gi18n.h>
 
+/* Texts are English; the touch screen translates them. */
 struct advice {
 	GQuark (*domain)(void);
 	int code; /* below 0: any */
@@ -13,36 +15,39 @@ struct advice {
 
 static const struct advice all[] = {
 	{ pump_error_quark, PUMP_ERROR_LIDAR_GONE,
-		"Look at the lidar's cable and its power, then go on with the scan." },
+		N_("Look at the lidar's cable and its power, then go on with the scan.") },
 	{ pump_error_quark, PUMP_ERROR_NO_ANSWER,
-		"Switch the lidar off and on, wait ten seconds, then go on with the scan." },
+		N_("Switch the lidar off and on, wait ten seconds, then go on with the scan.") },
 	{ pump_error_quark, PUMP_ERROR_REFUSED,
-		"Switch the lidar off and on. If it refuses again, clean its window and let it "
-		"cool." },
+		N_("Switch the lidar off and on. If it refuses again, clean its window and let it "
+		   "cool.") },
 	{ pump_error_quark, PUMP_ERROR_STAGE,
-		"See that nothing holds the head and the emergency stop is released, then go on "
-		"with "
-		"the scan: the head finds its zero by itself." },
+		N_("See that nothing holds the head and the emergency stop is released, then go on "
+		   "with "
+		   "the scan: the head finds its zero by itself.") },
 	{ pump_error_quark, PUMP_ERROR_STOPPED, "" },
-	{ wire_error_quark, -1, "Look at the scanner's cables and its power, then try again." },
+	{ wire_error_quark, -1, N_("Look at the scanner's cables and its power, then try again.") },
 	{ record_error_quark, RECORD_ERROR_DAMAGED,
-		"The record is damaged in the middle. Go on without what is damaged, or copy the "
-		"site "
-		"to a drive first." },
+		N_("The record is damaged in the middle. Go on without what is damaged, or copy "
+		   "the "
+		   "site "
+		   "to a drive first.") },
 	{ manifest_error_quark, -1,
-		"A file of the site is broken. Copy the site's folder to a drive before anything "
-		"is "
-		"changed." },
+		N_("A file of the site is broken. Copy the site's folder to a drive before "
+		   "anything "
+		   "is "
+		   "changed.") },
 	{ g_file_error_quark, G_FILE_ERROR_NOSPC,
-		"Make room: copy finished sites to a drive and remove them here, or scan more "
-		"coarsely." },
+		N_("Make room: copy finished sites to a drive and remove them here, or scan more "
+		   "coarsely.") },
 	{ g_file_error_quark, G_FILE_ERROR_EXIST,
-		"Go on with the unfinished scan of this site, or throw it away." },
+		N_("Go on with the unfinished scan of this site, or throw it away.") },
 	{ g_file_error_quark, G_FILE_ERROR_ACCES,
-		"The folder cannot be written: choose another one." },
-	{ g_file_error_quark, G_FILE_ERROR_ROFS, "The disk can only be read: choose another one." },
+		N_("The folder cannot be written: choose another one.") },
+	{ g_file_error_quark, G_FILE_ERROR_ROFS,
+		N_("The disk can only be read: choose another one.") },
 	{ g_io_error_quark, G_IO_ERROR_BUSY,
-		"Another program writes into this site. Wait until it is done." },
+		N_("Another program writes into this site. Wait until it is done.") },
 };
 
 const char *advice_for(const GError *error)

@@ -1,5 +1,6 @@
 #include "render/kiosk/device-sheet.h"
 #include "render/kiosk/health.h"
+#include "render/kiosk/site-words.h"
 
 struct devices {
 	kiosk *kiosk;
@@ -85,7 +86,7 @@ static void show_fault(struct devices *d, GVariant *fault)
 	if (fault && g_variant_is_of_type(fault, G_VARIANT_TYPE("(ss)")))
 		g_variant_get(fault, "(&s&s)", &sentence, &advice);
 	kit_set_text(d->fault_text, sentence);
-	kit_set_text(d->fault_advice, advice);
+	kit_set_text(d->fault_advice, words_advice(advice));
 	gtk_widget_set_visible(d->fault, *sentence);
 	gtk_widget_set_visible(d->fault_advice, *advice);
 }

@@ -3,6 +3,7 @@
 #include "render/kiosk/align-picks.h"
 #include "render/kiosk/pick-pane.h"
 #include "render/kiosk/screens.h"
+#include "render/kiosk/site-words.h"
 
 #define SIDE_WIDTH 330
 #define NONE       G_MAXUINT
@@ -394,7 +395,7 @@ static void goes_on(double fraction, const char *doing, double seconds_left, gpo
 	struct align_screen *s = user_data;
 	(void)seconds_left;
 	gtk_progress_bar_set_fraction(GTK_PROGRESS_BAR(s->work_bar), CLAMP(fraction, 0, 1));
-	kit_set_text(s->work_words, doing ? doing : "");
+	kit_set_text(s->work_words, words_doing(doing));
 }
 
 /* A verdict against the pair comes as a failure too, and then stands in the graph. */

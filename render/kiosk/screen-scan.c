@@ -107,7 +107,7 @@ static void show_fault(struct scan_screen *s)
 	if (fault && g_variant_is_of_type(fault, G_VARIANT_TYPE("(ss)")))
 		g_variant_get(fault, "(&s&s)", &sentence, &advice);
 	kit_set_text(s->fault, sentence);
-	kit_set_text(s->advice, advice);
+	kit_set_text(s->advice, words_advice(advice));
 	gtk_widget_set_visible(s->fault_box, *sentence);
 }
 
@@ -144,7 +144,7 @@ static void show_numbers(struct scan_screen *s)
 	kit_set_text(s->left, left_words);
 	kit_set_text(s->columns, percent);
 	kit_set_text(s->photos, wanted ? photo_words : "");
-	kit_set_text(s->doing, doing ? doing : "");
+	kit_set_text(s->doing, words_doing(doing));
 }
 
 static void show(struct scan_screen *s)
@@ -194,7 +194,7 @@ static void stopped(BusAcquisition1 *a, const char *folder, guint number, gboole
 	(void)folder;
 	(void)number;
 	if (sentence && *sentence)
-		kiosk_complain(s->kiosk, sentence, advice);
+		kiosk_complain(s->kiosk, sentence, words_advice(advice));
 	if (!partial && is_in_front(s))
 		kiosk_back(s->kiosk);
 }

@@ -38,8 +38,8 @@ static void work_goes_on(
 {
 	struct site_screen *s = user_data;
 	g_autofree char *left = words_duration(seconds_left);
-	g_autofree char *words = g_strdup_printf(
-		*left ? _("%s, %s left") : "%s%s", doing && *doing ? doing : _("Computing"), left);
+	g_autofree char *words = g_strdup_printf(*left ? _("%s, %s left") : "%s%s",
+		doing && *doing ? words_doing(doing) : _("Computing"), left);
 	kit_set_text(s->work_words, words);
 	gtk_progress_bar_set_fraction(GTK_PROGRESS_BAR(s->work_bar), CLAMP(fraction, 0, 1));
 }

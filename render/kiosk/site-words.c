@@ -41,3 +41,36 @@ char *words_points(double points)
 		return g_strdup_printf(_("%.1f million points"), points / 1e6);
 	return g_strdup_printf(_("%.0f thousand points"), points / 1e3);
 }
+
+const char *words_doing(const char *doing)
+{
+	/* Up to a colon: what stands after it is for those who read logs. */
+	static const struct {
+		const char *begin, *plain;
+	} all[] = {
+		{ "register:", N_("The scans are put together") },
+		{ "geometry:", N_("Surfaces are measured") },
+		{ "segments:", N_("Things are told apart") },
+		{ "features:", N_("Edges are found") },
+		{ "model:", N_("The model is put together") },
+		{ "reading the model", N_("The model is read") },
+		{ "drawing", N_("Drawing") },
+		{ "copying and comparing", N_("Copying, and comparing what was copied") },
+		{ "starting", N_("Starting") },
+		{ "finding the home position", N_("Finding the home position") },
+		{ "scanning", N_("Scanning") },
+		{ "going back for", N_("Going back for columns that were missed") },
+		{ "taking photos", N_("Taking photos") },
+		{ "going home", N_("Going home") },
+	};
+	for (size_t i = 0; doing && i < G_N_ELEMENTS(all); i++)
+		if (g_str_has_prefix(doing, all[i].begin))
+			return _(all[i].plain);
+	return doing ? doing : "";
+}
+
+const char *words_advice(const char *advice)
+{
+	/* That of an empty text is a catalogue's head. */
+	return advice && *advice ? _(advice) : "";
+}

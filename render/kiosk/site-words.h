@@ -9,4 +9,9 @@ char *words_date(gint64 unix_s);      /* "today 14:05", "12 Nov 2026" */
 char *words_scans(guint scans, guint placed, guint partial);
 char *words_points(double points); /* "2.4 million points" */
 
+/* What a command or the scanner says that it does, in plain words of the person's language; as it is where there are none. Never NULL. */
+const char *words_doing(const char *doing);
+/* The services' advice, translated. */
+const char *words_advice(const char *advice);
+
 #endif

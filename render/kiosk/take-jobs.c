@@ -1,4 +1,5 @@
 #include "render/kiosk/take-jobs.h"
+#include "render/kiosk/site-words.h"
 #include "render/kiosk/take-words.h"
 
 struct take_jobs {
@@ -35,10 +36,11 @@ static void row_progress(double fraction, const char *doing, double left_s, gpoi
 {
 	struct row *r = user_data;
 	g_autofree char *left = words_left(left_s);
-	g_autofree char *words = *left && doing && *doing ? g_strdup_printf("%s · %s", doing, left)
-				 : *left                  ? g_strdup(left)
-				 : doing && *doing        ? g_strdup(doing)
-							  : g_strdup(_("Waits for its turn"));
+	g_autofree char *words = *left && doing && *doing
+					 ? g_strdup_printf("%s · %s", words_doing(doing), left)
+				 : *left           ? g_strdup(left)
+				 : doing && *doing ? g_strdup(words_doing(doing))
+						   : g_strdup(_("Waits for its turn"));
 	kit_set_text(r->words, words);
 	gtk_progress_bar_set_fraction(GTK_PROGRESS_BAR(r->bar), CLAMP(fraction, 0, 1));
 }
