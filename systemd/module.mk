@@ -18,6 +18,6 @@ appliance := $(foreach u,acquired jobsd kiosk,pleinair-$(u).service:$(systemdsys
 	pleinair.sysusers:$(sysusersdir)/pleinair.conf pleinair.tmpfiles:$(tmpfilesdir)/pleinair.conf \
 	pleinair.modules-load:$(modulesloaddir)/pleinair.conf pleinair.udev:$(udevrulesdir)/70-pleinair.rules \
 	pleinair-kiosk.desktop:$(PREFIX)/share/applications/org.pleinair.Kiosk.desktop \
-	kiosk-session:$(PREFIX)/lib/pleinair/kiosk-session
+	kiosk-session:$(PREFIX)/lib/pleinair/kiosk-session kiosk-screen:$(PREFIX)/lib/pleinair/kiosk-screen
 appliance_conf := weston.ini:$(sysconfdir)/pleinair/weston.ini pleinair.conf:$(sysconfdir)/pleinair.conf \
 	pleinair-kiosk.pam:$(sysconfdir)/pam.d/pleinair-kiosk

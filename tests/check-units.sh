@@ -36,6 +36,16 @@ awk '!/^#/ && NF' "$root/usr/lib/udev/rules.d/70-pleinair.rules" | tr ',' '\n' |
 	grep -vE '^(ACTION|SUBSYSTEM|KERNEL|ATTRS?\{[A-Za-z/]+\}|ENV\{[A-Z_]+\}|GROUP|MODE|TAG|SYMLINK|LABEL|GOTO)(==|!=|\+?=)"[^"]*"$' &&
 	bad "a rule for udev has another form"
 
+# The screen as it was turned on itself: for all connectors, behind what the machine's own file says.
+mkdir -p "$root/drm/card0-HDMI-A-1" "$root/drm/card1-eDP-1"
+printf '[screen]\nasleep_after_s=60\nturned=rotate-90\n\n[other]\nturned=rotate-180\n' > "$root/turned.conf"
+turned=$("$root/usr/lib/pleinair/kiosk-screen" --print "$root/etc/pleinair/weston.ini" "$root/turned.conf" "$root/drm" | grep -v '^#' | tail -7)
+[ "$turned" = "$(printf '[output]\nname=HDMI-A-1\ntransform=rotate-90\n\n[output]\nname=eDP-1\ntransform=rotate-90')" ] ||
+	bad "kiosk-screen: a turned screen gives: $turned"
+printf '[screen]\nturned=$(reboot)\n' > "$root/turned.conf"
+"$root/usr/lib/pleinair/kiosk-screen" --print "$root/etc/pleinair/weston.ini" "$root/turned.conf" "$root/drm" |
+	cmp -s - "$root/etc/pleinair/weston.ini" || bad "kiosk-screen: what is no way to turn a screen is taken for one"
+
 if ! command -v systemd-analyze > /dev/null; then
 	[ $status -eq 0 ] && echo "units: SKIP verify and security: systemd-analyze is not installed"
 	exit $status
@@ -43,7 +53,7 @@ fi
 # The programs are where they were installed to, not in /usr/bin.
 mkdir "$root/verify"
 for unit in "$units"/*.service; do
-	sed "s|^\(ExecStart=\)/usr/bin/pleinair|\1$root/usr/bin/pleinair|" "$unit" > "$root/verify/$(basename "$unit")"
+	sed "s,^\(ExecStart=\)/usr/\(bin\|lib\)/pleinair,\1$root/usr/\2/pleinair," "$unit" > "$root/verify/$(basename "$unit")"
 done
 said=$(SYSTEMD_UNIT_PATH=$root/verify: systemd-analyze --man=no verify "$root"/verify/*.service 2>&1) || bad "systemd-analyze verify fails"
 # What it says of units of others is not ours.

@@ -162,12 +162,14 @@ void rig_two_finger_pan(
 	move_fingers(r, &way, seconds);
 }
 
-/* How far one drag goes: the way to the middle of the list, but less than is safely inside it. */
-static double drag_towards(const struct rig_place *list, const struct rig_place *place)
+/* How far one drag goes along one axis: the way to the middle of the list, but less than is safely inside it. Nowhere where the place is
+ * in the list already. */
+static double drag_towards(double list, double list_size, double place, double size)
 {
-	double way = list->y + list->height / 2 - (place->y + place->height / 2);
-	double longest = 0.35 * list->height;
-	return CLAMP(way, -longest, longest);
+	double longest = 0.35 * list_size;
+	if (place >= list && place + size <= list + list_size)
+		return 0;
+	return CLAMP(list + list_size / 2 - (place + size / 2), -longest, longest);
 }
 
 void rig_scroll_to(rig *r, const char *list, const char *name)
@@ -181,8 +183,9 @@ void rig_scroll_to(rig *r, const char *list, const char *name)
 		if (place.reachable)
 			return;
 		double x = frame.x + frame.width / 2, y = frame.y + frame.height / 2;
-		double way = drag_towards(&frame, &place);
-		rig_drag(r, x, y - way / 2, x, y + way / 2, 0.15);
+		double right = drag_towards(frame.x, frame.width, place.x, place.width);
+		double down = drag_towards(frame.y, frame.height, place.y, place.height);
+		rig_drag(r, x - right / 2, y - down / 2, x + right / 2, y + down / 2, 0.15);
 	}
 	rig_fail(r, "'%s' cannot be scrolled to in '%s'", name, list);
 }

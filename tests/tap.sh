@@ -7,6 +7,8 @@ export PLEINAIR_BIN="$PWD/$build/bin" PLEINAIR_SOURCE="$PWD"
 export G_DEBUG=fatal-warnings GSETTINGS_BACKEND=memory LC_ALL=C.UTF-8 MALLOC_PERTURB_=165
 export ASAN_OPTIONS=detect_leaks=1:abort_on_error=1:malloc_context_size=20 UBSAN_OPTIONS=print_stacktrace=1
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
+# What the touch screen looked like on its way through the tests.
+export PLEINAIR_SHOTS="${PLEINAIR_SHOTS:-$PWD/$build/shots}"
 # Programs run side by side: threads that have nothing to do must not keep the processor from the others.
 export OMP_WAIT_POLICY=passive
 case $name in

@@ -18,6 +18,7 @@ static const double limit_s = 120;
 struct walk {
 	rig *rig;
 	int width, height;
+	const char *part; /* of the names of its pictures */
 	guint shots;
 	const char *scene; /* with %d for the station */
 	char *folder;      /* of sites */
@@ -32,7 +33,7 @@ static void shot(struct walk *w, const char *name)
 		return;
 	g_mkdir_with_parents(folder, 0755);
 	g_autofree char *path = g_strdup_printf(
-		"%s/%dx%d-%02u-%s.png", folder, w->width, w->height, w->shots++, name);
+		"%s/%dx%d-%s%02u-%s.png", folder, w->width, w->height, w->part, w->shots++, name);
 	rig_shot(w->rig, path);
 }
 
@@ -43,7 +44,8 @@ static void walk_begin(struct walk *w, int width, int height, const char *scene)
 	g_auto(GStrv) parts = g_strsplit(scene, "%d", -1);
 	g_autofree char *description = g_strjoinv("%n", parts);
 	g_autofree char *device = g_strconcat("sim:", description, NULL);
-	*w = (struct walk){ .width = width,
+	*w = (struct walk){ .part = "",
+		.width = width,
 		.height = height,
 		.scene = scene,
 		.folder = simulated_folder(),
@@ -251,6 +253,12 @@ static void select_thing(struct walk *w, const char *kind)
 	g_error("no %s was met", kind);
 }
 
+static void use_style(struct walk *w, const char *button)
+{
+	rig_scroll_to(w->rig, "draw-strip", button);
+	rig_tap(w->rig, button);
+}
+
 /* Three numbers that the kiosk tells of the light, or the focus. */
 static void accents_of(struct walk *w, const char *key, double ret[3])
 {
@@ -264,7 +272,7 @@ static void light_and_focus(struct walk *w)
 {
 	struct rig_place p = rig_wait_for(w->rig, "draw-canvas", limit_s);
 	double x = p.x + p.width / 2, y = p.y + p.height / 2, before[3], after[3];
-	rig_tap(w->rig, "style-figure-1-strokes-hatching");
+	use_style(w, "style-figure-1-strokes-hatching");
 	rig_tap(w->rig, "draw-light");
 	rig_wait_for(w->rig, "tool-hint", limit_s);
 	accents_of(w, "light", before);
@@ -304,7 +312,7 @@ static void draw_it(struct walk *w)
 	rig_wait_for(w->rig, "draw-strip", limit_s);
 	g_usleep(6000000);
 	shot(w, "draw");
-	rig_tap(w->rig, "style-figure-7a");
+	use_style(w, "style-figure-7a");
 	g_usleep(4000000);
 	shot(w, "draw-other-style");
 	struct rig_place p = rig_wait_for(w->rig, "draw-canvas", limit_s), panel;
@@ -320,7 +328,7 @@ static void draw_it(struct walk *w)
 	g_usleep(3000000);
 	select_thing(w, w->thing);
 	shot(w, "thing-selected");
-	rig_tap(w->rig, "style-figure-1-stipple");
+	use_style(w, "style-figure-1-stipple");
 	wait_undo(w);
 	g_usleep(5000000);
 	shot(w, "thing-in-its-own-style");
@@ -382,10 +390,13 @@ static void whole_way(struct walk *w)
 	look_at_health(w);
 }
 
-static void small_screen(void)
+static void every_screen(gconstpointer data)
 {
+	const char *size = data;
 	struct walk w;
-	walk_begin(&w, 1280, 800, COURT);
+	int width = 0, height = 0;
+	g_assert_cmpint(sscanf(size, "%dx%d", &width, &height), ==, 2);
+	walk_begin(&w, width, height, COURT);
 	w.thing = "tree";
 	whole_way(&w);
 	rig_free(w.rig);
@@ -395,6 +406,7 @@ static void refused(void)
 {
 	struct walk w;
 	walk_begin(&w, 1920, 1080, SCENE "&symmetric=1&station=%d");
+	w.part = "refused-";
 	make_site(&w);
 	scan(&w, 1, "scanning");
 	scan(&w, 2, "scanning-again");
@@ -402,6 +414,34 @@ static void refused(void)
 	shot(&w, "site-refused");
 	fix_by_points(&w);
 	rig_free(w.rig);
+}
+
+/* ---- the screen is turned ---- */
+
+/* As on the appliance: the choice is kept where kiosk-screen reads it, and the program ends for weston to be started anew. */
+static void turned(void)
+{
+	g_autoptr(GTestDBus) bus = g_test_dbus_new(G_TEST_DBUS_NONE);
+	g_autofree char *folder = simulated_folder(), *program = commands_program("pleinair-kiosk");
+	g_autofree char *config = simulated_folder();
+	g_test_dbus_up(bus);
+	const char *address = g_test_dbus_get_bus_address(bus);
+	g_autofree char *session = g_strconcat("DBUS_SESSION_BUS_ADDRESS=", address, NULL),
+			*system = g_strconcat("DBUS_SYSTEM_BUS_ADDRESS=", address, NULL),
+			*home = g_strconcat("XDG_CONFIG_HOME=", config, NULL);
+	const char *const environment[] = { session, system, home, NULL };
+	const char *const arguments[] = { "--system", "--fullscreen", folder, NULL };
+	g_autoptr(rig) r = rig_new(&(struct rig_desc){
+		.program = program, .arguments = arguments, .environment = environment });
+	rig_tap(r, "status");
+	rig_tap(r, "settings-turned");
+	rig_tap(r, "settings-turned-rotate-270");
+	for (int i = 0; i < 200 && rig_runs(r); i++)
+		g_usleep(100000);
+	g_assert_false(rig_runs(r));
+	commands_shell("grep -q '^turned=rotate-270$' '%s/pleinair/kiosk.conf'", config);
+	g_clear_pointer(&r, rig_free);
+	g_test_dbus_down(bus);
 }
 
 /* ---- the screen is killed ---- */
@@ -482,8 +522,17 @@ int main(int argc, char **argv)
 		g_print("1..0 # SKIP %s\n", missing);
 		return 0;
 	}
-	g_test_add_func("/kiosk-workflow/1280x800", small_screen);
-	g_test_add_func("/kiosk-workflow/1920x1080", refused);
+	static const char *const sizes[] = { "1280x800", "1920x1080" };
+	for (size_t i = 0; i < G_N_ELEMENTS(sizes); i++) {
+		g_autofree char *name = g_strconcat("/kiosk-workflow/", sizes[i], NULL);
+		g_test_add_data_func(name, sizes[i], every_screen);
+	}
+	/* Another one, by hand: as a screen that is turned. */
+	if (g_getenv("PLEINAIR_SCREEN"))
+		g_test_add_data_func(
+			"/kiosk-workflow/screen", g_getenv("PLEINAIR_SCREEN"), every_screen);
+	g_test_add_func("/kiosk-workflow/refused", refused);
+	g_test_add_func("/kiosk-workflow/turned", turned);
 	g_test_add_func("/kiosk-workflow/killed", killed);
 	return g_test_run();
 }

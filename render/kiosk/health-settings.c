@@ -36,7 +36,7 @@ static void theme_pressed(const char *value, gpointer user_data)
 static choice *choose_theme(kiosk *k)
 {
 	choice *c = choice_new(k, "settings-theme", _("Colours"), theme_pressed, k);
-	choice_add(c, "light", _("Light"));
+	choice_add(c, "light", _("Bright"));
 	choice_add(c, "dark", _("Dark"));
 	choice_set(c, kiosk_options_of(k)->dark ? "dark" : "light");
 	return c;
@@ -64,6 +64,27 @@ static choice *choose_sleep(kiosk *k)
 	return c;
 }
 
+/* weston turns the screen, and is started anew for that: systemd/kiosk-screen reads what was chosen. Scans and jobs go on meanwhile. */
+static void turned_pressed(const char *value, gpointer user_data)
+{
+	settings_keep_string("screen", "turned", value);
+	kiosk_close(user_data);
+}
+
+static choice *choose_turned(kiosk *k)
+{
+	static const struct {
+		const char *value, *words; /* value: a transform of weston.ini(5) */
+	} ways[] = { { "normal", N_("Not turned") }, { "rotate-90", N_("To the right") },
+		{ "rotate-180", N_("Upside down") }, { "rotate-270", N_("To the left") } };
+	choice *c = choice_new(k, "settings-turned", _("Picture is turned"), turned_pressed, k);
+	g_autofree char *now = settings_string("screen", "turned");
+	for (size_t i = 0; i < G_N_ELEMENTS(ways); i++)
+		choice_add(c, ways[i].value, _(ways[i].words));
+	choice_set(c, now ? now : "normal");
+	return c;
+}
+
 static GtkWidget *labelled(const char *label, choice *c)
 {
 	return kit_column(
@@ -75,6 +96,8 @@ GtkWidget *health_settings_new(kiosk *k)
 	GtkWidget *row = kit_row(12, labelled(_("Language"), choose_language(k)),
 		labelled(_("Colours"), choose_theme(k)),
 		labelled(_("Screen goes dark"), choose_sleep(k)), NULL);
+	if (kiosk_options_of(k)->owns_screen)
+		gtk_box_append(GTK_BOX(row), labelled(_("Picture is turned"), choose_turned(k)));
 	gtk_box_set_homogeneous(GTK_BOX(row), TRUE);
 	return kit_classed(kit_column(10, kit_text(_("Settings"), "head"), row, NULL), "card");
 }

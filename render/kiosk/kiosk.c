@@ -180,7 +180,11 @@ static void build_content(kiosk *k)
 	gtk_stack_set_hhomogeneous(GTK_STACK(k->stack), FALSE);
 	gtk_stack_set_vhomogeneous(GTK_STACK(k->stack), FALSE);
 	k->overlay = gtk_overlay_new();
-	gtk_overlay_set_child(GTK_OVERLAY(k->overlay), kit_column(0, build_bar(k), k->stack, NULL));
+	/* What needs more than a small screen has is dragged to: a window that is larger than the screen ends the program. */
+	GtkWidget *scroll = gtk_scrolled_window_new();
+	gtk_scrolled_window_set_child(GTK_SCROLLED_WINDOW(scroll), k->stack);
+	gtk_overlay_set_child(GTK_OVERLAY(k->overlay),
+		kit_column(0, build_bar(k), kit_grow(scroll, true, true), NULL));
 	kiosk_build_says(k);
 	sleep_add(k->window, k->overlay, k->options.asleep_after_s);
 	gtk_window_set_child(GTK_WINDOW(k->window), k->overlay);
@@ -247,7 +251,23 @@ void kiosk_start_over(kiosk *k)
 		k->start_over = g_idle_add(start_over, k);
 }
 
+void kiosk_close(kiosk *k)
+{
+	gtk_window_close(GTK_WINDOW(k->window));
+}
+
 /* ---- from start to end ---- */
+
+/* Turning it starts the program anew. */
+static bool stands_upright(const struct kiosk_options *o)
+{
+	GdkRectangle screen = { 0, 0, o->width, o->height };
+	GListModel *all = gdk_display_get_monitors(gdk_display_get_default());
+	g_autoptr(GdkMonitor) first = o->fullscreen ? g_list_model_get_item(all, 0) : NULL;
+	if (first)
+		gdk_monitor_get_geometry(first, &screen);
+	return screen.height > screen.width;
+}
 
 static char *journal_path(void)
 {
@@ -295,6 +315,7 @@ kiosk *kiosk_new(services *s, const struct kiosk_options *options,
 	k->titles = g_ptr_array_new_with_free_func(g_free);
 	k->undos = g_ptr_array_new_with_free_func(undo_free);
 	theme_use(k->options.dark);
+	kit_set_upright(stands_upright(options));
 	k->closed = closed;
 	k->closed_data = user_data;
 	build_window(k);

@@ -9,6 +9,7 @@
 struct kiosk_options {
 	const char *folder; /* of sites */
 	bool fullscreen, dark;
+	bool owns_screen; /* nothing else is on it, and it is the kiosk's to turn (systemd/kiosk-screen) */
 	int width, height;
 	double asleep_after_s; /* 0: never */
 	enum backend_wish backend;
@@ -21,6 +22,9 @@ typedef struct kiosk kiosk;
 kiosk *kiosk_new(services *s, const struct kiosk_options *options,
 	void (*closed)(gpointer user_data), gpointer user_data);
 void kiosk_free(kiosk *k); /* NULL is fine */
+
+/* As if people had closed the window. */
+void kiosk_close(kiosk *k);
 
 services *kiosk_services(kiosk *k);
 const struct kiosk_options *kiosk_options_of(const kiosk *k);

@@ -82,6 +82,28 @@ GtkWidget *kit_column(int spacing, ...)
 	return b;
 }
 
+static bool is_upright;
+
+void kit_set_upright(bool upright)
+{
+	is_upright = upright;
+}
+
+bool kit_is_upright(void)
+{
+	return is_upright;
+}
+
+GtkWidget *kit_sides(int spacing, ...)
+{
+	va_list children;
+	va_start(children, spacing);
+	GtkWidget *b = box(is_upright ? GTK_ORIENTATION_VERTICAL : GTK_ORIENTATION_HORIZONTAL,
+		spacing, children);
+	va_end(children);
+	return b;
+}
+
 GtkWidget *kit_scroll(GtkWidget *child)
 {
 	GtkWidget *scroll = gtk_scrolled_window_new();

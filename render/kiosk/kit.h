@@ -18,6 +18,11 @@ GtkWidget *kit_button(const char *name, const char *icon, const char *text, cons
 /* Children up to NULL. */
 GtkWidget *kit_row(int spacing, ...) G_GNUC_NULL_TERMINATED;
 GtkWidget *kit_column(int spacing, ...) G_GNUC_NULL_TERMINATED;
+/* Beside each other; below each other on a screen that stands upright. */
+GtkWidget *kit_sides(int spacing, ...) G_GNUC_NULL_TERMINATED;
+/* Said once, before anything is built. */
+void kit_set_upright(bool upright);
+bool kit_is_upright(void);
 GtkWidget *kit_scroll(GtkWidget *child); /* up and down */
 GtkWidget *kit_space(void);              /* takes what is left */
 GtkWidget *kit_grow(GtkWidget *w, bool across, bool down);

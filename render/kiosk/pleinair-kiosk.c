@@ -81,6 +81,7 @@ static bool take_wishes(struct run *r, int *ret_status)
 	r->options.drives = wishes.drives;
 	r->options.dark = wishes.theme ? !strcmp(wishes.theme, "dark") : theme_kept(false);
 	r->services.system = wishes.system;
+	r->options.owns_screen = wishes.system && wishes.fullscreen;
 	r->services.device = wishes.device;
 	return true;
 }

@@ -576,7 +576,7 @@ static GtkWidget *side_panel(struct align_screen *s)
 	GtkWidget *panel = kit_column(10, verdict_box(s), chooser(s), s->hint,
 		kit_grow(kit_scroll(s->list), false, true), s->remove, work_box(s), s->align,
 		s->again, decide, NULL);
-	gtk_widget_set_size_request(panel, SIDE_WIDTH, -1);
+	gtk_widget_set_size_request(panel, kit_is_upright() ? -1 : SIDE_WIDTH, -1);
 	gtk_widget_set_hexpand(panel, FALSE);
 	return panel;
 }
@@ -619,7 +619,7 @@ GtkWidget *screen_align_new(kiosk *k, const char *folder, uint32_t a, uint32_t b
 	GtkWidget *panes =
 		kit_grow(kit_column(12, pane_box(s, 0), pane_box(s, 1), NULL), true, true);
 	gtk_box_set_homogeneous(GTK_BOX(panes), TRUE);
-	s->widget = kit_margin(kit_row(20, panes, side_panel(s), NULL), 20);
+	s->widget = kit_margin(kit_sides(20, panes, side_panel(s), NULL), 20);
 	g_signal_connect(s->widget, "destroy", G_CALLBACK(destroyed), s);
 	g_object_set_data_full(G_OBJECT(s->widget), "screen", s, align_screen_free);
 	show_buttons(s);

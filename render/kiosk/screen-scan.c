@@ -319,7 +319,7 @@ static GtkWidget *facts(struct scan_screen *s)
 	s->keep_clear = kit_named_text("scan-keep-clear",
 		_("The head turns: stay an arm's length away, and out of its view where you can."),
 		"doubt");
-	return kit_row(40,
+	return kit_sides(kit_is_upright() ? 12 : 40,
 		kit_grow(kit_column(4, s->head, s->doing, s->keep_clear, NULL), true, false),
 		kit_column(4, s->left, kit_row(20, s->columns, s->photos, NULL), NULL), NULL);
 }
@@ -332,8 +332,8 @@ static GtkWidget *buttons(struct scan_screen *s)
 		"main great", G_CALLBACK(resume_pressed), s);
 	s->stop = hold_button_new("scan-stop", _("Hold to stop"), "danger great", stop_held, s);
 	gtk_widget_set_size_request(s->stop, 220, -1);
-	return kit_row(
-		16, kit_grow(plane_buttons(s), true, false), s->pause, s->resume, s->stop, NULL);
+	return kit_sides(16, kit_grow(plane_buttons(s), true, false),
+		kit_row(16, s->pause, s->resume, s->stop, NULL), NULL);
 }
 
 static void destroyed(GtkWidget *w, gpointer user_data)

@@ -392,7 +392,7 @@ static GtkWidget *facts_side(struct site_screen *s)
 		"danger", G_CALLBACK(discard_pressed), s);
 	GtkWidget *side = kit_column(14, s->map, s->words, work_box(s), s->chooser, s->scan,
 		s->resume, s->discard, NULL);
-	gtk_widget_set_size_request(side, SIDE_WIDTH, -1);
+	gtk_widget_set_size_request(side, kit_is_upright() ? -1 : SIDE_WIDTH, -1);
 	return side;
 }
 
@@ -429,7 +429,7 @@ GtkWidget *screen_site_new(kiosk *k, const char *folder)
 	s->easel = easel_new("site-picture", kiosk_options_of(k)->backend,
 		&(struct easel_watcher){
 			.tapped = picture_tapped, .failed = picture_failed, .user_data = s });
-	s->widget = kit_margin(kit_row(20, kit_grow(picture_side(s), true, true),
+	s->widget = kit_margin(kit_sides(20, kit_grow(picture_side(s), true, true),
 				       kit_grow(facts_side(s), false, true), NULL),
 		20);
 	g_signal_connect(a, "finished", G_CALLBACK(scan_finished), s);

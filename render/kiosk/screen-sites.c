@@ -219,7 +219,7 @@ static void new_pressed(GtkButton *b, gpointer user_data)
 		NULL);
 	GtkWidget *sheet = kit_column(16, kit_text(_("New site"), "title"), s->name,
 		keyboard_new(GTK_EDITABLE(s->name)), buttons, NULL);
-	gtk_widget_set_size_request(sheet, 760, -1);
+	gtk_widget_set_size_request(sheet, kit_is_upright() ? -1 : 760, -1);
 	kiosk_open_sheet(s->kiosk, sheet);
 	gtk_editable_select_region(GTK_EDITABLE(s->name), 0, -1);
 }

@@ -235,7 +235,7 @@ GtkWidget *screen_take_new(kiosk *k, const char *folder)
 	t->buttons = gtk_size_group_new(GTK_SIZE_GROUP_HORIZONTAL);
 	/* On a low screen the cards scroll, on others nothing does. */
 	GtkWidget *taking = build_taking(t), *making = kit_scroll(build_making(t));
-	GtkWidget *screen = kit_margin(kit_row(16, making, taking, NULL), 16);
+	GtkWidget *screen = kit_margin(kit_sides(16, making, taking, NULL), 16);
 	gtk_box_set_homogeneous(GTK_BOX(screen), TRUE);
 	g_object_set_data_full(G_OBJECT(screen), "take", t, take_free);
 	return screen;
