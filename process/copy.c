@@ -19,8 +19,8 @@ struct file {
 };
 struct copying {
 	const struct copy_options *options;
-	const char *from;
-	char *folder;
+	const char *from, *drive;
+	char *folder;     /* on the drive */
 	GPtrArray *files; /* of struct file */
 	GHashTable *sums; /* what SHA256SUMS there says: hash by name */
 	uint64_t bytes, done;
@@ -130,6 +130,26 @@ static bool goes_on(uint64_t bytes, gpointer user_data)
 		       "copying and comparing", o->user_data);
 }
 
+/* A drive may come from anybody: no folder on it may lead somewhere else. path: on the drive. */
+static bool refuse_links(const struct copying *c, const char *path, GError **error)
+{
+	size_t root = strlen(c->drive);
+	g_autofree char *part = g_strdup(path);
+	for (char *end = part + strlen(part); (size_t)(end - part) > root;
+		end = strrchr(part, '/')) {
+		GStatBuf st;
+		*end = '\0';
+		if (g_lstat(part, &st) || !S_ISLNK(st.st_mode))
+			continue;
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_EXISTS,
+			"%s: is a link, which may lead out of the drive: move it away, or copy to "
+			"another folder",
+			part);
+		return false;
+	}
+	return true;
+}
+
 static bool make_folders(const char *path, GError **error)
 {
 	g_autofree char *folder = g_path_get_dirname(path);
@@ -169,7 +189,10 @@ static bool copy_one(struct copying *c, const struct file *f, GError **error)
 	struct copy_watcher w = { goes_on, c };
 	g_autofree char *from = g_build_filename(c->from, f->name, NULL);
 	g_autofree char *to = g_build_filename(c->folder, f->name, NULL), *hash = NULL;
+	g_autofree char *in = g_path_get_dirname(to);
 	bool same = false;
+	if (!refuse_links(c, in, error))
+		return false;
 	if (g_file_test(to, G_FILE_TEST_EXISTS) && !look_there(c, f, to, &same, &hash, error))
 		return false;
 	if (!same) {
@@ -227,7 +250,10 @@ static bool prepare(struct copying *c, const char *site_path, const char *to, GE
 			"%s: lies in the site itself", to);
 		return false;
 	}
+	c->drive = to;
 	c->folder = g_build_filename(to, base, NULL);
+	if (!refuse_links(c, c->folder, error))
+		return false;
 	read_sums(c);
 	return list_files(c, error) && has_room(c, to, error);
 }

@@ -122,6 +122,41 @@ static void links_stay_behind(void)
 	g_assert_null(strstr(names, "passwd"));
 }
 
+static void assert_empty(const char *folder)
+{
+	g_autofree char *names = commands_names(folder);
+	g_assert_cmpstr(names, ==, "");
+}
+
+/* A drive is whoever's: nothing on it leads the copy elsewhere. */
+static void drives_lead_nowhere(void)
+{
+	static const char *const at[] = { "oak", "oak/exports" };
+	for (size_t i = 0; i < G_N_ELEMENTS(at); i++) {
+		g_autofree char *to = simulated_folder(), *outside = simulated_folder();
+		g_autofree char *link = g_build_filename(to, at[i], NULL);
+		g_autofree char *in = g_path_get_dirname(link);
+		g_assert_cmpint(g_mkdir_with_parents(in, 0755), ==, 0);
+		g_assert_cmpint(symlink(outside, link), ==, 0);
+		g_auto(answer) a = copy_to(to, "exports");
+		commands_assert_refused(&a, 1, "may lead out of the drive");
+		assert_empty(outside);
+	}
+	/* Files that are links are replaced, and what they lead to stays. */
+	g_autofree char *to = simulated_folder(), *outside = simulated_folder();
+	g_autofree char *aim = g_build_filename(outside, "aim", NULL);
+	g_autofree char *link = g_build_filename(to, "oak", "SHA256SUMS", NULL);
+	g_autofree char *in = g_path_get_dirname(link), *text = NULL;
+	g_assert_cmpint(g_mkdir_with_parents(in, 0755), ==, 0);
+	g_assert_true(g_file_set_contents(aim, "kept", -1, NULL));
+	g_assert_cmpint(symlink(aim, link), ==, 0);
+	g_auto(answer) a = copy_to(to, "exports");
+	commands_assert_done(&a);
+	g_assert_true(g_file_get_contents(aim, &text, NULL, NULL));
+	g_assert_cmpstr(text, ==, "kept");
+	check_sums(in);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -139,6 +174,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/copy/cut-off", cut_off);
 	g_test_add_func("/copy/refusals", refusals);
 	g_test_add_func("/copy/links-stay-behind", links_stay_behind);
+	g_test_add_func("/copy/drives-lead-nowhere", drives_lead_nowhere);
 	int status = g_test_run();
 	g_free(oak);
 	return status;
