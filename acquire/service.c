@@ -1,5 +1,6 @@
 #include "acquire/service.h"
 #include "acquire/cli.h"
+#include "firmware-io/record.h"
 #include <errno.h>
 #include <glib-unix.h>
 #include <stdlib.h>
@@ -158,6 +159,7 @@ static const GDBusErrorEntry errors[] = {
 	{ SERVICE_ERROR_NOT_ALLOWED, "org.pleinair.Error.NotAllowed" },
 	{ SERVICE_ERROR_INVALID, "org.pleinair.Error.Invalid" },
 	{ SERVICE_ERROR_FAILED, "org.pleinair.Error.Failed" },
+	{ SERVICE_ERROR_DAMAGED, SERVICE_ERROR_DAMAGED_NAME },
 };
 
 GQuark service_error_quark(void)
@@ -174,8 +176,9 @@ void service_refuse(GDBusMethodInvocation *call, GError *error)
 		g_dbus_method_invocation_take_error(call, error);
 		return;
 	}
-	g_dbus_method_invocation_return_error_literal(
-		call, SERVICE_ERROR, SERVICE_ERROR_FAILED, error->message);
+	bool damaged = g_error_matches(error, RECORD_ERROR, RECORD_ERROR_DAMAGED);
+	g_dbus_method_invocation_return_error_literal(call, SERVICE_ERROR,
+		damaged ? SERVICE_ERROR_DAMAGED : SERVICE_ERROR_FAILED, error->message);
 	g_error_free(error);
 }
 

@@ -35,7 +35,9 @@ enum service_error {
 	SERVICE_ERROR_NOT_ALLOWED,
 	SERVICE_ERROR_INVALID, /* an argument that cannot be */
 	SERVICE_ERROR_FAILED,
+	SERVICE_ERROR_DAMAGED, /* a record, of which what is whole can be gone on with */
 };
+#define SERVICE_ERROR_DAMAGED_NAME "org.pleinair.Error.Damaged" /* for those who ask over the bus */
 /* Whether a path is absolute, and, where only what lies in folder is allowed (NULL: all), that it lies in it, by its true path: of a
  * site that is not there yet, its parent must be the folder itself. */
 bool service_allows(const char *folder, const char *path, GError **error);

@@ -325,6 +325,30 @@ static void scan_outlives_the_daemon(struct bench *b, gconstpointer data)
 	g_assert_cmpuint(whole_scans(b), ==, 1);
 }
 
+/* A bit of the record has flipped: it says so by a name of its own, and goes on without what is damaged when it is told to. */
+static void damaged_record_is_gone_on_with(struct bench *b, gconstpointer data)
+{
+	g_autoptr(GError) error = NULL;
+	guint number = 0;
+	(void)data;
+	start_scan(b);
+	wait_for_columns(b);
+	bus_acquisition1_call_abort_sync(b->service, TRUE, NULL, &error);
+	g_assert_no_error(error);
+	WAIT_FOR(is_in(b, "paused"));
+	commands_shell("raw=$(ls '%s'/scans/.0001.partial/raw.rec) && "
+		       "printf 'XXXXXXXX' | dd of=\"$raw\" bs=1 conv=notrunc status=none "
+		       "seek=$(($(stat -c %%s \"$raw\") / 2))",
+		b->site_path);
+	bus_acquisition1_call_resume_sync(b->service, b->site_path, FALSE, &number, NULL, &error);
+	bus_bench_assert_refused(g_steal_pointer(&error), "Damaged", "raw.rec");
+	g_assert_cmpuint(partial_scan(b), ==, 1);
+	bus_acquisition1_call_resume_sync(b->service, b->site_path, TRUE, &number, NULL, &error);
+	g_assert_no_error(error);
+	WAIT_FOR(b->finished);
+	g_assert_cmpuint(whole_scans(b), ==, 1);
+}
+
 /* ---- faults ---- */
 
 static void fault_says_what_to_do(struct bench *b, gconstpointer data)
@@ -487,6 +511,7 @@ int main(int argc, char **argv)
 	ADD("paused-scan-goes-on", set_up_running, NULL, paused_scan_goes_on);
 	ADD("aborted-scan-leaves-nothing", set_up_running, NULL, aborted_scan_leaves_nothing);
 	ADD("scan-outlives-the-daemon", set_up_running, NULL, scan_outlives_the_daemon);
+	ADD("damaged-record-is-gone-on-with", set_up_running, NULL, damaged_record_is_gone_on_with);
 	ADD("fault-says-what-to-do", set_up_running, "sim:" COMMANDS_SCENE "&fault=stagefault@900",
 		fault_says_what_to_do);
 	ADD("head-that-is-not-there", set_up_running, "sim:/nowhere/at/all",

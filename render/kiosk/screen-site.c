@@ -1,4 +1,5 @@
 /* One site: how its scans fit, what it looks like, and the next scan. */
+#include "acquire/service.h"
 #include "render/kiosk/easel.h"
 #include "render/kiosk/preset-chooser.h"
 #include "render/kiosk/screens.h"
@@ -231,6 +232,21 @@ static void started(GObject *source, GAsyncResult *result, gpointer user_data)
 		reload(s);
 }
 
+static void resume(struct site_screen *s, bool salvage);
+
+static void salvage_is_sure(GtkButton *b, gpointer user_data)
+{
+	(void)b;
+	resume(user_data, true);
+}
+
+/* What is whole of the record can be gone on with. */
+static bool is_damaged(const GError *error)
+{
+	g_autofree char *name = error ? g_dbus_error_get_remote_error(error) : NULL;
+	return !g_strcmp0(name, SERVICE_ERROR_DAMAGED_NAME);
+}
+
 static void resumed(GObject *source, GAsyncResult *result, gpointer user_data)
 {
 	g_autoptr(GError) error = NULL;
@@ -239,6 +255,16 @@ static void resumed(GObject *source, GAsyncResult *result, gpointer user_data)
 	if (g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED))
 		return;
 	struct site_screen *s = user_data;
+	if (is_damaged(error)) {
+		g_dbus_error_strip_remote_error(error);
+		g_autofree char *text = g_strdup_printf(
+			_("%s\n\nWhat is whole of it can be gone on with: the rest is scanned once "
+			  "more, and the damaged file stays beside it."),
+			error->message);
+		kiosk_ask(s->kiosk, _("The record of this scan is damaged"), text,
+			_("Go on without it"), G_CALLBACK(salvage_is_sure), s);
+		return;
+	}
 	kiosk_complain_of(s->kiosk, error);
 	if (good)
 		show_scan(s);
@@ -267,12 +293,16 @@ static void scan_pressed(GtkButton *b, gpointer user_data)
 		start_scan(s);
 }
 
+static void resume(struct site_screen *s, bool salvage)
+{
+	bus_acquisition1_call_resume(services_acquisition(kiosk_services(s->kiosk)), s->folder,
+		salvage, s->gone, resumed, s);
+}
+
 static void resume_pressed(GtkButton *b, gpointer user_data)
 {
-	struct site_screen *s = user_data;
 	(void)b;
-	bus_acquisition1_call_resume(services_acquisition(kiosk_services(s->kiosk)), s->folder,
-		FALSE, s->gone, resumed, s);
+	resume(user_data, false);
 }
 
 static void discarded(GObject *source, GAsyncResult *result, gpointer user_data)
