@@ -41,7 +41,7 @@ pot:
 tests: $(tests) $(fuzzers)
 
 # Each program prints TAP; prove runs them side by side, each with a time limit, and sums up. The longest go first.
-long_tests := $(addprefix $(BUILD)/tests/,test-process-kill test-scan-kill test-commands-damage test-preset test-scan-faults)
+long_tests := $(addprefix $(BUILD)/tests/,test-kiosk-workflow test-kiosk-hostile test-process-kill test-scan-kill test-commands-damage test-preset test-scan-faults)
 run_tests ?= $(tests) $(fuzzers)
 check-tests: all tests
 	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(filter $(run_tests),$(long_tests)) $(filter-out $(long_tests),$(run_tests))
@@ -50,7 +50,7 @@ check-tests: all tests
 slow_tests := $(addprefix $(BUILD)/tests/,test-cloud-align test-align-command test-scan-faults test-align-scans \
 	test-register-site test-commands-damage test-world test-preset test-segmentation-truth)
 # Fingers wait for pictures: instrumented ones come too late for taps that are meant to be double.
-screen_tests := $(BUILD)/tests/test-kiosk-workflow $(BUILD)/tests/test-kiosk-rig $(BUILD)/tests/test-kiosk-speed
+screen_tests := $(BUILD)/tests/test-kiosk-workflow $(BUILD)/tests/test-kiosk-hostile $(BUILD)/tests/test-kiosk-rig $(BUILD)/tests/test-kiosk-speed
 asan := BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1'
 check-sanitized:
 	$(MAKE) $(asan) check-asan-quick

@@ -33,12 +33,25 @@ static void theme_pressed(const char *value, gpointer user_data)
 	theme_keep(dark);
 }
 
+/* In the bar too it can be changed. */
+static void theme_changed(GObject *settings, GParamSpec *what, gpointer button)
+{
+	gboolean dark = FALSE;
+	(void)what;
+	g_object_get(settings, "gtk-application-prefer-dark-theme", &dark, NULL);
+	choice_set(g_object_get_data(button, "theme-choice"), dark ? "dark" : "light");
+}
+
 static choice *choose_theme(kiosk *k)
 {
 	choice *c = choice_new(k, "settings-theme", _("Colours"), theme_pressed, k);
 	choice_add(c, "light", _("Bright"));
 	choice_add(c, "dark", _("Dark"));
 	choice_set(c, kiosk_options_of(k)->dark ? "dark" : "light");
+	g_object_set_data(G_OBJECT(choice_button(c)), "theme-choice", c);
+	g_signal_connect_object(gtk_settings_get_default(),
+		"notify::gtk-application-prefer-dark-theme", G_CALLBACK(theme_changed),
+		choice_button(c), 0);
 	return c;
 }
 
