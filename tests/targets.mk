@@ -2,6 +2,8 @@
 
 sources_all = $(shell git ls-files '*.c' '*.h' '*.cpp' 2>/dev/null || find $(modules) tests -name '*.[ch]')
 demo_site ?= demo-site
+# A whole build takes all cores, unless make was told how many.
+side_by_side = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,--jobs=$(shell nproc))
 
 .PHONY: all help deps demo check check-house check-layers check-format check-translations pot check-tests check-sanitized check-asan check-ubsan \
 	check-tsan fuzz bench format install clean tests
@@ -11,12 +13,12 @@ help:
 
 #: make demo            set up, build, scan a simulated courtyard four times, register it, show panoramas and report
 demo: deps
-	$(MAKE) all
+	$(MAKE) $(side_by_side) all
 	@sh tests/demo.sh $(BUILD)/bin $(demo_site)
 
 #: make check           set up, build, run every test (all but the slowest also under ASan and UBSan), check layers and format
 check: deps
-	$(MAKE) all tests
+	$(MAKE) $(side_by_side) all tests
 	$(MAKE) check-house
 	$(MAKE) check-units
 	$(MAKE) check-tests
@@ -53,6 +55,7 @@ slow_tests := $(addprefix $(BUILD)/tests/,test-cloud-align test-align-command te
 screen_tests := $(BUILD)/tests/test-kiosk-workflow $(BUILD)/tests/test-kiosk-hostile $(BUILD)/tests/test-kiosk-rig $(BUILD)/tests/test-kiosk-speed
 asan := BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1'
 check-sanitized:
+	$(MAKE) $(side_by_side) $(asan) all tests
 	$(MAKE) $(asan) check-asan-quick
 .PHONY: check-asan-quick check-asan-slow check-slow
 check-asan-quick check-asan-slow: all tests

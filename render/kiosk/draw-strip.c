@@ -95,12 +95,18 @@ static GtkWidget *style_button(struct draw_screen *s, const char *name, const ch
 	kit_classed(picture, "picture");
 	g_ptr_array_add(s->pictures, picture);
 	GtkWidget *label = kit_line("style-title", title, NULL, true);
+	/* As much as two lines hold. */
+	gtk_label_set_wrap(GTK_LABEL(label), TRUE);
+	gtk_label_set_lines(GTK_LABEL(label), 2);
 	gtk_label_set_max_width_chars(GTK_LABEL(label), 16);
+	gtk_label_set_justify(GTK_LABEL(label), GTK_JUSTIFY_CENTER);
+	gtk_widget_set_vexpand(label, TRUE);
 	gtk_label_set_xalign(GTK_LABEL(label), 0.5F);
 	GtkWidget *button = gtk_button_new();
 	gtk_button_set_child(GTK_BUTTON(button), kit_column(2, picture, label, NULL));
 	g_autofree char *id = g_strconcat("style-", name, NULL);
 	gtk_widget_set_name(button, id);
+	gtk_widget_set_vexpand(button, FALSE); /* not as its label */
 	gtk_widget_set_tooltip_text(button, title);
 	gtk_accessible_update_property(
 		GTK_ACCESSIBLE(button), GTK_ACCESSIBLE_PROPERTY_LABEL, title, -1);

@@ -8,10 +8,12 @@
 #include <unistd.h>
 
 #define PREVIEW_MS 500
+/* A panorama may be shown that much higher than it is, since it is wide and screens are not. */
+#define HIGHER 1.5F
 
 struct scan_screen {
 	kiosk *kiosk;
-	GtkWidget *widget, *panorama, *head, *doing, *bar, *columns, *left, *photos, *fault,
+	GtkWidget *widget, *panorama, *frame, *head, *doing, *bar, *columns, *left, *photos, *fault,
 		*advice;
 	GtkWidget *fault_box, *keep_clear, *pause, *resume, *stop;
 	GCancellable *gone;
@@ -52,6 +54,8 @@ static void show_preview(struct scan_screen *s, int fd, guint columns, guint row
 		return;
 	g_autoptr(GBytes) shown = to_show(at, n);
 	munmap(at, 4 * n);
+	gtk_aspect_frame_set_ratio(
+		GTK_ASPECT_FRAME(s->frame), (float)columns / (float)rows / HIGHER);
 	canvas_show(s->panorama, shown, columns, rows);
 }
 
@@ -365,10 +369,13 @@ GtkWidget *screen_scan_new(kiosk *k)
 	s->panorama = canvas_new("scan-panorama", _("The panorama as far as it is scanned"),
 		&(struct canvas_watcher){ 0 });
 	g_object_ref_sink(s->panorama);
+	s->frame = gtk_aspect_frame_new(0.5F, 0.5F, 2.6F, FALSE);
+	gtk_aspect_frame_set_child(GTK_ASPECT_FRAME(s->frame), s->panorama);
+	kit_grow(s->frame, true, true);
 	s->bar = gtk_progress_bar_new();
 	gtk_widget_set_name(s->bar, "scan-bar");
 	s->widget = kit_margin(
-		kit_column(14, facts(s), s->bar, fault_area(s), s->panorama, buttons(s), NULL), 20);
+		kit_column(14, facts(s), s->bar, fault_area(s), s->frame, buttons(s), NULL), 20);
 	g_signal_connect_swapped(a, "g-properties-changed", G_CALLBACK(changed), s);
 	g_signal_connect_swapped(a, "notify::g-name-owner", G_CALLBACK(changed), s);
 	g_signal_connect(a, "finished", G_CALLBACK(finished), s);

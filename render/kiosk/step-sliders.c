@@ -124,11 +124,20 @@ static GtkWidget *number_row(struct slider *s, float value, const char *name)
 	return scale;
 }
 
+/* Caller frees. */
+static char *capital(const char *text)
+{
+	if (!*text)
+		return g_strdup("");
+	g_autofree char *first = g_utf8_strup(text, g_utf8_next_char(text) - text);
+	return g_strconcat(first, g_utf8_next_char(text), NULL);
+}
+
 static GtkWidget *choice_row(struct slider *s, int32_t which)
 {
-	g_autoptr(GPtrArray) words = g_ptr_array_new();
+	g_autoptr(GPtrArray) words = g_ptr_array_new_with_free_func(g_free);
 	for (const char *const *c = s->parameter->choices; *c; c++)
-		g_ptr_array_add(words, (gpointer)_(*c));
+		g_ptr_array_add(words, capital(_(*c)));
 	g_ptr_array_add(words, NULL);
 	GtkWidget *w = gtk_drop_down_new_from_strings((const char *const *)words->pdata);
 	gtk_drop_down_set_selected(GTK_DROP_DOWN(w), (guint)which);
