@@ -35,6 +35,41 @@ static uint16_t tenth_mm(float length_m, uint16_t max)
 /* Surface met at a lower cosine counts as met at this one. */
 #define COSINE_LEAST 0.05f
 
+/* Where a surface is met aslant, a cell stands for more of it. But so many cells beside it must lie on its plane, for any three
+ * points do on one: a leaf, or the edge of a roof that is just seen, is no wide floor. */
+#define SLANTED      0.6f
+#define BESIDE       3 /* columns and rows */
+#define BESIDE_LEAST 4
+#define OFF_PLANE    0.25f /* of how far the cell is away */
+#define OFF_NOISE_M  0.01f
+#define REACH        2 /* times the edge of what the cell would stand for */
+
+static bool is_on_patch(
+	const range_grid *g, uint64_t i, uint64_t j, const float normal[3], float reach_m)
+{
+	float to[3] = { g->x_m[j] - g->x_m[i], g->y_m[j] - g->y_m[i], g->z_m[j] - g->z_m[i] };
+	float off = fabsf(to[0] * normal[0] + to[1] * normal[1] + to[2] * normal[2]);
+	float far = sqrtf(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+	return far < reach_m && off < OFF_PLANE * far + OFF_NOISE_M;
+}
+
+static bool has_patch(const range_grid *g, uint64_t i, const int16_t packed[2], float reach_m)
+{
+	int row = (int)(i / g->columns), column = (int)(i % g->columns), found = 0;
+	int columns = (int)g->columns, rows = (int)g->rows;
+	float normal[3];
+	model_unpack_normal(packed, normal);
+	for (int r = MAX(row - BESIDE, 0); r <= MIN(row + BESIDE, rows - 1); r++)
+		for (int c = column - BESIDE; c <= column + BESIDE; c++) {
+			if ((c < 0 || c >= columns) && !g->wraps)
+				continue;
+			uint64_t j = (uint64_t)r * g->columns + (uint64_t)((c + columns) % columns);
+			if (j != i && g->range_m[j] > 0 && is_on_patch(g, i, j, normal, reach_m))
+				found++;
+		}
+	return found >= BESIDE_LEAST;
+}
+
 /* Of the surface that the cell's beam stands for, slanted as it is; of a cloud's points their patch. */
 static float spacing_m(const struct scan_points *s, uint64_t i, const double normal[3])
 {
@@ -48,8 +83,11 @@ static float spacing_m(const struct scan_points *s, uint64_t i, const double nor
 	if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0)
 		cosine = fabs(normal[0] * ray[0] + normal[1] * ray[1] + normal[2] * ray[2]) /
 			 g->range_m[i];
-	return g->range_m[i] *
-	       sqrtf(scan_points_solid_angle_sr(s, i) / fmaxf((float)cosine, COSINE_LEAST));
+	float size_m = g->range_m[i] * sqrtf(scan_points_solid_angle_sr(s, i));
+	if (cosine < SLANTED && !has_patch(g, i, s->geometry->normal[i],
+					REACH * size_m / sqrtf(fmaxf((float)cosine, COSINE_LEAST))))
+		cosine = 1;
+	return size_m / sqrtf(fmaxf((float)cosine, COSINE_LEAST));
 }
 
 static void take_geometry(const struct scan_points *s, uint64_t i, struct part_point *p)
