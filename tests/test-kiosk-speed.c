@@ -2,6 +2,7 @@
  * told, not judged: what a machine is busy with besides is no error of the program. */
 #include "tests/commands.h"
 #include "tests/kiosk-rig.h"
+#include "tests/simulated.h"
 
 static const double limit_s = 120;
 
@@ -35,6 +36,27 @@ static void measure(rig *r, const char *style_name)
 		words[3], painted, 1000 * g_ascii_strtod(words[2], NULL));
 }
 
+/* Again and again, as a program that crashed is started. */
+static void opens(void)
+{
+	g_autofree char *program = commands_program("pleinair-kiosk");
+	g_autofree char *folder = simulated_folder();
+	const char *const arguments[] = { "--size", "1280x800", folder, NULL };
+	g_autoptr(rig) r = rig_new(&(struct rig_desc){
+		.program = program, .arguments = arguments, .width = 1280, .height = 800 });
+	for (int i = 0; i < 5; i++) {
+		rig_kill(r);
+		int64_t since_us = g_get_monotonic_time();
+		rig_start(r);
+		g_autofree char *first = NULL;
+		while (!(first = rig_state(r, "first-frame")))
+			g_usleep(10000);
+		int64_t after_us = g_ascii_strtoll(first, NULL, 10) - since_us;
+		g_assert_cmpint(after_us, >, 0);
+		g_test_message("first frame after %.2f s", (double)after_us * 1e-6);
+	}
+}
+
 static void keeps_up(void)
 {
 	const char *folder = g_getenv("PLEINAIR_BIG_SITE");
@@ -66,6 +88,7 @@ int main(int argc, char **argv)
 		g_print("1..0 # SKIP %s\n", missing);
 		return 0;
 	}
+	g_test_add_func("/kiosk-speed/opens", opens);
 	g_test_add_func("/kiosk-speed/keeps-up", keeps_up);
 	return g_test_run();
 }

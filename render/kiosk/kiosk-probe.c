@@ -11,7 +11,8 @@ static guint64 frame_count;
 
 static void on_after_paint(void)
 {
-	frame_count++;
+	if (!frame_count++)
+		kiosk_probe_set("first-frame", "%" G_GINT64_FORMAT, g_get_monotonic_time());
 }
 
 static void on_map(GtkWidget *window)

@@ -11,7 +11,7 @@
  *   list         a line each: NAME TYPE and the same six, of all that have a name and are mapped
  *   text NAME    what it says: of a label or entry its text, of a slider its value, else what it tells a screen reader, else
  *                all labels inside it; one line, a line end is \n in it
- *   state        KEY=VALUE lines of kiosk_probe_set
+ *   state        KEY=VALUE lines of kiosk_probe_set, and first-frame: when it was painted, by g_get_monotonic_time()
  *   frames       how many frames all windows have painted
  *
  * Of several widgets of one name the topmost that is mapped is meant. Windows beside the main one are told in their own
