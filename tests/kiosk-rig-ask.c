@@ -124,6 +124,16 @@ char *rig_list(rig *r)
 	return ask(r, "list", NULL);
 }
 
+char *rig_controls(rig *r)
+{
+	return ask(r, "controls", NULL);
+}
+
+char *rig_focus(rig *r)
+{
+	return g_strstrip(ask(r, "focus", NULL));
+}
+
 guint64 rig_frames(rig *r)
 {
 	g_autofree char *said = ask(r, "frames", NULL);

@@ -57,6 +57,10 @@ void rig_wait_state(rig *r, const char *key, const char *value, double seconds);
 void rig_wait_text(rig *r, const char *name, const char *text, double seconds);
 /* All widgets with a name, a line each, as kiosk-probe.h says; the caller frees it. */
 char *rig_list(rig *r);
+/* All that keys should reach and what screen readers say of it, as kiosk-probe.h says; the caller frees it. */
+char *rig_controls(rig *r);
+/* The name of what keys go to; the caller frees it. */
+char *rig_focus(rig *r);
 /* How many frames the program has painted. */
 guint64 rig_frames(rig *r);
 /* The screen as a PNG, once the program has painted nothing new for a moment (but after a second at the latest). */

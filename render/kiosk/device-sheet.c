@@ -71,6 +71,8 @@ void device_sheet_open(kiosk *k)
 	s->kiosk = k;
 	s->entry = kit_grow(gtk_entry_new(), true, false);
 	gtk_widget_set_name(s->entry, "device-entry");
+	gtk_accessible_update_property(
+		GTK_ACCESSIBLE(s->entry), GTK_ACCESSIBLE_PROPERTY_LABEL, _("Which scanner?"), -1);
 	gtk_editable_set_text(GTK_EDITABLE(s->entry), now ? now : "");
 	g_signal_connect(s->entry, "activate", G_CALLBACK(use_pressed), s);
 	GtkWidget *sure =

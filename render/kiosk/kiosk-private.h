@@ -25,6 +25,8 @@ struct kiosk {
 	GQueue toasts; /* of char *: what is said after the one that is shown */
 	guint toast_timer, start_over;
 	GtkWidget *shade, *sheet_box; /* visible while there is a sheet */
+	GtkWidget *under;             /* all that a sheet lies over: keys do not go there */
+	GtkWidget *focus_before;      /* weak: what had the focus before the sheet came */
 	GPtrArray *titles;            /* of the screens, the last is at the front */
 	GPtrArray *undos;             /* of struct undo, the last was done last */
 };

@@ -67,6 +67,10 @@ static void answer_question(const char *line, GString *answer)
 			g_string_printf(answer, "error: no widget '%s' is shown\n", name);
 	} else if (strcmp(line, "list") == 0) {
 		probe_tell_all(answer);
+	} else if (strcmp(line, "controls") == 0) {
+		probe_tell_controls(answer);
+	} else if (strcmp(line, "focus") == 0) {
+		g_string_append_printf(answer, "%s\n", probe_focus());
 	} else if (strcmp(line, "state") == 0) {
 		tell_states(answer);
 	} else if (strcmp(line, "frames") == 0) {

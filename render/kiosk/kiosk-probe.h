@@ -12,6 +12,8 @@
  *   text NAME    what it says: of a label or entry its text, of a slider its value, else what it tells a screen reader, else
  *                all labels inside it; one line, a line end is \n in it
  *   state        KEY=VALUE lines of kiosk_probe_set, and first-frame: when it was painted, by g_get_monotonic_time()
+ *   controls     NAME TYPE WORDS a line, of all that is sensitive and that keys should reach; words: as a screen reader says them
+ *   focus        NAME of what keys go to, or of what that is in; - where it is nothing
  *   frames       how many frames all windows have painted
  *
  * Of several widgets of one name the topmost that is mapped is meant. Windows beside the main one are told in their own

@@ -110,10 +110,26 @@ static void build_toast(kiosk *k)
 
 /* ---- sheets ---- */
 
+/* Keys go on where they were, or where they can. */
+static void give_focus_back(kiosk *k)
+{
+	GtkWidget *before = k->focus_before, *front;
+	g_clear_weak_pointer(&k->focus_before);
+	if (before && gtk_widget_get_mapped(before) && gtk_widget_grab_focus(before))
+		return;
+	front = gtk_stack_get_visible_child(GTK_STACK(k->stack));
+	if (front)
+		gtk_widget_child_focus(front, GTK_DIR_TAB_FORWARD);
+}
+
 void kiosk_close_sheet(kiosk *k)
 {
+	bool was_open = gtk_widget_get_visible(k->shade);
+	gtk_widget_set_can_focus(k->under, TRUE);
 	gtk_widget_set_visible(k->shade, FALSE);
 	kit_empty(k->sheet_box);
+	if (was_open)
+		give_focus_back(k);
 }
 
 static void pressed_beside(GtkGestureClick *g, int n, double x, double y, gpointer user_data)
@@ -127,22 +143,13 @@ static void pressed_beside(GtkGestureClick *g, int n, double x, double y, gpoint
 		kiosk_close_sheet(k);
 }
 
-static gboolean key_on_sheet(
-	GtkEventControllerKey *c, guint key, guint code, GdkModifierType m, gpointer user_data)
-{
-	(void)c;
-	(void)code;
-	(void)m;
-	if (key != GDK_KEY_Escape)
-		return GDK_EVENT_PROPAGATE;
-	kiosk_close_sheet(user_data);
-	return GDK_EVENT_STOP;
-}
-
 void kiosk_open_sheet(kiosk *k, GtkWidget *content)
 {
 	kit_empty(k->sheet_box);
 	gtk_box_append(GTK_BOX(k->sheet_box), content);
+	if (!gtk_widget_get_visible(k->shade))
+		g_set_weak_pointer(&k->focus_before, gtk_window_get_focus(GTK_WINDOW(k->window)));
+	gtk_widget_set_can_focus(k->under, FALSE);
 	gtk_widget_set_visible(k->shade, TRUE);
 	gtk_widget_child_focus(k->sheet_box, GTK_DIR_TAB_FORWARD);
 }
@@ -160,9 +167,6 @@ static void build_shade(kiosk *k)
 	GtkGesture *press = gtk_gesture_click_new();
 	g_signal_connect(press, "released", G_CALLBACK(pressed_beside), k);
 	gtk_widget_add_controller(k->shade, GTK_EVENT_CONTROLLER(press));
-	GtkEventController *keys = gtk_event_controller_key_new();
-	g_signal_connect(keys, "key-pressed", G_CALLBACK(key_on_sheet), k);
-	gtk_widget_add_controller(k->shade, keys);
 	gtk_overlay_add_overlay(GTK_OVERLAY(k->overlay), k->shade);
 }
 

@@ -145,6 +145,10 @@ static gboolean key_pressed(
 	kiosk *k = user_data;
 	(void)c;
 	(void)code;
+	if (key == GDK_KEY_Escape && gtk_widget_get_visible(k->shade)) {
+		kiosk_close_sheet(k);
+		return GDK_EVENT_STOP;
+	}
 	if (key == GDK_KEY_Escape || (key == GDK_KEY_Left && (m & GDK_ALT_MASK))) {
 		kiosk_back(k);
 		return GDK_EVENT_STOP;
@@ -183,8 +187,9 @@ static void build_content(kiosk *k)
 	/* What needs more than a small screen has is dragged to: a window that is larger than the screen ends the program. */
 	GtkWidget *scroll = gtk_scrolled_window_new();
 	gtk_scrolled_window_set_child(GTK_SCROLLED_WINDOW(scroll), k->stack);
-	gtk_overlay_set_child(GTK_OVERLAY(k->overlay),
-		kit_column(0, build_bar(k), kit_grow(scroll, true, true), NULL));
+	gtk_widget_set_focusable(scroll, FALSE);
+	k->under = kit_column(0, build_bar(k), kit_grow(scroll, true, true), NULL);
+	gtk_overlay_set_child(GTK_OVERLAY(k->overlay), k->under);
 	kiosk_build_says(k);
 	sleep_add(k->window, k->overlay, k->options.asleep_after_s);
 	gtk_window_set_child(GTK_WINDOW(k->window), k->overlay);

@@ -134,3 +134,76 @@ char *probe_text(GtkWidget *widget)
 	walk(widget, collect_label, text);
 	return g_string_free(text, FALSE);
 }
+
+/* ---- what keys reach ---- */
+
+static bool is_control(GtkWidget *widget)
+{
+	return GTK_IS_BUTTON(widget) || GTK_IS_SCALE(widget) || GTK_IS_SWITCH(widget) ||
+	       GTK_IS_EDITABLE(widget) || GTK_IS_DROP_DOWN(widget) || GTK_IS_EXPANDER(widget) ||
+	       (gtk_widget_get_focusable(widget) && !GTK_IS_SCROLLED_WINDOW(widget));
+}
+
+/* Its own name or that of what it is in. */
+static const char *name_near(GtkWidget *widget)
+{
+	while (widget && !has_name(widget))
+		widget = gtk_widget_get_parent(widget);
+	return widget ? gtk_widget_get_name(widget) : "-";
+}
+
+/* What a screen reader says: a label that was given, else for what may be named by what is in it the labels there. */
+static char *said(GtkWidget *widget)
+{
+	char *told = accessible_label(widget);
+	if (told)
+		return told;
+	if (gtk_test_accessible_has_relation(
+		    GTK_ACCESSIBLE(widget), GTK_ACCESSIBLE_RELATION_LABELLED_BY))
+		return g_strdup("labelled by another");
+	GString *text = g_string_new(NULL);
+	if (GTK_IS_BUTTON(widget) || GTK_IS_EXPANDER(widget))
+		walk(widget, collect_label, text);
+	return g_string_free(text, FALSE);
+}
+
+static void tell_controls(GtkWidget *widget, GString *answer)
+{
+	if (!gtk_widget_get_mapped(widget) || !gtk_widget_is_sensitive(widget))
+		return;
+	if (is_control(widget)) {
+		g_autofree char *words = said(widget);
+		g_autofree char *line = g_strdelimit(g_strdup(words), "\n", ' ');
+		g_string_append_printf(
+			answer, "%s %s %s\n", name_near(widget), G_OBJECT_TYPE_NAME(widget), line);
+		/* What a part of it takes is its own affair; only what unfolds holds others. */
+		if (!GTK_IS_EXPANDER(widget))
+			return;
+	}
+	for (GtkWidget *child = gtk_widget_get_first_child(widget); child;
+		child = gtk_widget_get_next_sibling(child))
+		tell_controls(child, answer);
+}
+
+void probe_tell_controls(GString *answer)
+{
+	GListModel *windows = gtk_window_get_toplevels();
+	for (guint i = 0; i < g_list_model_get_n_items(windows); i++) {
+		g_autoptr(GtkWidget) window = g_list_model_get_item(windows, i);
+		for (GtkWidget *child = gtk_widget_get_first_child(window); child;
+			child = gtk_widget_get_next_sibling(child))
+			tell_controls(child, answer);
+	}
+}
+
+const char *probe_focus(void)
+{
+	GListModel *windows = gtk_window_get_toplevels();
+	for (guint i = 0; i < g_list_model_get_n_items(windows); i++) {
+		g_autoptr(GtkWindow) window = g_list_model_get_item(windows, i);
+		GtkWidget *focus = gtk_window_get_focus(window);
+		if (focus)
+			return name_near(focus);
+	}
+	return "-";
+}

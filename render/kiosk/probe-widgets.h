@@ -12,4 +12,9 @@ void probe_tell_all(GString *answer);
 /* What a person reads there; "" where nothing is. The caller frees it. */
 char *probe_text(GtkWidget *widget);
 
+/* "NAME TYPE WORDS" of all that is sensitive and that keys should reach, lowest first; words as a screen reader says them. */
+void probe_tell_controls(GString *answer);
+/* Name of what keys go to, or of what it is in; "-" where that is nothing. */
+const char *probe_focus(void);
+
 #endif

@@ -208,6 +208,8 @@ static void new_pressed(GtkButton *b, gpointer user_data)
 	s->name = gtk_entry_new();
 	gtk_editable_set_text(GTK_EDITABLE(s->name), name);
 	gtk_widget_set_name(s->name, "new-site-name");
+	gtk_accessible_update_property(GTK_ACCESSIBLE(s->name), GTK_ACCESSIBLE_PROPERTY_LABEL,
+		_("Name of the new site"), -1);
 	g_signal_connect(s->name, "activate", G_CALLBACK(create_pressed), s);
 	GtkWidget *buttons = kit_row(16,
 		kit_grow(kit_button("new-site-cancel", NULL, _("Cancel"), NULL, "great",

@@ -117,8 +117,6 @@ static GtkWidget *number_row(struct slider *s, float value, const char *name)
 		GTK_ORIENTATION_HORIZONTAL, least, most, fmax((most - least) / 100, 1e-3));
 	gtk_range_set_value(GTK_RANGE(scale), (double)value);
 	gtk_widget_set_name(scale, name);
-	gtk_accessible_update_property(
-		GTK_ACCESSIBLE(scale), GTK_ACCESSIBLE_PROPERTY_LABEL, _(p->help), -1);
 	show_value(s, (double)value);
 	g_signal_connect(scale, "value-changed", G_CALLBACK(number_slid), s);
 	return scale;
@@ -201,7 +199,9 @@ static GtkWidget *parameter_row(const struct part *of, const struct step_paramet
 	s->value = kit_line("value", "", "small number soft", false);
 	GtkWidget *head = kit_row(
 		8, kit_grow(kit_line("parameter", title, NULL, true), true, false), s->value, NULL);
-	GtkWidget *row = kit_column(0, head, widget_of(s, of->values), NULL);
+	GtkWidget *value = widget_of(s, of->values), *row = kit_column(0, head, value, NULL);
+	gtk_accessible_update_property(GTK_ACCESSIBLE(value), GTK_ACCESSIBLE_PROPERTY_LABEL, title,
+		GTK_ACCESSIBLE_PROPERTY_DESCRIPTION, _(p->help), -1);
 	gtk_widget_set_tooltip_text(row, _(p->help));
 	g_object_set_data_full(G_OBJECT(row), "slider", s, g_free);
 	return row;
