@@ -67,9 +67,10 @@ static guint watch_over(void)
 
 /* ---- the name ---- */
 
+/* Asked again while all is being put away, it ends already. */
 static void begin_end(void)
 {
-	if (running->ending)
+	if (!running || running->ending)
 		return;
 	running->ending = true;
 	service_notify("STOPPING=1");
@@ -149,7 +150,8 @@ int service_run(const struct service *s)
 
 void service_quit(void)
 {
-	g_main_loop_quit(running->loop);
+	if (running)
+		g_main_loop_quit(running->loop);
 }
 
 /* ---- callers ---- */

@@ -306,7 +306,19 @@ static void aborted_scan_leaves_nothing(struct bench *b, gconstpointer data)
 	g_assert_cmpuint(partial_scan(b), ==, 0);
 }
 
-/* SIGTERM, as when the machine is switched off. */
+/* SIGTERM again and again, as from someone in a hurry; its status. */
+static int end_impatiently(struct bench *b)
+{
+	int status = 0;
+	do {
+		kill(b->bus.pid, SIGTERM);
+		g_usleep(500);
+	} while (!waitpid(b->bus.pid, &status, WNOHANG));
+	b->bus.pid = 0;
+	return status;
+}
+
+/* As when the machine is switched off. */
 static void scan_outlives_the_daemon(struct bench *b, gconstpointer data)
 {
 	g_autoptr(GError) error = NULL;
@@ -314,7 +326,7 @@ static void scan_outlives_the_daemon(struct bench *b, gconstpointer data)
 	(void)data;
 	start_scan(b);
 	wait_for_columns(b);
-	g_assert_cmpint(bus_bench_kill(&b->bus, SIGTERM), ==, 0);
+	g_assert_cmpint(end_impatiently(b), ==, 0);
 	WAIT_FOR(!is_owned(b));
 	g_assert_cmpuint(partial_scan(b), ==, 1);
 	daemon_start(b);
