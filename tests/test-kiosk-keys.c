@@ -186,6 +186,28 @@ static void draw_by_keys(rig *r)
 	rig_wait_for(r, "scan-start", limit_s);
 }
 
+/* A point in one panorama, above the middle, and one in the other. */
+static void pick_by_keys(rig *r)
+{
+	go_to(r, "pane-a");
+	rig_key(r, KEY_UP);
+	rig_key(r, KEY_RIGHT);
+	rig_key(r, KEY_SPACE);
+	rig_wait_for(r, "pick-1", limit_s);
+	go_to(r, "pane-b");
+	rig_key(r, KEY_EQUAL);
+	rig_key(r, KEY_SPACE);
+	rig_wait_for(r, "pick-1", limit_s);
+	if (g_getenv("PLEINAIR_SHOTS")) {
+		g_autofree char *path =
+			g_build_filename(g_getenv("PLEINAIR_SHOTS"), "keys-align.png", NULL);
+		rig_shot(r, path);
+	}
+	press(r, "undo");
+	press(r, "undo");
+	rig_wait_gone(r, "pick-1", limit_s);
+}
+
 static void whole_way(void)
 {
 	g_autofree char *program = commands_program("pleinair-kiosk"), *folder = simulated_folder();
@@ -212,6 +234,7 @@ static void whole_way(void)
 	press(r, "site-align");
 	rig_wait_gone(r, "scan-start", limit_s);
 	check_screen(r, "align");
+	pick_by_keys(r);
 	rig_key(r, KEY_ESC);
 	press(r, "site-take");
 	rig_wait_gone(r, "scan-start", limit_s);

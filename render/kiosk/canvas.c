@@ -184,31 +184,23 @@ static gboolean scrolled(GtkEventControllerScroll *s, double dx, double dy, gpoi
 
 static bool key_drags(PleinairCanvas *c, guint key)
 {
-	static const struct {
-		guint key;
-		int right, down;
-	} keys[] = { { GDK_KEY_Left, -1, 0 }, { GDK_KEY_Right, 1, 0 }, { GDK_KEY_Up, 0, -1 },
-		{ GDK_KEY_Down, 0, 1 } };
-	for (size_t i = 0; i < G_N_ELEMENTS(keys); i++)
-		if (keys[i].key == key && c->watcher.drag) {
-			c->watcher.drag(KEY_STEP_PX * keys[i].right, KEY_STEP_PX * keys[i].down,
-				c->watcher.user_data);
-			return true;
-		}
-	return false;
+	int right, down;
+	if (!c->watcher.drag || !kit_arrow_of_key(key, &right, &down))
+		return false;
+	c->watcher.drag(KEY_STEP_PX * right, KEY_STEP_PX * down, c->watcher.user_data);
+	return true;
 }
 
 static bool key_turns(PleinairCanvas *c, guint key)
 {
-	bool in = key == GDK_KEY_plus || key == GDK_KEY_KP_Add || key == GDK_KEY_equal;
-	bool out = key == GDK_KEY_minus || key == GDK_KEY_KP_Subtract;
+	int closer = kit_zoom_of_key(key);
 	bool left = key == GDK_KEY_Page_Up, right = key == GDK_KEY_Page_Down;
-	if ((in || out) && c->watcher.zoom)
-		c->watcher.zoom(in ? KEY_ZOOM : 1 / KEY_ZOOM, c->width / 2.0, c->height / 2.0,
-			c->watcher.user_data);
+	if (closer && c->watcher.zoom)
+		c->watcher.zoom(closer > 0 ? KEY_ZOOM : 1 / KEY_ZOOM, c->width / 2.0,
+			c->height / 2.0, c->watcher.user_data);
 	if ((left || right) && c->watcher.twist)
 		c->watcher.twist(right ? KEY_TWIST : -KEY_TWIST, c->watcher.user_data);
-	return in || out || left || right;
+	return closer || left || right;
 }
 
 static gboolean key_pressed(

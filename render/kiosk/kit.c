@@ -156,3 +156,20 @@ void kit_set_verdict(GtkWidget *w, const char *verdict)
 		else
 			gtk_widget_remove_css_class(w, all[i]);
 }
+
+/* ---- keys ---- */
+
+bool kit_arrow_of_key(guint key, int *ret_right, int *ret_down)
+{
+	*ret_right = (key == GDK_KEY_Right) - (key == GDK_KEY_Left);
+	*ret_down = (key == GDK_KEY_Down) - (key == GDK_KEY_Up);
+	return *ret_right || *ret_down;
+}
+
+int kit_zoom_of_key(guint key)
+{
+	/* Of + that is typed without Shift too. */
+	bool in = key == GDK_KEY_plus || key == GDK_KEY_equal || key == GDK_KEY_KP_Add;
+	bool out = key == GDK_KEY_minus || key == GDK_KEY_KP_Subtract;
+	return in - out;
+}

@@ -32,5 +32,8 @@ void kit_empty(GtkWidget *box);
 void kit_set_text(GtkWidget *label, const char *text); /* only when it is another one */
 /* Exactly one of the classes good, doubt, bad, or none of them. */
 void kit_set_verdict(GtkWidget *w, const char *verdict);
+/* Which way an arrow points: right and down are 1, left and up -1; false: it is another key. */
+bool kit_arrow_of_key(guint key, int *ret_right, int *ret_down);
+int kit_zoom_of_key(guint key); /* 1: closer, -1: further away, 0: another key */
 
 #endif

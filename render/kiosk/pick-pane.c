@@ -12,6 +12,9 @@
 #define CARE    0.3
 #define DISC_PX 15.0
 #define NO_MARK G_MAXUINT
+/* The cross of keys moves so far at a time, and stays so far from the pane's border. */
+#define KEY_STEP_PX 24
+#define CURSOR_PX   40
 
 struct pane {
 	struct pick_pane_watcher watcher;
@@ -25,6 +28,9 @@ struct pane {
 	guint held; /* of the marks; NO_MARK */
 	double held_column, held_row, start_x, start_y, start_column, start_row, start_scale;
 	bool moved;
+	/* Of keys, once one was used there; column and row as of the middle. */
+	bool has_cursor;
+	double cursor_column, cursor_row;
 };
 
 static struct pane *pane_of(GtkWidget *area)
@@ -197,6 +203,28 @@ static void paint_loupe(const struct pane *p, cairo_t *cr, const struct pick_mar
 	cairo_stroke(cr);
 }
 
+static bool shows_cursor(const struct pane *p)
+{
+	return p->has_cursor && gtk_widget_has_focus(p->area);
+}
+
+static void paint_cursor(const struct pane *p, cairo_t *cr)
+{
+	double x, y;
+	to_screen(p, p->cursor_column, p->cursor_row, &x, &y);
+	for (int white = 1; white >= 0; white--) {
+		for (int k = 0; k < 4; k++) {
+			double right = k == 0 ? 1 : k == 1 ? -1 : 0;
+			double down = k == 2 ? 1 : k == 3 ? -1 : 0;
+			cairo_move_to(cr, x + 6 * right, y + 6 * down);
+			cairo_line_to(cr, x + 24 * right, y + 24 * down);
+		}
+		cairo_set_line_width(cr, white ? 6 : 2.5);
+		cairo_set_source_rgb(cr, white, white, white);
+		cairo_stroke(cr);
+	}
+}
+
 static void draw(GtkDrawingArea *area, cairo_t *cr, int width, int height, gpointer user_data)
 {
 	struct pane *p = user_data;
@@ -212,6 +240,13 @@ static void draw(GtkDrawingArea *area, cairo_t *cr, int width, int height, gpoin
 		p, cr, p->column, p->row, p->scale, width / 2.0, height / 2.0, CAIRO_FILTER_GOOD);
 	for (guint i = 0; i < p->marks->len; i++)
 		paint_mark(p, cr, &g_array_index(p->marks, struct pick_mark, i));
+	if (shows_cursor(p)) {
+		struct pick_mark at = { .column = (uint32_t)p->cursor_column,
+			.row = (uint32_t)p->cursor_row };
+		paint_cursor(p, cr);
+		paint_loupe(p, cr, &at);
+		return;
+	}
 	const struct pick_mark *m = looked_at(p);
 	if (m)
 		paint_loupe(p, cr, m);
@@ -223,7 +258,7 @@ static void drag_begin(GtkGestureDrag *g, double x, double y, gpointer user_data
 {
 	struct pane *p = user_data;
 	(void)g;
-	p->moved = false;
+	p->moved = p->has_cursor = false;
 	p->start_x = x;
 	p->start_y = y;
 	p->start_column = p->column;
@@ -335,25 +370,60 @@ static gboolean scrolled(GtkEventControllerScroll *c, double right, double down,
 	return TRUE;
 }
 
-/* Arrows turn it, + and - zoom, the space bar picks what is in the middle. */
+/* ---- keys ---- */
+
+/* It begins in the middle, and what is seen follows it. */
+static void move_cursor(struct pane *p, double columns, double rows)
+{
+	if (!p->has_cursor) {
+		p->has_cursor = true;
+		p->cursor_column = floor(p->column) + 0.5;
+		p->cursor_row = floor(p->row) + 0.5;
+	}
+	double x, y, wide = gtk_widget_get_width(p->area), high = gtk_widget_get_height(p->area);
+	double c = p->cursor_column + columns;
+	p->cursor_column = fmod(fmod(c, p->columns) + p->columns, p->columns);
+	p->cursor_row = CLAMP(p->cursor_row + rows, 0.5, p->rows - 0.5);
+	to_screen(p, p->cursor_column, p->cursor_row, &x, &y);
+	p->column += (x - CLAMP(x, CURSOR_PX, MAX(wide - CURSOR_PX, CURSOR_PX))) / p->scale;
+	p->row += (y - CLAMP(y, CURSOR_PX, MAX(high - CURSOR_PX, CURSOR_PX))) / p->scale;
+}
+
+static void zoom_at_cursor(struct pane *p, double factor)
+{
+	double x, y;
+	move_cursor(p, 0, 0);
+	to_screen(p, p->cursor_column, p->cursor_row, &x, &y);
+	zoom_by(p, p->scale * factor, x, y);
+}
+
+static void pick_at_cursor(struct pane *p)
+{
+	double x, y;
+	move_cursor(p, 0, 0);
+	to_screen(p, p->cursor_column, p->cursor_row, &x, &y);
+	p->held = NO_MARK;
+	tap(p, x, y);
+}
+
+/* Arrows move a cross, with Shift cell by cell, + and - zoom, the space bar picks what is under it. */
 static gboolean key_pressed(
 	GtkEventControllerKey *c, guint key, guint code, GdkModifierType with, gpointer user_data)
 {
 	struct pane *p = user_data;
-	double step = 40 / p->scale;
+	double step = with & GDK_SHIFT_MASK ? 1 : MAX(round(KEY_STEP_PX / p->scale), 1);
+	int right, down, closer = kit_zoom_of_key(key);
 	(void)c;
 	(void)code;
-	(void)with;
 	if (!p->picture)
 		return FALSE;
-	if (key == GDK_KEY_Left || key == GDK_KEY_Right)
-		p->column += key == GDK_KEY_Left ? -step : step;
-	else if (key == GDK_KEY_plus || key == GDK_KEY_minus)
-		p->scale *= key == GDK_KEY_plus ? 1.25 : 0.8;
-	else if (key == GDK_KEY_space) {
-		p->held = NO_MARK;
-		tap(p, gtk_widget_get_width(p->area) / 2.0, gtk_widget_get_height(p->area) / 2.0);
-	} else
+	if (kit_arrow_of_key(key, &right, &down))
+		move_cursor(p, step * right, step * down);
+	else if (closer)
+		zoom_at_cursor(p, closer > 0 ? 1.25 : 0.8);
+	else if (key == GDK_KEY_space || key == GDK_KEY_Return || key == GDK_KEY_KP_Enter)
+		pick_at_cursor(p);
+	else
 		return FALSE;
 	stay_inside(p);
 	gtk_widget_queue_draw(p->area);
@@ -403,6 +473,7 @@ GtkWidget *pick_pane_new(
 	gtk_accessible_update_property(
 		GTK_ACCESSIBLE(p->area), GTK_ACCESSIBLE_PROPERTY_LABEL, label, -1);
 	gtk_drawing_area_set_draw_func(GTK_DRAWING_AREA(p->area), draw, p, NULL);
+	g_signal_connect(p->area, "notify::has-focus", G_CALLBACK(gtk_widget_queue_draw), NULL);
 	g_object_set_data_full(G_OBJECT(p->area), "pane", p, pane_free);
 	add_gestures(p);
 	return p->area;
