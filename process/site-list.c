@@ -102,6 +102,8 @@ GPtrArray *site_list(const char *folder, GError **error)
 	if (!names)
 		return NULL;
 	for (guint i = 0; i < names->len; i++) {
+		if (*(const char *)names->pdata[i] == '.') /* hidden, as what was removed is */
+			continue;
 		g_autofree char *mark =
 			g_build_filename(folder, names->pdata[i], "site.json", NULL);
 		if (g_file_test(mark, G_FILE_TEST_EXISTS) &&

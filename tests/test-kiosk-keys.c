@@ -223,7 +223,7 @@ static void whole_way(void)
 	check_sheet(r);
 	go_to(r, "new-site-name");
 	rig_type(r, "Keys");
-	press(r, "new-site-create");
+	press(r, "new-site-yes");
 	rig_wait_for(r, "scan-start", limit_s);
 	check_screen(r, "an empty site");
 	scan(r, folder, 1);
@@ -244,6 +244,11 @@ static void whole_way(void)
 	press(r, "status");
 	rig_wait_gone(r, "scan-start", limit_s);
 	check_screen(r, "health");
+	rig_key(r, KEY_ESC);
+	rig_wait_for(r, "scan-start", limit_s);
+	rig_key(r, KEY_ESC);
+	rig_wait_for(r, "manage-Keys", limit_s);
+	check_screen(r, "sites, one of them");
 }
 
 int main(int argc, char **argv)

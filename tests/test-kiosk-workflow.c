@@ -85,7 +85,7 @@ static void make_site(struct walk *w)
 	rig_tap(w->rig, "new-site");
 	rig_wait_for(w->rig, "new-site-name", limit_s);
 	shot(w, "new-site");
-	rig_tap(w->rig, "new-site-create");
+	rig_tap(w->rig, "new-site-yes");
 	rig_wait_for(w->rig, "scan-start", limit_s);
 	shot(w, "site-empty");
 }

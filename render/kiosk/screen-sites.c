@@ -1,19 +1,20 @@
 /* All sites of the folder as cards, and a new one. */
 #include "acquire/site.h"
-#include "render/kiosk/keyboard.h"
+#include "render/kiosk/name-sheet.h"
 #include "render/kiosk/screens.h"
+#include "render/kiosk/site-sheet.h"
 #include "render/kiosk/site-words.h"
 #include "render/kiosk/thumbnail.h"
-#include <string.h>
 
 #define CARD_WIDTH   372
 #define PICTURE_HIGH 232
+#define CLEAR_EACH_S 60
 
 struct sites {
 	kiosk *kiosk;
 	GtkWidget *widget, *flow, *stack, *nothing;
-	GtkWidget *name; /* entry of the sheet */
 	GCancellable *gone;
+	guint clearing; /* timer */
 };
 
 /* ---- cards ---- */
@@ -55,6 +56,38 @@ static GtkWidget *words_of(GVariant *about, const char *name, const char *error)
 		kit_column(4, kit_line("card-name", name, "head", true), line, NULL), "words");
 }
 
+static void listed_anew(gpointer user_data);
+
+static void manage_pressed(GtkButton *b, gpointer user_data)
+{
+	struct sites *s = user_data;
+	site_sheet_open(
+		s->kiosk, &(struct site_sheet){ g_object_get_data(G_OBJECT(b), "path"),
+				  g_object_get_data(G_OBJECT(b), "title"),
+				  g_object_get_data(G_OBJECT(b), "facts"), listed_anew, s });
+}
+
+/* In the card's corner: what can be done with the site as a whole. */
+static GtkWidget *manage_button(
+	struct sites *s, GVariant *about, const char *path, const char *name)
+{
+	guint64 bytes = 0;
+	g_variant_lookup(about, "bytes", "t", &bytes);
+	g_autofree char *id = g_strconcat("manage-", name, NULL), *size = g_format_size(bytes);
+	g_autofree char *scans = words_scans(
+		number(about, "scans"), number(about, "placed"), number(about, "partial"));
+	g_autofree char *tip = g_strdup_printf(_("Rename or remove %s"), name);
+	GtkWidget *b = kit_button(
+		id, "view-more-symbolic", NULL, tip, "over", G_CALLBACK(manage_pressed), s);
+	g_object_set_data_full(G_OBJECT(b), "path", g_strdup(path), g_free);
+	g_object_set_data_full(G_OBJECT(b), "title", g_strdup(name), g_free);
+	g_object_set_data_full(
+		G_OBJECT(b), "facts", g_strdup_printf("%s · %s", scans, size), g_free);
+	gtk_widget_set_halign(b, GTK_ALIGN_END);
+	gtk_widget_set_valign(b, GTK_ALIGN_START);
+	return kit_margin(b, 10);
+}
+
 static GtkWidget *card(struct sites *s, GVariant *about)
 {
 	const char *path = "", *name = "", *error = NULL;
@@ -85,7 +118,10 @@ static GtkWidget *card(struct sites *s, GVariant *about)
 	g_variant_lookup(about, "model", "b", &has_model);
 	if (has_model)
 		thumbnail_show(path, GTK_PICTURE(picture));
-	return b;
+	GtkWidget *both = gtk_overlay_new();
+	gtk_overlay_set_child(GTK_OVERLAY(both), b);
+	gtk_overlay_add_overlay(GTK_OVERLAY(both), manage_button(s, about, path, name));
+	return both;
 }
 
 /* ---- the list ---- */
@@ -98,6 +134,7 @@ static void fill(struct sites *s, GVariant *sites)
 	for (gsize i = 0; i < g_variant_n_children(sites); i++) {
 		g_autoptr(GVariant) one = g_variant_get_child_value(sites, i);
 		gtk_flow_box_append(GTK_FLOW_BOX(s->flow), card(s, one));
+		gtk_widget_set_focusable(gtk_widget_get_last_child(s->flow), FALSE);
 	}
 	gtk_stack_set_visible_child_name(
 		GTK_STACK(s->stack), g_variant_n_children(sites) ? "cards" : "nothing");
@@ -124,6 +161,18 @@ static void refresh(struct sites *s)
 {
 	bus_jobs1_call_list_sites(services_jobs(kiosk_services(s->kiosk)),
 		kiosk_options_of(s->kiosk)->folder, s->gone, listed, s);
+}
+
+static void listed_anew(gpointer user_data)
+{
+	refresh(user_data);
+}
+
+static gboolean clear_removed(gpointer user_data)
+{
+	struct sites *s = user_data;
+	site_sheet_clear_removed(s->kiosk);
+	return G_SOURCE_CONTINUE;
 }
 
 static void job_ended_anywhere(BusJobs1 *jobs, const char *job, const char *kind,
@@ -157,28 +206,11 @@ static char *free_name(const char *folder)
 	}
 }
 
-/* NULL and a sentence: no folder can be called so. */
-static const char *refusal(const char *name)
-{
-	if (!*name)
-		return _("Give the site a name.");
-	if (name[0] == '.' || strchr(name, '/') || strlen(name) > 120)
-		return _("A name has no slash, does not begin with a dot, and has at most 120 "
-			 "letters.");
-	return NULL;
-}
-
-static void create_pressed(GtkWidget *w, gpointer user_data)
+static void create(const char *name, gpointer user_data)
 {
 	struct sites *s = user_data;
-	g_autofree char *name = g_strstrip(g_strdup(gtk_editable_get_text(GTK_EDITABLE(s->name))));
-	const char *why = refusal(name);
-	(void)w;
-	if (why) {
-		kiosk_complain(s->kiosk, why, NULL);
-		return;
-	}
 	g_autofree char *path = g_build_filename(kiosk_options_of(s->kiosk)->folder, name, NULL);
+	g_autofree char *title = g_strdup(name);
 	g_autoptr(GError) error = NULL;
 	if (g_file_test(path, G_FILE_TEST_EXISTS)) {
 		kiosk_complain(s->kiosk, _("There is a site of that name already."), NULL);
@@ -190,14 +222,7 @@ static void create_pressed(GtkWidget *w, gpointer user_data)
 		return;
 	}
 	kiosk_close_sheet(s->kiosk);
-	kiosk_push(s->kiosk, screen_site_new(s->kiosk, path), "site", name);
-}
-
-static void cancel_pressed(GtkButton *b, gpointer user_data)
-{
-	struct sites *s = user_data;
-	(void)b;
-	kiosk_close_sheet(s->kiosk);
+	kiosk_push(s->kiosk, screen_site_new(s->kiosk, path), "site", title);
 }
 
 static void new_pressed(GtkButton *b, gpointer user_data)
@@ -205,25 +230,13 @@ static void new_pressed(GtkButton *b, gpointer user_data)
 	struct sites *s = user_data;
 	(void)b;
 	g_autofree char *name = free_name(kiosk_options_of(s->kiosk)->folder);
-	s->name = gtk_entry_new();
-	gtk_editable_set_text(GTK_EDITABLE(s->name), name);
-	gtk_widget_set_name(s->name, "new-site-name");
-	gtk_accessible_update_property(GTK_ACCESSIBLE(s->name), GTK_ACCESSIBLE_PROPERTY_LABEL,
-		_("Name of the new site"), -1);
-	g_signal_connect(s->name, "activate", G_CALLBACK(create_pressed), s);
-	GtkWidget *buttons = kit_row(16,
-		kit_grow(kit_button("new-site-cancel", NULL, _("Cancel"), NULL, "great",
-				 G_CALLBACK(cancel_pressed), s),
-			true, false),
-		kit_grow(kit_button("new-site-create", NULL, _("Create"), NULL, "main great",
-				 G_CALLBACK(create_pressed), s),
-			true, false),
-		NULL);
-	GtkWidget *sheet = kit_column(16, kit_text(_("New site"), "title"), s->name,
-		keyboard_new(GTK_EDITABLE(s->name)), buttons, NULL);
-	gtk_widget_set_size_request(sheet, kit_is_upright() ? -1 : 760, -1);
-	kiosk_open_sheet(s->kiosk, sheet);
-	gtk_editable_select_region(GTK_EDITABLE(s->name), 0, -1);
+	name_sheet_open(s->kiosk, &(struct name_sheet){ .id = "new-site",
+					  .title = _("New site"),
+					  .label = _("Name of the new site"),
+					  .yes = _("Create"),
+					  .name = name,
+					  .done = create,
+					  .user_data = s });
 }
 
 /* ---- building ---- */
@@ -282,7 +295,9 @@ static void destroyed(GtkWidget *w, gpointer user_data)
 	BusJobs1 *jobs = services_jobs(kiosk_services(s->kiosk));
 	(void)w;
 	g_cancellable_cancel(s->gone);
+	g_clear_handle_id(&s->clearing, g_source_remove);
 	g_signal_handlers_disconnect_by_data(jobs, s);
+	kiosk_forget_undo(s->kiosk, s);
 }
 
 static void sites_free(gpointer data)
@@ -299,6 +314,8 @@ GtkWidget *screen_sites_new(kiosk *k)
 	s->kiosk = k;
 	s->gone = g_cancellable_new();
 	build(s);
+	site_sheet_clear_removed(k);
+	s->clearing = g_timeout_add_seconds(CLEAR_EACH_S, clear_removed, s);
 	g_signal_connect(jobs, "ended", G_CALLBACK(job_ended_anywhere), s);
 	g_signal_connect_swapped(jobs, "notify::g-name-owner", G_CALLBACK(service_changed), s);
 	g_signal_connect_swapped(s->widget, "map", G_CALLBACK(refresh), s);
