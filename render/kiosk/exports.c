@@ -220,5 +220,5 @@ bool exports_forget_removed(const char *site, GError **error)
 {
 	g_autofree char *folder = exports_folder(site);
 	g_autofree char *removed = g_build_filename(folder, REMOVED, NULL);
-	return files_remove_tree(removed, error);
+	return !g_file_test(removed, G_FILE_TEST_EXISTS) || files_remove_tree(removed, error);
 }

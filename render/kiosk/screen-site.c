@@ -411,7 +411,8 @@ static GtkWidget *work_box(struct site_screen *s)
 
 static GtkWidget *facts_side(struct site_screen *s)
 {
-	s->map = kit_grow(site_map_new(), true, true);
+	/* It goes before us. */
+	s->map = g_object_ref_sink(kit_grow(site_map_new(), true, true));
 	s->words = kit_named_text("site-words", "", "head");
 	s->chooser = preset_chooser_new(kiosk_services(s->kiosk));
 	s->scan = kit_button("scan-start", "media-record-symbolic", _("Scan"), NULL, "main great",
@@ -443,6 +444,7 @@ static void site_screen_free(gpointer data)
 {
 	struct site_screen *s = data;
 	g_clear_object(&s->gone);
+	g_object_unref(s->map);
 	site_state_free(s->state);
 	g_free(s->folder);
 	g_free(s);
