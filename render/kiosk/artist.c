@@ -134,7 +134,7 @@ static void light_frame(const artist *a, frame *f)
 
 /* Strokes on a picture that is smaller than it is shown: between as large on it as on one that is not (0 here), for hatching to be seen
  * as such, and as large on the screen (1), for things to keep their edges. */
-#define COARSER 0.65
+#define COARSER 0.85
 static double coarser_of(uint32_t size)
 {
 	return pow(artist_sizes[size], -COARSER);
