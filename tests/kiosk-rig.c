@@ -1,3 +1,4 @@
+#include "tests/commands.h"
 #include "tests/kiosk-rig-private.h"
 #include <errno.h>
 #include <signal.h>
@@ -28,6 +29,16 @@ const char *rig_missing(void)
 	if (!g_file_test(module, G_FILE_TEST_EXISTS))
 		return "weston-touch.so was not built, since weston's headers were missing";
 	return NULL;
+}
+
+bool rig_tests_begin(int *argc, char ***argv)
+{
+	const char *missing = rig_missing();
+	g_test_init(argc, argv, NULL);
+	commands_find_programs();
+	if (missing)
+		g_print("1..0 # SKIP %s\n", missing);
+	return !missing;
 }
 
 void rig_fail(rig *r, const char *format, ...)

@@ -24,6 +24,8 @@ struct rig_desc {
 
 /* Why there is no rig here: weston or its module is missing. NULL where there is one; static. */
 const char *rig_missing(void);
+/* For main: the programs of $PLEINAIR_BIN are found, and false where no rig can be had, which is then told as TAP wants it. */
+bool rig_tests_begin(int *argc, char ***argv);
 /* Starts it all, and the program as rig_start does. The caller frees it. */
 rig *rig_new(const struct rig_desc *desc);
 /* Ends the program, weston and the bus, and removes the folder. NULL is fine. */

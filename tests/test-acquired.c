@@ -261,6 +261,19 @@ static void wait_for_columns(struct bench *b)
 	g_assert_cmpuint(b->finished, ==, 0);
 }
 
+/* The site's only scan. */
+static void go_on_to_the_end(struct bench *b, bool without_damaged)
+{
+	g_autoptr(GError) error = NULL;
+	guint number = 0;
+	bus_acquisition1_call_resume_sync(
+		b->service, b->site_path, without_damaged, &number, NULL, &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(number, ==, 1);
+	WAIT_FOR(b->finished);
+	g_assert_cmpuint(whole_scans(b), ==, 1);
+}
+
 static void paused_scan_goes_on(struct bench *b, gconstpointer data)
 {
 	g_autoptr(GError) error = NULL;
@@ -321,8 +334,6 @@ static int end_impatiently(struct bench *b)
 /* As when the machine is switched off. */
 static void scan_outlives_the_daemon(struct bench *b, gconstpointer data)
 {
-	g_autoptr(GError) error = NULL;
-	guint number = 0;
 	(void)data;
 	start_scan(b);
 	wait_for_columns(b);
@@ -331,10 +342,7 @@ static void scan_outlives_the_daemon(struct bench *b, gconstpointer data)
 	g_assert_cmpuint(partial_scan(b), ==, 1);
 	daemon_start(b);
 	WAIT_FOR(is_owned(b));
-	bus_acquisition1_call_resume_sync(b->service, b->site_path, FALSE, &number, NULL, &error);
-	g_assert_no_error(error);
-	WAIT_FOR(b->finished);
-	g_assert_cmpuint(whole_scans(b), ==, 1);
+	go_on_to_the_end(b, FALSE);
 }
 
 /* A bit of the record has flipped: it says so by a name of its own, and goes on without what is damaged when it is told to. */
@@ -349,16 +357,13 @@ static void damaged_record_is_gone_on_with(struct bench *b, gconstpointer data)
 	g_assert_no_error(error);
 	WAIT_FOR(is_in(b, "paused"));
 	commands_shell("raw=$(ls '%s'/scans/.0001.partial/raw.rec) && "
-		       "printf 'XXXXXXXX' | dd of=\"$raw\" bs=1 conv=notrunc status=none "
+		       "printf 'damaged!' | dd of=\"$raw\" bs=1 conv=notrunc status=none "
 		       "seek=$(($(stat -c %%s \"$raw\") / 2))",
 		b->site_path);
 	bus_acquisition1_call_resume_sync(b->service, b->site_path, FALSE, &number, NULL, &error);
 	bus_bench_assert_refused(g_steal_pointer(&error), "Damaged", "raw.rec");
 	g_assert_cmpuint(partial_scan(b), ==, 1);
-	bus_acquisition1_call_resume_sync(b->service, b->site_path, TRUE, &number, NULL, &error);
-	g_assert_no_error(error);
-	WAIT_FOR(b->finished);
-	g_assert_cmpuint(whole_scans(b), ==, 1);
+	go_on_to_the_end(b, TRUE);
 }
 
 /* ---- faults ---- */

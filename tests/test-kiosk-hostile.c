@@ -203,13 +203,8 @@ static void drives_that_lie(void)
 
 int main(int argc, char **argv)
 {
-	g_test_init(&argc, &argv, NULL);
-	commands_find_programs();
-	const char *missing = rig_missing();
-	if (missing) {
-		g_print("1..0 # SKIP %s\n", missing);
+	if (!rig_tests_begin(&argc, &argv))
 		return 0;
-	}
 	g_test_add_func("/kiosk-hostile/broken-sites", broken_sites);
 	g_test_add_func("/kiosk-hostile/odd-names-and-styles", odd_names_and_styles);
 	g_test_add_func("/kiosk-hostile/cut-model", cut_model);

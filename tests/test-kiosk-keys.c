@@ -253,13 +253,8 @@ static void whole_way(void)
 
 int main(int argc, char **argv)
 {
-	g_test_init(&argc, &argv, NULL);
-	commands_find_programs();
-	const char *missing = rig_missing();
-	if (missing) {
-		g_print("1..0 # SKIP %s\n", missing);
+	if (!rig_tests_begin(&argc, &argv))
 		return 0;
-	}
 	g_test_add_func("/kiosk-keys/whole-way", whole_way);
 	return g_test_run();
 }

@@ -515,13 +515,8 @@ static void killed(void)
 
 int main(int argc, char **argv)
 {
-	g_test_init(&argc, &argv, NULL);
-	commands_find_programs();
-	const char *missing = rig_missing();
-	if (missing) {
-		g_print("1..0 # SKIP %s\n", missing);
+	if (!rig_tests_begin(&argc, &argv))
 		return 0;
-	}
 	static const char *const sizes[] = { "1280x800", "1920x1080" };
 	for (size_t i = 0; i < G_N_ELEMENTS(sizes); i++) {
 		g_autofree char *name = g_strconcat("/kiosk-workflow/", sizes[i], NULL);
