@@ -1,5 +1,6 @@
 /* What the program shows, and waiting for it. */
 #include "tests/kiosk-rig-private.h"
+#include <glib/gstdio.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -157,4 +158,14 @@ void rig_shot(rig *r, const char *path)
 	g_autofree char *full = g_canonicalize_filename(path, NULL);
 	wait_painted(r);
 	rig_say(r, "shot %s", full);
+}
+
+void rig_keep_shot(rig *r, const char *name)
+{
+	const char *folder = g_getenv("PLEINAIR_SHOTS");
+	if (!folder)
+		return;
+	g_mkdir_with_parents(folder, 0755);
+	g_autofree char *path = g_strdup_printf("%s/%s.png", folder, name);
+	rig_shot(r, path);
 }

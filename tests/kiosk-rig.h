@@ -67,6 +67,8 @@ char *rig_focus(rig *r);
 guint64 rig_frames(rig *r);
 /* The screen as a PNG, once the program has painted nothing new for a moment (but after a second at the latest). */
 void rig_shot(rig *r, const char *path);
+/* The same into the folder $PLEINAIR_SHOTS, as NAME.png; nothing without it. */
+void rig_keep_shot(rig *r, const char *name);
 
 /* These wait for their widget, 20 s at most, and touch its middle. */
 void rig_tap(rig *r, const char *name);

@@ -198,11 +198,7 @@ static void pick_by_keys(rig *r)
 	rig_key(r, KEY_EQUAL);
 	rig_key(r, KEY_SPACE);
 	rig_wait_for(r, "pick-1", limit_s);
-	if (g_getenv("PLEINAIR_SHOTS")) {
-		g_autofree char *path =
-			g_build_filename(g_getenv("PLEINAIR_SHOTS"), "keys-align.png", NULL);
-		rig_shot(r, path);
-	}
+	rig_keep_shot(r, "keys-align");
 	press(r, "undo");
 	press(r, "undo");
 	rig_wait_gone(r, "pick-1", limit_s);

@@ -6,16 +6,6 @@
 
 static const double limit_s = 60;
 
-static void shot(rig *r, const char *name)
-{
-	const char *folder = g_getenv("PLEINAIR_SHOTS");
-	if (!folder)
-		return;
-	g_mkdir_with_parents(folder, 0755);
-	g_autofree char *path = g_strdup_printf("%s/sites-%s.png", folder, name);
-	rig_shot(r, path);
-}
-
 static char *made_site(const char *folder, const char *name)
 {
 	g_autoptr(GError) error = NULL;
@@ -35,12 +25,12 @@ static void rename_and_remove(void)
 	rig_wait_for(r, "site-elm", limit_s);
 	rig_tap(r, "manage-oak");
 	rig_wait_for(r, "site-remove", limit_s);
-	shot(r, "manage");
+	rig_keep_shot(r, "sites-manage");
 	rig_tap(r, "site-rename");
 	rig_wait_for(r, "rename-site-name", limit_s);
 	rig_type(r, "\b");
 	rig_type(r, "Ash");
-	shot(r, "rename");
+	rig_keep_shot(r, "sites-rename");
 	rig_tap(r, "rename-site-yes");
 	rig_wait_for(r, "site-Ash", limit_s);
 	rig_wait_gone(r, "site-oak", limit_s);
@@ -49,7 +39,7 @@ static void rename_and_remove(void)
 	rig_tap(r, "manage-oak");
 	rig_tap(r, "site-remove");
 	rig_wait_gone(r, "site-oak", limit_s);
-	shot(r, "removed");
+	rig_keep_shot(r, "sites-removed");
 	g_assert_false(g_file_test(oak, G_FILE_TEST_EXISTS));
 	g_assert_true(g_file_test(elm, G_FILE_TEST_IS_DIR));
 	rig_tap(r, "undo");

@@ -28,13 +28,9 @@ struct walk {
 
 static void shot(struct walk *w, const char *name)
 {
-	const char *folder = g_getenv("PLEINAIR_SHOTS");
-	if (!folder)
-		return;
-	g_mkdir_with_parents(folder, 0755);
-	g_autofree char *path = g_strdup_printf(
-		"%s/%dx%d-%s%02u-%s.png", folder, w->width, w->height, w->part, w->shots++, name);
-	rig_shot(w->rig, path);
+	g_autofree char *whole =
+		g_strdup_printf("%dx%d-%s%02u-%s", w->width, w->height, w->part, w->shots++, name);
+	rig_keep_shot(w->rig, whole);
 }
 
 static void walk_begin(struct walk *w, int width, int height, const char *scene)
