@@ -1,8 +1,8 @@
 #include "process/import.h"
 #include <string.h>
 
-const struct import_format *const import_formats[] = { &import_ptx, &import_las, &import_ply,
-	&import_pcd, NULL };
+const struct import_format *const import_formats[] = { &import_e57, &import_ptx, &import_las,
+	&import_ply, &import_pcd, NULL };
 
 static bool has_extension(const struct import_format *f, const char *path)
 {

@@ -8,6 +8,7 @@
 #include <glib/gstdio.h>
 #include <math.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #define BLOCK_RECORDS 32768
@@ -23,6 +24,7 @@ void staged_scan_free(struct staged_scan *s)
 	if (!s)
 		return;
 	import_hash_free(s->hash);
+	g_clear_pointer(&s->pictures, json_array_unref);
 	imported_clear(&s->result);
 	g_free(s->folder);
 	g_free(s);
@@ -118,6 +120,19 @@ static bool scratch_open(struct scratch *s, GError **error)
 	return true;
 }
 
+/* All cells, without a point so far: a record of zeros. What was put there is on the disk before long, so memory does not grow
+ * with it. */
+static struct point_record *scratch_map(struct scratch *s, uint64_t cells, GError **error)
+{
+	off_t bytes = (off_t)(cells * sizeof(struct point_record));
+	if (ftruncate(s->fd, bytes))
+		return files_fail(error, s->folder, "make a scratch file in it"), NULL;
+	void *at = mmap(NULL, (size_t)bytes, PROT_READ | PROT_WRITE, MAP_SHARED, s->fd, 0);
+	if (at == MAP_FAILED)
+		return files_fail(error, s->folder, "map a scratch file in it"), NULL;
+	return at;
+}
+
 static bool scratch_write(struct scratch *s, const struct point_record *records, uint64_t first,
 	size_t count, GError **error)
 {
@@ -176,7 +191,9 @@ static bool turn_grid(
 	struct staged_scan *s = r->staged;
 	struct grid_layout *l = &s->layout;
 	struct grid_records records = { scratch_read, scratch };
-	if (!grid_layout_find(&records, scan->order, scan->columns, scan->rows, l, error))
+	/* Scattered records were put where they belong, row by row. */
+	enum import_order order = scan->order == IMPORT_SCATTERED ? IMPORT_ROW_BY_ROW : scan->order;
+	if (!grid_layout_find(&records, order, scan->columns, scan->rows, l, error))
 		return false;
 	if (!l->is_grid) {
 		s->no_grid = "no points are neighbours in it";
@@ -206,6 +223,32 @@ static bool read_into_scratch(
 	return true;
 }
 
+static bool scatter_into(
+	struct reading *r, struct point_record *into, uint64_t cells, GError **error)
+{
+	for (size_t count = 1; count;) {
+		if (!next_block(r, cells, &count, error))
+			return false;
+		const uint64_t *cell = r->format->cells(r->reader);
+		for (size_t i = 0; i < count; i++) {
+			g_assert(cell[i] < cells);
+			into[cell[i]] = r->block[i];
+		}
+	}
+	r->staged->records = cells;
+	return true;
+}
+
+static bool scatter_into_scratch(
+	struct reading *r, struct scratch *scratch, uint64_t cells, GError **error)
+{
+	struct point_record *into = scratch_map(scratch, cells, error);
+	bool good = into && scatter_into(r, into, cells, error);
+	if (into)
+		munmap(into, cells * sizeof *into);
+	return good;
+}
+
 static bool read_grid(struct reading *r, const struct import_scan *scan, GError **error)
 {
 	struct staged_scan *s = r->staged;
@@ -214,7 +257,9 @@ static bool read_grid(struct reading *r, const struct import_scan *scan, GError 
 	s->was_grid = true;
 	s->columns_in_file = scan->columns;
 	s->rows_in_file = scan->rows;
-	bool good = scratch_open(&scratch, error) && read_into_scratch(r, &scratch, cells, error);
+	bool good = scratch_open(&scratch, error) &&
+		    (scan->order == IMPORT_SCATTERED ? scatter_into_scratch : read_into_scratch)(
+			    r, &scratch, cells, error);
 	if (good && s->records != cells)
 		good = import_refuse(error, r->file, G_IO_ERROR_INVALID_DATA,
 			"a grid of %u x %u has %" G_GUINT64_FORMAT
@@ -229,6 +274,16 @@ static bool read_grid(struct reading *r, const struct import_scan *scan, GError 
 	if (good && s->no_grid)
 		s->result.grid = g_strdup_printf("given up: %s", s->no_grid);
 	return good;
+}
+
+/* ---- what comes with it ---- */
+
+static bool save_pictures(const struct reading *r, GError **error)
+{
+	struct staged_scan *s = r->staged;
+	s->pictures = json_array_new();
+	return !r->format->save_pictures ||
+	       r->format->save_pictures(r->reader, s->folder, s->pictures, error);
 }
 
 static bool finish(struct staged_scan *s, const struct import_scan *scan, GError **error)
@@ -261,7 +316,9 @@ bool import_scan_points(struct staged_scan *s, import_source *file,
 	g_autofree struct point_record *block = g_new(struct point_record, BLOCK_RECORDS);
 	struct reading r = { s, file, format, reader, options, doing, block, scan, scan->begun };
 	bool good = scan->columns ? read_grid(&r, scan, error) : read_cloud(&r, scan->count, error);
-	if (!good)
+	if (good && !scan->columns && scan->no_grid && !s->result.grid)
+		s->result.grid = g_strdup_printf("given up: %s", scan->no_grid);
+	if (!good || !save_pictures(&r, error))
 		return false;
 	if (s->result.points == 0)
 		return import_refuse(error, file, G_IO_ERROR_INVALID_DATA, "has no points");
@@ -323,15 +380,49 @@ static void set_points(manifest *m, const struct staged_scan *s)
 	manifest_set_node(m, "points.origin_m", json_write_numbers(s->scan.origin_m, 3));
 }
 
-static void set_file(manifest *m, const char *name, uint64_t bytes, const char *sha256)
+static void add_file(JsonObject *files, const char *name, uint64_t bytes, const char *sha256)
 {
-	JsonObject *file = json_object_new(), *files = json_object_new();
+	JsonObject *file = json_object_new();
 	json_object_set_int_member(file, "bytes", (int64_t)bytes);
 	json_object_set_string_member(file, "sha256", sha256);
 	json_object_set_object_member(files, name, file);
+}
+
+static bool add_picture_files(JsonObject *files, const struct staged_scan *s, GError **error)
+{
+	for (guint i = 0; i < json_array_get_length(s->pictures); i++) {
+		const char *name = json_object_get_string_member(
+			json_array_get_object_element(s->pictures, i), "file");
+		g_autofree char *path = g_build_filename(s->folder, name, NULL),
+				*sha256 = import_hash_end(import_hash_begin(path), error);
+		GStatBuf st;
+		if (!sha256)
+			return false;
+		if (g_stat(path, &st))
+			return files_fail(error, path, "look at it");
+		add_file(files, name, (uint64_t)st.st_size, sha256);
+	}
+	return true;
+}
+
+static bool set_files(manifest *m, const struct staged_scan *s, const char *sha256, GError **error)
+{
+	JsonObject *files = json_object_new();
 	JsonNode *node = json_node_new(JSON_NODE_OBJECT);
 	json_node_take_object(node, files);
+	add_file(files, "points.ply", s->bytes, sha256);
+	bool good = add_picture_files(files, s, error);
 	manifest_set_node(m, "files", node);
+	return good;
+}
+
+static void set_pictures(manifest *m, const struct staged_scan *s)
+{
+	if (!json_array_get_length(s->pictures))
+		return;
+	JsonNode *node = json_node_new(JSON_NODE_ARRAY);
+	json_node_set_array(node, s->pictures);
+	manifest_set_node(m, "pictures", node);
 }
 
 static void set_times(manifest *m)
@@ -363,6 +454,6 @@ bool import_scan_describe(struct staged_scan *s, const struct import_origin *ori
 		struct pose pose = import_given_pose(&s->scan);
 		manifest_set_node(m, "given_pose", json_write_pose(&pose));
 	}
-	set_file(m, "points.ply", s->bytes, sha256);
-	return manifest_save(m, error);
+	set_pictures(m, s);
+	return set_files(m, s, sha256, error) && manifest_save(m, error);
 }

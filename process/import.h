@@ -10,6 +10,7 @@
 #include "acquire/points.h"
 #include "acquire/site.h"
 #include "process/pose.h"
+#include <json-glib/json-glib.h>
 
 /* ---- the bytes of a file ---- */
 
@@ -37,6 +38,9 @@ bool import_refuse(GError **error, const import_source *s, int code, const char 
 enum import_order {
 	IMPORT_ROW_BY_ROW,
 	IMPORT_COLUMN_BY_COLUMN,
+	/* In any order, and not all cells: cells() of the format says of each record which one it goes to, by row * columns + column.
+	 * The rest have no point. */
+	IMPORT_SCATTERED,
 	/* Two numbers, and nobody says which of them is columns: the points tell (import-grid.h). They stand in columns and
 	 * rows as a file of the usual kind has them, column by column. */
 	IMPORT_BY_CONTENT,
@@ -47,8 +51,9 @@ enum import_order {
 struct import_scan {
 	uint32_t columns, rows; /* 0, 0: not ordered */
 	enum import_order order;
-	uint64_t count; /* of records to come: columns * rows, for a cloud at most so many */
-	uint32_t have;  /* POINTS_HAVE_ */
+	uint64_t
+		count; /* of records to come: columns * rows; for a cloud, and scattered, at most so many */
+	uint32_t have; /* POINTS_HAVE_ */
 	/* Whole metres, taken off every record: the numbers of the file are record + origin_m. 0 0 0 but for map coordinates;
 	 * then near the points, so that the difference is exact. */
 	double origin_m[3];
@@ -85,12 +90,19 @@ struct import_format {
 		GError **error);
 	double (*fraction)(const import_reader *r); /* of the file that was read, 0..1 */
 	void (*close)(import_reader *r);            /* NULL is fine */
+	/* What only some formats have; NULL: this one has not. */
+	/* Of a scattered grid, the cells of the records that read gave last, none of them twice in a scan. */
+	const uint64_t *(*cells)(const import_reader *r);
+	/* Of the scan whose records were all read: puts the pictures that came with it into the folder, and for each an object
+	 * with its name there ("file") and what is known of it into the array, as it will stand in scan.json. */
+	bool (*save_pictures)(
+		import_reader *r, const char *folder, JsonArray *into, GError **error);
 };
 #define IMPORT_PROBE_BYTES 4096
 /* Ends with NULL. */
 extern const struct import_format *const import_formats[];
-extern const struct import_format import_ptx, import_las, import_ply,
-	import_pcd; /* their files: import-ptx.c and so on */
+extern const struct import_format import_e57, import_ptx, import_las, import_ply,
+	import_pcd; /* their files: import-e57.c and so on */
 
 /* By content, and only where no content is known by its extension. NULL: a sentence that lists the formats. */
 const struct import_format *import_format_of(import_source *file, GError **error);

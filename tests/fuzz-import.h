@@ -29,11 +29,18 @@ static inline void fuzz_grid(const struct import_scan *scan, GArray *all)
 {
 	struct grid_records records = { fuzz_record_at, all };
 	struct grid_layout l;
-	if (!scan->columns)
+	/* Scattered ones are checked as they come. */
+	if (!scan->columns || scan->order == IMPORT_SCATTERED)
 		return;
 	g_assert_cmpuint(all->len, ==, scan->count);
 	g_assert_true(grid_layout_find(&records, scan->order, scan->columns, scan->rows, &l, NULL));
 	g_assert_cmpuint((uint64_t)l.columns * l.rows, ==, scan->count);
+}
+
+static inline gpointer fuzz_cell(const struct import_scan *scan, uint64_t cell)
+{
+	g_assert_cmpuint(cell, <, (uint64_t)scan->columns * scan->rows);
+	return GSIZE_TO_POINTER(cell);
 }
 
 /* false: the file is bad. */
@@ -42,6 +49,7 @@ static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
 {
 	struct point_record block[FUZZ_BLOCK];
 	g_autoptr(GArray) all = g_array_new(false, false, sizeof *block);
+	g_autoptr(GHashTable) cells = g_hash_table_new(NULL, NULL);
 	uint32_t begun = scan->begun;
 	for (size_t count = 1; count;) {
 		if (!f->read(r, block, FUZZ_BLOCK, &count, error))
@@ -53,6 +61,9 @@ static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
 		g_assert_cmpuint(count, <=, FUZZ_BLOCK);
 		for (size_t i = 0; i < count; i++)
 			fuzz_check_record(&block[i]);
+		for (size_t i = 0; i < count && scan->order == IMPORT_SCATTERED && scan->columns;
+			i++)
+			g_assert_true(g_hash_table_add(cells, fuzz_cell(scan, f->cells(r)[i])));
 		g_array_append_vals(all, block, (guint)count);
 		double fraction = f->fraction(r);
 		g_assert_true(fraction >= 0 && fraction <= 1);
