@@ -198,8 +198,7 @@ static bool count_shared(struct e57 *r, uint64_t *ret_first, uint64_t *ret_share
 				e57_number(r, E57_STATE, i, 0) != 0 || !e57_cell(r, i, &cell))
 				continue;
 			(*ret_first)++;
-			*ret_shared += r->taken[cell / 8] >> cell % 8 & 1;
-			r->taken[cell / 8] |= (uint8_t)(1 << cell % 8);
+			*ret_shared += e57_set_bit(r->has_point, cell);
 		}
 	}
 	return true;
@@ -219,14 +218,13 @@ static bool find_grid(struct e57 *r, GError **error)
 		s->no_grid = "its rows and columns make none";
 		return true;
 	}
-	r->taken = g_malloc0(cells / 8 + 1);
+	r->has_point = g_malloc0(cells / 8 + 1);
 	if (!count_shared(r, &first, &shared, error))
 		return false;
-	memset(r->taken, 0, cells / 8 + 1);
+	r->filled = g_malloc0(cells / 8 + 1);
 	s->order = IMPORT_SCATTERED;
 	if (shared <= first / 100)
 		return true;
-	g_clear_pointer(&r->taken, g_free);
 	s->columns = s->rows = 0;
 	s->no_grid = "points share rows and columns";
 	return true;

@@ -93,11 +93,10 @@ static bool find_room(struct e57 *r, size_t i, enum found found, uint64_t *ret)
 {
 	if (!e57_cell(r, i, ret))
 		return false;
-	bool taken = r->taken[*ret / 8] >> *ret % 8 & 1;
-	if (found == FOUND_POINT && taken)
-		r->no_room++;
-	if (found == FOUND_POINT)
-		r->taken[*ret / 8] |= (uint8_t)(1 << *ret % 8);
+	if (found == FOUND_NO_RETURN)
+		return !e57_bit(r->has_point, *ret) && !e57_set_bit(r->filled, *ret);
+	bool taken = e57_set_bit(r->filled, *ret);
+	r->no_room += taken;
 	return !taken;
 }
 
@@ -188,7 +187,8 @@ static bool begin_scan(struct e57 *r, GError **error)
 		.has_pose = r->from->has_pose && !is_identity(&r->from->pose),
 		.pose = r->from->pose };
 	r->given = r->no_room = 0;
-	g_clear_pointer(&r->taken, g_free);
+	g_clear_pointer(&r->has_point, g_free);
+	g_clear_pointer(&r->filled, g_free);
 	if (!r->from->has_pose)
 		r->scan.pose = POSE_IDENTITY;
 	return e57_look_through(r, error) && e57_open_vector(r, all, error);
@@ -235,7 +235,8 @@ static void e57_close(import_reader *reader)
 	e57_tree_free(r->tree);
 	e57_pages_free(r->pages);
 	g_string_free(r->notes, true);
-	g_free(r->taken);
+	g_free(r->has_point);
+	g_free(r->filled);
 	g_free(r);
 }
 

@@ -41,10 +41,10 @@ struct e57 {
 	struct e57_span met[E57_ROLES];       /* over all points of the scan */
 	struct e57_span intensity, colour[3]; /* what becomes 0 and the largest */
 	uint64_t cells[E57_BLOCK_RECORDS];    /* of the records that were given last */
-	uint8_t *taken;                       /* a bit a cell */
-	uint64_t given;                       /* points of the scan so far */
-	uint64_t no_room;                     /* points whose cell had another one already */
-	unsigned scans;                       /* given so far */
+	uint8_t *has_point, *filled; /* a bit a cell: some record of it is a point; one was given */
+	uint64_t given;              /* points of the scan so far */
+	uint64_t no_room;            /* points whose cell had another one already */
+	unsigned scans;              /* given so far */
 	GString *notes;
 	struct import_scan scan;
 };
@@ -64,6 +64,17 @@ static inline double e57_number(const struct e57 *r, enum e57_role role, size_t 
 bool e57_look_through(struct e57 *r, GError **error);
 /* Where record i of the block belongs in the grid; false: nowhere. */
 bool e57_cell(const struct e57 *r, size_t i, uint64_t *ret);
+static inline bool e57_bit(const uint8_t *bits, uint64_t i)
+{
+	return bits[i / 8] >> i % 8 & 1;
+}
+/* Whether it was set before. */
+static inline bool e57_set_bit(uint8_t *bits, uint64_t i)
+{
+	bool was = e57_bit(bits, i);
+	bits[i / 8] |= (uint8_t)(1 << i % 8);
+	return was;
+}
 void e57_add_note(struct e57 *r, const char *format, ...) G_GNUC_PRINTF(2, 3);
 
 /* The pictures of the scan that was read last into the folder, for scan.json. */
