@@ -126,6 +126,23 @@ bool picture_write(
 	return false;
 }
 
+GBytes *picture_png(const uint8_t *rgb, uint32_t width, uint32_t height)
+{
+	png_image image = { .version = PNG_IMAGE_VERSION,
+		.width = width,
+		.height = height,
+		.format = PNG_FORMAT_RGB,
+		.flags = PNG_IMAGE_FLAG_FAST };
+	/* What it will take is not known before: as much as it can be. */
+	png_alloc_size_t length = PNG_IMAGE_PNG_SIZE_MAX(image);
+	uint8_t *bytes = g_try_malloc(length);
+	if (!bytes || !png_image_write_to_memory(&image, bytes, &length, 0, rgb, 0, NULL)) {
+		g_free(bytes);
+		return NULL;
+	}
+	return g_bytes_new_take(g_realloc(bytes, length), length);
+}
+
 uint8_t *picture_pixels(const panorama *p, enum picture kind)
 {
 	size_t n = (size_t)p->desc.columns * p->desc.rows;

@@ -20,5 +20,7 @@ uint8_t *picture_pixels(const panorama *p, enum picture kind);
 /* Any picture, likewise: 3 bytes a pixel, sRGB, row by row. */
 bool picture_write(
 	const char *path, const uint8_t *rgb, uint32_t width, uint32_t height, GError **error);
+/* The same file as bytes in memory; caller unrefs. NULL: memory did not suffice. */
+GBytes *picture_png(const uint8_t *rgb, uint32_t width, uint32_t height);
 
 #endif

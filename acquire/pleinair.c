@@ -23,6 +23,7 @@ static const struct {
 	{ "pictures", "write what was computed of a site's scans as pictures and a page" },
 	{ "render", "draw a site in a style" },
 	{ "styles", "list the styles that a site can be drawn in" },
+	{ "export", "write the points of a site for other programs" },
 	{ "copy", "copy a site to a drive, and compare" },
 	{ "kiosk", "show sites on a touch screen, and scan" },
 	{ "bench", "measure speed and memory" },

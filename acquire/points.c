@@ -111,6 +111,15 @@ void points_free(points *p)
 	g_free(p);
 }
 
+void points_forget(const points *p, uint64_t first, uint64_t count)
+{
+	uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+	uintptr_t from = ((uintptr_t)(p->record + first) + page - 1) / page * page,
+		  to = (uintptr_t)(p->record + first + count) / page * page;
+	if (to > from)
+		madvise((void *)from, to - from, MADV_DONTNEED);
+}
+
 /* ---- writing ---- */
 
 struct points_writer {

@@ -37,6 +37,8 @@ struct points {
 points *points_open(const char *path, GError **error);
 void points_free(points *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(points, points_free)
+/* Gives back the memory of records that were read, which stay readable: for whoever walks through a file larger than memory. */
+void points_forget(const points *p, uint64_t first, uint64_t count);
 
 typedef struct points_writer points_writer;
 /* columns, rows 0: not ordered. The file appears when it is finished. */

@@ -1,4 +1,5 @@
 #include "process/segment-class.h"
+#include <stdbool.h>
 #include <string.h>
 
 const struct segment_class_info segment_classes[SEGMENT_CLASSES] = {
@@ -42,4 +43,17 @@ int segment_class_from_las(uint8_t classification)
 	case 18: /* noise */ return CLASS_OTHER;
 	default: return -1;
 	}
+}
+
+uint8_t segment_class_to_las(enum segment_class class, uint8_t came)
+{
+	static const uint8_t number[SEGMENT_CLASSES] = { [CLASS_OTHER] = 1,
+		[CLASS_BUILDING] = 6,
+		[CLASS_VEGETATION] = 5,
+		[CLASS_TERRAIN] = 2,
+		[CLASS_STRUCTURE] = 26,
+		[CLASS_WATER] = 9 };
+	int said = segment_class_from_las(came);
+	bool same = said == (int)class || (said < 0 && class == CLASS_OTHER && came != 0);
+	return same ? came : number[class];
 }

@@ -24,5 +24,8 @@ int segment_class_find(const char *name);
 /* Of the classes of LAS 1.4 (ASPRS, table 17); -1: never classified, or one that says nothing of what it is, as 1 and 12. Noise,
  * 7 and 18, is other. */
 int segment_class_from_las(uint8_t classification);
+/* The other way: came is the number that a point came with, which stays where it says the same. Vegetation becomes high vegetation,
+ * structure 26, civil structure, as the Dutch elevation model numbers it: LAS itself has no number for it. */
+uint8_t segment_class_to_las(enum segment_class class, uint8_t came);
 
 #endif
