@@ -44,6 +44,11 @@ static char *read_all(int fd)
 	return g_string_free(text, false);
 }
 
+static double seconds_of(const struct timeval *t)
+{
+	return (double)t->tv_sec + 1e-6 * (double)t->tv_usec;
+}
+
 bool bench_run(const char *const *argv, struct bench_run *ret, GError **error)
 {
 	struct rusage usage;
@@ -67,6 +72,7 @@ bool bench_run(const char *const *argv, struct bench_run *ret, GError **error)
 		return false;
 	}
 	*ret = (struct bench_run){ (double)(g_get_monotonic_time() - began_us) * 1e-6,
+		seconds_of(&usage.ru_utime) + seconds_of(&usage.ru_stime),
 		(double)usage.ru_maxrss / 1024, g_steal_pointer(&output) };
 	return true;
 }

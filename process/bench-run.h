@@ -8,7 +8,8 @@
 char *bench_program(const char *name);
 
 struct bench_run {
-	double seconds; /* on the clock */
+	double seconds;     /* on the clock */
+	double cpu_seconds; /* of all its threads, and the system's for them */
 	double peak_mib; /* of its memory; never less than what this process holds when it starts it */
 	char *output;    /* what it wrote to stdout; caller frees */
 };

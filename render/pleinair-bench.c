@@ -2,6 +2,7 @@
 #include "acquire/bench-acquire.h"
 #include "acquire/cli.h"
 #include "acquire/preset.h"
+#include "process/bench-export.h"
 #include "process/bench-features.h"
 #include "process/bench-model.h"
 #include "process/bench-process.h"
@@ -51,11 +52,12 @@ static const GOptionEntry entries[] = {
 		"coherence: pairs of neighbouring frames of each path, at most 39 (default 8)",
 		"N" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
-		"model: that the scanners measured (default 20)", "N" },
+		"model, export: that the scanners measured (default 20)", "N" },
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
 		"model: what building may keep in memory (default 1024)", "MIB" },
 	{ "folder", 0, 0, G_OPTION_ARG_FILENAME, &folder,
-		"model: where the site is made, 150 bytes a point (default: of temporary files)",
+		"model, export: where the site is made, 150 bytes a point (default: of temporary "
+		"files)",
 		"FOLDER" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
@@ -96,6 +98,17 @@ static int run_model(void)
 		return cli_misuse(COMMAND,
 			"million points go from 1 to 10000, MiB of memory from 64 to 1000000");
 	return bench_model(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
+static int run_export(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_export_options options = {
+		.million_points = million_points, .folder = folder, .json = json
+	};
+	if (!(million_points >= 1 && million_points <= 10000))
+		return cli_misuse(COMMAND, "million points go from 1 to 10000");
+	return bench_export(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
 static struct cli_bar bar;
@@ -213,6 +226,7 @@ static const struct part {
 	{ "process", run_process },
 	{ "register", run_register },
 	{ "model", run_model },
+	{ "export", run_export },
 	{ "segments", run_segments },
 	{ "features", run_features },
 	{ "render", run_render },
@@ -232,7 +246,8 @@ int main(int argc, char **argv)
 {
 	int status;
 	if (!cli_parse(COMMAND,
-		    "[acquire | process | register | model | segments | features | render | "
+		    "[acquire | process | register | model | export | segments | features | render "
+		    "| "
 		    "coherence]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
@@ -242,6 +257,7 @@ int main(int argc, char **argv)
 		    "register: aligns pairs of scans of simulated sites, and counts what was "
 		    "found, refused, and accepted although wrong.\n"
 		    "model: builds the model of a large site, then adds one more scan.\n"
+		    "export: writes a large site in each format that is exported.\n"
 		    "segments: tells apart what stands in simulated sites, or in one whose points "
 		    "have classes, and counts what is right.\n"
 		    "features: finds features in simulated scenes, and counts what was found and "
@@ -254,7 +270,8 @@ int main(int argc, char **argv)
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
 		return cli_misuse(COMMAND,
-			"there is no bench '%s': acquire, process, register, model, segments, "
+			"there is no bench '%s': acquire, process, register, model, export, "
+			"segments, "
 			"features, render, coherence",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
