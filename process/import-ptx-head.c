@@ -10,16 +10,34 @@
 
 /* ---- the head of a scan ---- */
 
+/* A line with just these numbers; what it is, for the message. */
+static bool read_numbers(struct ptx *r, int count, double *ret, const char *what, GError **error)
+{
+	const char *at;
+	if (!import_lines_next(&r->lines, &at, error))
+		return false;
+	if (!at)
+		return r->lines.line++, import_lines_refuse(error, &r->lines,
+						"the file ends, and %s must stand here", what);
+	for (int i = 0; i < count; i++) {
+		at = import_skip_blanks(at);
+		if (!import_number(&at, &ret[i]) || !import_ends_field(*at))
+			return import_lines_refuse(error, &r->lines, "%s must stand here", what);
+	}
+	return import_lines_ends(&r->lines, at) ||
+	       import_lines_refuse(error, &r->lines, "%s must stand here, and nothing else", what);
+}
+
 static bool read_size(struct ptx *r, const char *at, uint32_t *ret, GError **error)
 {
 	uint64_t value;
-	at = ptx_skip_blanks(at);
-	if (!import_integer(&at, &value) || !ptx_ends_line(r, at))
-		return ptx_refuse(error, r,
+	at = import_skip_blanks(at);
+	if (!import_integer(&at, &value) || !import_lines_ends(&r->lines, at))
+		return import_lines_refuse(error, &r->lines,
 			r->scans ? "the size of the next grid must stand here, a whole number alone"
 				 : "the size of the grid must stand here, a whole number alone");
 	if (value == 0 || value > G_MAXINT32)
-		return ptx_refuse(error, r,
+		return import_lines_refuse(error, &r->lines,
 			"a grid cannot have %" G_GUINT64_FORMAT " columns or rows", value);
 	*ret = (uint32_t)value;
 	return true;
@@ -29,19 +47,20 @@ static bool read_sizes(struct ptx *r, const char *first, GError **error)
 {
 	struct import_scan *s = &r->scan;
 	const char *second;
-	if (!read_size(r, first, &s->columns, error) || !ptx_next_line(r, &second, error))
+	if (!read_size(r, first, &s->columns, error) ||
+		!import_lines_next(&r->lines, &second, error))
 		return false;
 	if (!second)
-		return r->line++,
-		       ptx_refuse(error, r,
+		return r->lines.line++,
+		       import_lines_refuse(error, &r->lines,
 			       "the file ends, and the other size of the grid must stand here");
 	if (!read_size(r, second, &s->rows, error))
 		return false;
-	uint64_t left = import_source_size(r->file) - ptx_tell(r);
+	uint64_t left = import_source_size(r->lines.file) - import_lines_tell(&r->lines);
 	s->count = (uint64_t)s->columns * s->rows;
 	if (s->count <= left / CELL_BYTES_MIN + 1)
 		return true;
-	return ptx_refuse(error, r,
+	return import_lines_refuse(error, &r->lines,
 		"a grid of %u x %u has %" G_GUINT64_FORMAT
 		" cells, and there are only %" G_GUINT64_FORMAT " bytes left in the file",
 		s->columns, s->rows, s->count, left);
@@ -79,8 +98,8 @@ static bool apply_to_points(struct ptx *r, GError **error)
 		lengths[i] = length3(axis);
 	}
 	if (!(fabs(volume) > FLAT * lengths[0] * lengths[1] * lengths[2]))
-		return r->line -= 3,
-		       ptx_refuse(error, r, "the transform takes all points to one plane");
+		return r->lines.line -= 3, import_lines_refuse(error, &r->lines,
+						   "the transform takes all points to one plane");
 	r->is_applied = true;
 	r->applied = *p;
 	r->scan.pose = POSE_IDENTITY;
@@ -94,7 +113,7 @@ static bool check_last_column(struct ptx *r, double value, int row, GError **err
 {
 	if (fabs(value - (row == 3)) <= 1e-6)
 		return true;
-	return ptx_refuse(error, r,
+	return import_lines_refuse(error, &r->lines,
 		"the last number of this line of the transform is %g, and must be %d (a "
 		"translation stands in the fourth line)",
 		value, row == 3);
@@ -105,13 +124,13 @@ static bool read_transform(struct ptx *r, GError **error)
 	struct pose *p = &r->scan.pose;
 	for (int row = 0; row < 4; row++) {
 		double m[4];
-		if (!ptx_read_numbers(r, 4, m, "a line of the transform, four numbers,", error) ||
+		if (!read_numbers(r, 4, m, "a line of the transform, four numbers,", error) ||
 			!check_last_column(r, m[3], row, error))
 			return false;
 		for (int i = 0; i < 3; i++) {
 			if (!(fabs(m[i]) <= PTX_COORDINATE_MAX_M))
-				return ptx_refuse(
-					error, r, "%g is too large for a transform", m[i]);
+				return import_lines_refuse(
+					error, &r->lines, "%g is too large for a transform", m[i]);
 			*(row == 3 ? &p->translation_m[i] : &p->rotation[i][row]) = m[i];
 		}
 	}
@@ -137,7 +156,7 @@ bool ptx_read_head(struct ptx *r, const char *first, GError **error)
 	if (!read_sizes(r, first, error))
 		return false;
 	for (int i = 0; i < 4; i++)
-		if (!ptx_read_numbers(r, 3, unused,
+		if (!read_numbers(r, 3, unused,
 			    i ? "an axis of the scanner, three numbers,"
 			      : "where the scanner stood, three numbers,",
 			    error))
@@ -145,8 +164,8 @@ bool ptx_read_head(struct ptx *r, const char *first, GError **error)
 	if (!read_transform(r, error))
 		return false;
 	r->cells_left = r->scan.count;
-	r->first_offset = ptx_tell(r);
-	r->first_line = r->line;
+	r->first_offset = import_lines_tell(&r->lines);
+	r->first_line = r->lines.line;
 	r->scan.note = r->note;
 	r->scans++;
 	return true;

@@ -24,12 +24,12 @@ static bool read_colour(struct ptx *r, const char **at, struct point_record *p, 
 {
 	for (int i = 0; i < 3; i++) {
 		uint64_t value;
-		*at = ptx_skip_blanks(*at);
-		if (!import_integer(at, &value) || !ptx_ends_field(**at))
-			return ptx_refuse(error, r,
+		*at = import_skip_blanks(*at);
+		if (!import_integer(at, &value) || !import_ends_field(**at))
+			return import_lines_refuse(error, &r->lines,
 				"a cell is x y z intensity, or x y z intensity red green blue");
 		if (value > 255)
-			return ptx_refuse(error, r,
+			return import_lines_refuse(error, &r->lines,
 				"a colour of %" G_GUINT64_FORMAT " is not 0 to 255", value);
 		p->rgb[i] = (uint8_t)value;
 	}
@@ -52,8 +52,8 @@ static bool check_fields(struct ptx *r, int fields, GError **error)
 	if (!r->fields)
 		r->fields = fields;
 	return r->fields == fields ||
-	       ptx_refuse(error, r, "has %d numbers, and the points before have %d", fields,
-		       r->fields);
+	       import_lines_refuse(error, &r->lines,
+		       "has %d numbers, and the points before have %d", fields, r->fields);
 }
 
 /* Beyond 0..1 only the whole scan tells what they mean: then it is read again. */
@@ -79,9 +79,11 @@ static bool place(struct ptx *r, double v[4], int fields, struct point_record *p
 		pose_apply(&r->applied, v, v);
 	for (int i = 0; i < 3; i++)
 		if (!(fabs(v[i]) <= PTX_COORDINATE_MAX_M))
-			return ptx_refuse(error, r, "%g m is too far to be a point", v[i]);
+			return import_lines_refuse(
+				error, &r->lines, "%g m is too far to be a point", v[i]);
 	if (!(fabs(v[3]) <= INTENSITY_MAX))
-		return ptx_refuse(error, r, "%g is too large for an intensity", v[3]);
+		return import_lines_refuse(
+			error, &r->lines, "%g is too large for an intensity", v[3]);
 	if (!check_fields(r, fields, error))
 		return false;
 	if (!r->has_points)
@@ -97,32 +99,33 @@ static bool read_cell(struct ptx *r, struct point_record *p, GError **error)
 {
 	const char *at;
 	double v[4];
-	if (!ptx_next_line(r, &at, error))
+	if (!import_lines_next(&r->lines, &at, error))
 		return false;
 	if (!at)
-		return r->line++,
-		       ptx_refuse(error, r,
+		return r->lines.line++,
+		       import_lines_refuse(error, &r->lines,
 			       "the file ends here, and %" G_GUINT64_FORMAT
 			       " of the %" G_GUINT64_FORMAT " cells of scan %u are missing",
 			       r->cells_left, r->scan.count, r->scans);
 	for (int i = 0; i < 4; i++) {
-		at = ptx_skip_blanks(at);
-		if (!import_number(&at, &v[i]) || !ptx_ends_field(*at))
-			return ptx_refuse(error, r,
+		at = import_skip_blanks(at);
+		if (!import_number(&at, &v[i]) || !import_ends_field(*at))
+			return import_lines_refuse(error, &r->lines,
 				"a cell is x y z intensity, or x y z intensity red green blue");
 	}
 	*p = (struct point_record){ 0 };
-	int fields = ptx_ends_line(r, at) ? 4 : 7;
+	int fields = import_lines_ends(&r->lines, at) ? 4 : 7;
 	if (fields == 7 && !read_colour(r, &at, p, error))
 		return false;
-	if (!ptx_ends_line(r, at))
-		return ptx_refuse(error, r, "a cell has no more than seven numbers");
+	if (!import_lines_ends(&r->lines, at))
+		return import_lines_refuse(
+			error, &r->lines, "a cell has no more than seven numbers");
 	return place(r, v, fields, p, error);
 }
 
 static void begin_again(struct ptx *r)
 {
-	ptx_seek(r, r->first_offset, r->first_line);
+	import_lines_seek(&r->lines, r->first_offset, r->first_line);
 	r->cells_left = r->scan.count;
 	r->scan.begun++;
 	/* Nothing stays nothing. */
@@ -148,7 +151,8 @@ static bool ptx_read(import_reader *reader, struct point_record *into, size_t ma
 			return false;
 	*ret_count = count;
 	if (r->cells_left == 0 && !r->has_points)
-		return ptx_refuse(error, r, "scan %u has no point in any of its cells", r->scans);
+		return import_lines_refuse(
+			error, &r->lines, "scan %u has no point in any of its cells", r->scans);
 	if (r->cells_left == 0 && (r->is_map || r->is_applied)) {
 		r->scan.columns = r->scan.rows = 0;
 		r->scan.no_grid =
@@ -165,13 +169,14 @@ static enum import_result ptx_next_scan(
 	struct ptx *r = (struct ptx *)reader;
 	const char *line;
 	do {
-		if (!ptx_next_line(r, &line, error))
+		if (!import_lines_next(&r->lines, &line, error))
 			return IMPORT_BAD;
 		if (!line && r->scans)
 			return IMPORT_END;
 		if (!line)
-			return ptx_refuse(error, r, "there is no scan in it"), IMPORT_BAD;
-	} while (ptx_ends_line(r, line));
+			return import_lines_refuse(error, &r->lines, "there is no scan in it"),
+			       IMPORT_BAD;
+	} while (import_lines_ends(&r->lines, line));
 	if (!ptx_read_head(r, line, error))
 		return IMPORT_BAD;
 	*ret = &r->scan;
@@ -181,10 +186,10 @@ static enum import_result ptx_next_scan(
 static bool is_alone(const char **at)
 {
 	uint64_t value;
-	*at = ptx_skip_blanks(*at);
+	*at = import_skip_blanks(*at);
 	if (!import_integer(at, &value))
 		return false;
-	*at = ptx_skip_blanks(*at);
+	*at = import_skip_blanks(*at);
 	return *(*at)++ == '\n';
 }
 
@@ -194,7 +199,8 @@ static bool ptx_probe(const uint8_t *start, size_t length)
 	g_autofree char *text = g_strndup((const char *)start, length);
 	const char *at = text;
 	double x;
-	return is_alone(&at) && is_alone(&at) && (at = ptx_skip_blanks(at), import_number(&at, &x));
+	return is_alone(&at) && is_alone(&at) &&
+	       (at = import_skip_blanks(at), import_number(&at, &x));
 }
 
 static void ptx_close(import_reader *reader)
@@ -202,7 +208,7 @@ static void ptx_close(import_reader *reader)
 	struct ptx *r = (struct ptx *)reader;
 	if (!r)
 		return;
-	g_free(r->block);
+	import_lines_clear(&r->lines);
 	g_free(r->note);
 	g_free(r);
 }
@@ -211,16 +217,15 @@ static import_reader *ptx_open(import_source *file, GError **error)
 {
 	struct ptx *r = g_new0(struct ptx, 1);
 	(void)error;
-	r->file = file;
-	r->block = g_malloc(PTX_BLOCK_BYTES + 1);
-	r->block[0] = 0;
+	import_lines_begin(&r->lines, file);
 	return (import_reader *)r;
 }
 
 static double ptx_fraction(const import_reader *reader)
 {
 	const struct ptx *r = (const struct ptx *)reader;
-	return (double)ptx_tell(r) / (double)MAX(import_source_size(r->file), 1);
+	return (double)import_lines_tell(&r->lines) /
+	       (double)MAX(import_source_size(r->lines.file), 1);
 }
 
 const struct import_format import_ptx = { "PTX", "ptx", ptx_probe, ptx_open, ptx_next_scan,
