@@ -2,31 +2,43 @@
 #include <math.h>
 #include <string.h>
 
-/* Cells are so small that none has two points: their diagonal is the spacing. Points up to two cells away may be too near, but for
- * the corners. */
-#define REACH      2
-#define NEIGHBOURS 117
-#define STEPS      65535.0 /* of a place in its cell */
+/* Cells are so small that none has two points: their diagonal is the spacing. So what is too near lies at most two cells away. Cells
+ * stand in blocks of 4 x 4 x 4, of which eight hold all that are so near; a block knows which of its cells have a point. */
+#define SIDE  4
+#define REACH 2
+#define STEPS 255.0 /* of a place in its cell */
 /* Rounding to them never brings two points nearer than the spacing. */
-#define MARGIN 3e-5
+#define MARGIN 0.0021
+#define CHUNK  (1u << 16)
+#define NONE   UINT32_MAX
 
-struct entry_place {
-	uint16_t step[3];
+struct place {
+	uint32_t next; /* in the block */
+	uint8_t cell, step[3];
+};
+
+struct block {
+	uint64_t key; /* 0: free */
+	uint64_t cells;
+	uint32_t first;
 };
 
 struct spacing {
-	double spacing_m, cell_m;
-	uint64_t capacity, count; /* capacity a power of two */
-	uint64_t *key;            /* 0: free */
-	struct entry_place *place;
-	int8_t neighbour[NEIGHBOURS][3]; /* the nearest first */
+	double spacing_m, cell_m, reach; /* reach: in cells, what is too near */
+	uint64_t capacity, used;         /* blocks; capacity a power of two */
+	struct block *blocks;
+	GPtrArray *chunks; /* of CHUNK places */
+	uint64_t count;
+	uint64_t plane[3][1 << SIDE]; /* of cells of a block whose coordinate is one of a set */
 };
 
-static uint64_t key_of(const int64_t cell[3])
+/* ---- blocks ---- */
+
+static uint64_t key_of(const int64_t at[3])
 {
 	uint64_t h = 0x9e3779b97f4a7c15u;
 	for (int i = 0; i < 3; i++) {
-		h ^= (uint64_t)cell[i];
+		h ^= (uint64_t)at[i];
 		h *= 0xbf58476d1ce4e5b9u;
 		h ^= h >> 32;
 		h *= 0x94d049bb133111ebu;
@@ -36,59 +48,47 @@ static uint64_t key_of(const int64_t cell[3])
 }
 
 /* Where the key is, or would be. */
-static uint64_t slot_of(const spacing *s, uint64_t key)
+static struct block *block_of(const spacing *s, uint64_t key)
 {
 	uint64_t at = key & (s->capacity - 1);
-	while (s->key[at] && s->key[at] != key)
+	while (s->blocks[at].key && s->blocks[at].key != key)
 		at = (at + 1) & (s->capacity - 1);
-	return at;
+	return &s->blocks[at];
 }
 
 static void make_room(spacing *s)
 {
-	spacing old = *s;
+	struct block *old = s->blocks;
+	uint64_t capacity = s->capacity;
 	s->capacity *= 2;
-	s->key = g_new0(uint64_t, s->capacity);
-	s->place = g_new(struct entry_place, s->capacity);
-	for (uint64_t i = 0; i < old.capacity; i++) {
-		if (!old.key[i])
-			continue;
-		uint64_t at = slot_of(s, old.key[i]);
-		s->key[at] = old.key[i];
-		s->place[at] = old.place[i];
-	}
-	g_free(old.key);
-	g_free(old.place);
+	s->blocks = g_new0(struct block, s->capacity);
+	for (uint64_t i = 0; i < capacity; i++)
+		if (old[i].key)
+			*block_of(s, old[i].key) = old[i];
+	g_free(old);
 }
 
-static int nearness(const int8_t *n)
+static struct place *place_at(const spacing *s, uint32_t i)
 {
-	return n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+	return (struct place *)s->chunks->pdata[i / CHUNK] + i % CHUNK;
 }
 
-static int by_nearness(const void *a, const void *b)
-{
-	return nearness(a) - nearness(b);
-}
+/* ---- the set ---- */
 
 spacing *spacing_new(double spacing_m)
 {
 	spacing *s = g_new0(spacing, 1);
-	unsigned count = 0;
 	s->spacing_m = spacing_m;
 	s->cell_m = spacing_m / sqrt(3) * (1 - 1e-9);
-	s->capacity = 1 << 12;
-	s->key = g_new0(uint64_t, s->capacity);
-	s->place = g_new(struct entry_place, s->capacity);
-	for (int x = -REACH; x <= REACH; x++)
-		for (int y = -REACH; y <= REACH; y++)
-			for (int z = -REACH; z <= REACH; z++) {
-				int8_t n[3] = { (int8_t)x, (int8_t)y, (int8_t)z };
-				if (abs(x * y * z) != REACH * REACH * REACH)
-					memcpy(s->neighbour[count++], n, sizeof n);
-			}
-	g_assert(count == NEIGHBOURS);
-	qsort(s->neighbour, count, sizeof s->neighbour[0], by_nearness);
+	s->reach = spacing_m / s->cell_m * (1 + MARGIN);
+	s->capacity = 1 << 10;
+	s->blocks = g_new0(struct block, s->capacity);
+	s->chunks = g_ptr_array_new_with_free_func(g_free);
+	for (unsigned cell = 0; cell < SIDE * SIDE * SIDE; cell++)
+		for (unsigned set = 0; set < 1 << SIDE; set++)
+			for (int axis = 0; axis < 3; axis++)
+				if (set >> (cell >> 2 * axis & 3) & 1)
+					s->plane[axis][set] |= UINT64_C(1) << cell;
 	return s;
 }
 
@@ -96,45 +96,105 @@ void spacing_free(spacing *s)
 {
 	if (!s)
 		return;
-	g_free(s->key);
-	g_free(s->place);
+	g_free(s->blocks);
+	g_ptr_array_unref(s->chunks);
 	g_free(s);
 }
 
-/* in: place in its own cell, in cells. */
-static bool is_in_the_way(
-	const spacing *s, const int64_t cell[3], const double in[3], const int8_t n[3])
+/* A point: its cell, and its place in it in cells. */
+struct point {
+	int64_t block[3];
+	int cell[3];
+	double in[3];
+};
+
+static struct point locate(const spacing *s, const double at_m[3])
 {
-	int64_t there[3] = { cell[0] + n[0], cell[1] + n[1], cell[2] + n[2] };
-	uint64_t key = key_of(there), at = slot_of(s, key);
-	double squares = 0, reach = s->spacing_m / s->cell_m * (1 + MARGIN);
-	if (!s->key[at])
-		return false;
+	struct point p;
 	for (int i = 0; i < 3; i++) {
-		double apart = n[i] + s->place[at].step[i] / STEPS - in[i];
+		double cells = CLAMP(at_m[i] / s->cell_m, -9e15, 9e15);
+		int64_t cell = (int64_t)floor(cells);
+		p.in[i] = cells - floor(cells);
+		p.block[i] = cell >> 2;
+		p.cell[i] = (int)(cell & 3);
+	}
+	return p;
+}
+
+static bool is_near(
+	const spacing *s, const struct point *p, const struct place *other, const int off[3])
+{
+	double squares = 0;
+	for (int i = 0; i < 3; i++) {
+		int cells = SIDE * off[i] + (other->cell >> 2 * i & 3) - p->cell[i];
+		double apart = cells + other->step[i] / STEPS - p->in[i];
 		squares += apart * apart;
 	}
-	return squares < reach * reach;
+	return squares < s->reach * s->reach;
+}
+
+/* Coordinates of a block's cells, a bit each, that are in reach. */
+static unsigned reached(int cell, int off)
+{
+	unsigned set = 0;
+	for (int c = 0; c < SIDE; c++)
+		set |= (unsigned)(ABS(SIDE * off + c - cell) <= REACH) << c;
+	return set;
+}
+
+static bool is_in_the_way(const spacing *s, const struct point *p, const int off[3])
+{
+	int64_t there[3] = { p->block[0] + off[0], p->block[1] + off[1], p->block[2] + off[2] };
+	const struct block *b = block_of(s, key_of(there));
+	uint64_t cells = b->key ? b->cells : 0;
+	for (int i = 0; i < 3 && cells; i++)
+		cells &= s->plane[i][reached(p->cell[i], off[i])];
+	for (uint32_t at = b->first; cells; at = place_at(s, at)->next) {
+		const struct place *other = place_at(s, at);
+		if (!(cells >> other->cell & 1))
+			continue;
+		if (is_near(s, p, other, off))
+			return true;
+		cells &= ~(UINT64_C(1) << other->cell);
+	}
+	return false;
+}
+
+static void put(spacing *s, const struct point *p)
+{
+	struct block *b = block_of(s, key_of(p->block));
+	if (!b->key) {
+		if (++s->used > s->capacity / 4 * 3) {
+			make_room(s);
+			b = block_of(s, key_of(p->block));
+		}
+		*b = (struct block){ key_of(p->block), 0, NONE };
+	}
+	if (s->count % CHUNK == 0)
+		g_ptr_array_add(s->chunks, g_new(struct place, CHUNK));
+	struct place *at = place_at(s, (uint32_t)s->count);
+	*at = (struct place){ .next = b->first };
+	for (int i = 0; i < 3; i++) {
+		at->cell |= (uint8_t)(p->cell[i] << 2 * i);
+		at->step[i] = (uint8_t)(p->in[i] * STEPS + 0.5);
+	}
+	b->first = (uint32_t)s->count++;
+	b->cells |= UINT64_C(1) << at->cell;
 }
 
 bool spacing_take(spacing *s, const double at_m[3])
 {
-	int64_t cell[3];
-	double in[3];
-	for (int i = 0; i < 3; i++) {
-		double cells = CLAMP(at_m[i] / s->cell_m, -9e15, 9e15);
-		cell[i] = (int64_t)floor(cells);
-		in[i] = cells - floor(cells);
-	}
-	for (int i = 0; i < NEIGHBOURS; i++)
-		if (is_in_the_way(s, cell, in, s->neighbour[i]))
+	struct point p = locate(s, at_m);
+	/* Two cells reach into the next block on one side. The own block comes first: it is the likeliest to refuse. */
+	for (unsigned i = 0; i < 8; i++) {
+		int off[3];
+		for (int k = 0; k < 3; k++)
+			off[k] = i >> k & 1 ? (p.cell[k] < REACH ? -1 : 1) : 0;
+		if (is_in_the_way(s, &p, off))
 			return false;
-	if (++s->count > s->capacity / 5 * 3)
-		make_room(s);
-	uint64_t key = key_of(cell), at = slot_of(s, key);
-	s->key[at] = key;
-	for (int i = 0; i < 3; i++)
-		s->place[at].step[i] = (uint16_t)(in[i] * STEPS + 0.5);
+	}
+	g_assert(s->count < NONE);
+	put(s, &p);
 	return true;
 }
 

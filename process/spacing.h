@@ -1,8 +1,8 @@
 #ifndef PROCESS_SPACING_H
 #define PROCESS_SPACING_H
 /* Points of which no two are nearer to each other than a spacing: each is taken unless one that was taken before is in its way. So
- * what comes first stays, and every point that was refused has one that was taken within the spacing. About 24 bytes a point that
- * is taken. One owner, one thread. */
+ * what comes first stays, and every point that was refused has one that was taken within 1.0045 times the spacing. About 15 bytes a
+ * point that is taken. One owner, one thread. */
 #include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
