@@ -293,6 +293,8 @@ static bool read_scan(const struct reading *r, const xmlNode *n, GError **error)
 		limits_of(child(n, "intensityLimits"), "intensityMinimum", "intensityMaximum");
 	for (int i = 0; i < 3; i++)
 		s->colour[i] = limits_of(child(n, "colorLimits"), colours[i][0], colours[i][1]);
+	s->rows = limits_of(child(n, "indexBounds"), "rowMinimum", "rowMaximum");
+	s->columns = limits_of(child(n, "indexBounds"), "columnMinimum", "columnMaximum");
 	return read_points(r, n, s, error);
 }
 

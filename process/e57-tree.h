@@ -26,6 +26,7 @@ struct e57_scan {
 	bool has_pose;
 	struct pose pose;
 	struct e57_limits intensity, colour[3];
+	struct e57_limits rows, columns; /* of its grid; one row alone counts as not given */
 	bool has_points;
 	uint64_t section; /* logical offset of the vector */
 	uint64_t count;   /* of records */

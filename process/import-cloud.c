@@ -10,6 +10,7 @@
 /* No scanner reaches so far. */
 #define SCANNER_REACH_M 10000.0
 #define SAMPLES         4000u
+#define REACH_MAX       8u
 
 struct raw_point {
 	double xyz_m[3]; /* NAN: none */
@@ -270,7 +271,8 @@ static double median_angle(const import_cloud *c, uint64_t apart, bool same_row)
 	for (uint64_t k = 0; k < SAMPLES; k++) {
 		double spread = (double)k * 0.6180339887498949;
 		uint64_t i = (uint64_t)((spread - floor(spread)) * (double)c->count);
-		if (i + apart >= c->count || (same_row && (i + 1) % c->scan.columns == 0))
+		if (i + apart >= c->count ||
+			(same_row && i % c->scan.columns + apart >= c->scan.columns))
 			continue;
 		double cosine = cosine_between(c, i, i + apart);
 		if (cosine <= 1.5)
@@ -280,11 +282,20 @@ static double median_angle(const import_cloud *c, uint64_t apart, bool same_row)
 	return count < 20 ? NAN : angle[count / 2];
 }
 
+/* Beams that were coarser than their grid leave rows or columns empty: the nearest neighbours that there are. */
+static double nearest_angle(const import_cloud *c, uint64_t step, bool same_row)
+{
+	double angle = NAN;
+	for (uint64_t reach = 1; reach <= REACH_MAX && isnan(angle); reach++)
+		angle = median_angle(c, reach * step, same_row);
+	return angle;
+}
+
 /* Neighbours of a grid that was looked at from the origin are next to each other there. */
 static bool seen_from_origin(const import_cloud *c)
 {
 	uint64_t far = c->count / 3 + c->scan.columns / 3 + 1;
-	double across = median_angle(c, 1, true), down = median_angle(c, c->scan.columns, false),
+	double across = nearest_angle(c, 1, true), down = nearest_angle(c, c->scan.columns, false),
 	       anywhere = median_angle(c, far, false);
 	return across < anywhere / 4 && down < anywhere / 4;
 }

@@ -204,12 +204,25 @@ static bool count_shared(struct e57 *r, uint64_t *ret_first, uint64_t *ret_share
 	return true;
 }
 
+/* Rows and columns at the edge may have no points. What is told counts as long as it is not much more than what is there. */
+static void widen(struct e57_span *met, const struct e57_limits *told)
+{
+	double cells = met->most - met->least + 1;
+	if (!told->given || told->least > met->least || told->most < met->most ||
+		told->most - told->least + 1 > 4 * cells)
+		return;
+	met->least = floor(told->least);
+	met->most = floor(told->most);
+}
+
 static bool find_grid(struct e57 *r, GError **error)
 {
 	uint64_t first, shared;
 	struct import_scan *s = &r->scan;
 	if (r->field[E57_ROW] < 0 || r->field[E57_COLUMN] < 0)
 		return true;
+	widen(&r->met[E57_ROW], &r->from->rows);
+	widen(&r->met[E57_COLUMN], &r->from->columns);
 	s->columns = extent(&r->met[E57_COLUMN]);
 	s->rows = extent(&r->met[E57_ROW]);
 	uint64_t cells = (uint64_t)s->columns * s->rows;

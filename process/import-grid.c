@@ -12,6 +12,8 @@
 /* Beams that differ by less are one. */
 #define SPACING_MIN_RAD 1e-6
 #define BAND_BYTES      (16u << 20)
+/* Beams that were coarser than their grid leave rows or columns empty: neighbours are looked for so far away. */
+#define REACH_MAX 8u
 
 /* ---- which cells are neighbours ---- */
 
@@ -73,7 +75,7 @@ static double median(const GArray *values, bool absolute)
 
 /* ---- the answers ---- */
 
-/* Neighbours in a run of `run` cells (not over its end), and those beside it in the next run. */
+/* Neighbours in a run of `run` cells (not over its end), and those beside it in the next run, so many cells away. */
 struct neighbours {
 	uint32_t run;
 	struct differences inner, outer;
@@ -85,8 +87,19 @@ struct answer {
 	double cost;
 };
 
-static bool sample(
-	const struct grid_records *records, uint64_t cells, struct neighbours n[2], GError **error)
+/* The cell so far behind i; none: not measured. */
+static bool read_direction(const struct grid_records *records, uint64_t i, bool is_there,
+	struct direction *ret, GError **error)
+{
+	struct point_record r = { 0 };
+	if (is_there && !records->read(records->user_data, i, 1, &r, error))
+		return false;
+	*ret = direction_of(&r);
+	return true;
+}
+
+static bool sample(const struct grid_records *records, uint64_t cells, uint32_t reach,
+	struct neighbours n[2], GError **error)
 {
 	uint64_t count = MIN(cells, SAMPLES_MAX);
 	for (uint64_t k = 0; k < count; k++) {
@@ -94,18 +107,17 @@ static bool sample(
 		double spread = (double)k * 0.6180339887498949;
 		uint64_t i =
 			count == cells ? k : (uint64_t)((spread - floor(spread)) * (double)cells);
-		struct point_record here[2] = { 0 }, beside;
-		if (!records->read(records->user_data, i, i + 1 < cells ? 2 : 1, here, error))
+		struct direction d, next, other;
+		if (!read_direction(records, i, true, &d, error) ||
+			(d.measured && !read_direction(records, i + reach, i + reach < cells, &next,
+					       error)))
 			return false;
-		struct direction d = direction_of(&here[0]), next = direction_of(&here[1]);
 		for (int j = 0; j < 2 && d.measured; j++) {
-			if ((i + 1) % n[j].run)
+			uint64_t beside = i + (uint64_t)reach * n[j].run;
+			if (i % n[j].run + reach < n[j].run)
 				add_difference(&n[j].inner, &d, &next);
-			if (i + n[j].run >= cells)
-				continue;
-			if (!records->read(records->user_data, i + n[j].run, 1, &beside, error))
+			if (!read_direction(records, beside, beside < cells, &other, error))
 				return false;
-			struct direction other = direction_of(&beside);
 			add_difference(&n[j].outer, &d, &other);
 		}
 	}
@@ -168,15 +180,15 @@ static void set_sizes(struct grid_layout *l, uint32_t first, uint32_t second, ui
 	l->rows_first = l->column_by_column != run_is_second;
 }
 
-bool grid_layout_find(const struct grid_records *records, enum import_order order, uint32_t first,
-	uint32_t second, struct grid_layout *ret, GError **error)
+static bool find_at(const struct grid_records *records, enum import_order order, uint32_t first,
+	uint32_t second, uint32_t reach, struct grid_layout *ret, GError **error)
 {
 	bool by_content = order == IMPORT_BY_CONTENT;
 	uint32_t usual = order == IMPORT_ROW_BY_ROW ? first : second;
 	struct neighbours n[2] = { { usual, differences_new(), differences_new() },
 		{ usual == first ? second : first, differences_new(), differences_new() } };
 	struct answer a = { usual, order != IMPORT_ROW_BY_ROW, 0 }, told;
-	bool good = sample(records, (uint64_t)first * second, n, error);
+	bool good = sample(records, (uint64_t)first * second, reach, n, error);
 	*ret = (struct grid_layout){ .told = good && by_content &&
 					     choose(n, first == second, &told) };
 	ret->assumed = by_content && !ret->told;
@@ -193,6 +205,21 @@ bool grid_layout_find(const struct grid_records *records, enum import_order orde
 		differences_clear(&n[i].outer);
 	}
 	return good;
+}
+
+bool grid_layout_find(const struct grid_records *records, enum import_order order, uint32_t first,
+	uint32_t second, struct grid_layout *ret, GError **error)
+{
+	for (uint32_t reach = 1; reach <= REACH_MAX; reach++) {
+		struct grid_layout there;
+		if (!find_at(records, order, first, second, reach, &there, error))
+			return false;
+		if (reach == 1 || there.is_grid)
+			*ret = there;
+		if (there.is_grid)
+			break;
+	}
+	return true;
 }
 
 char *grid_layout_text(const struct grid_layout *l)
