@@ -18,6 +18,9 @@ static const struct {
 	{ E57_ROW, "rowIndex", false }, { E57_COLUMN, "columnIndex", false },
 	{ E57_RETURN, "returnIndex", false }, { E57_CLASS, "classification", true } };
 
+/* What is wrong a thousand times need not be said so often. */
+#define NOTES_MAX 1000
+
 static int find_field(const struct e57 *r, const char *name, bool is_extension_too)
 {
 	for (guint i = 0; i < r->from->fields->len; i++) {
@@ -71,6 +74,8 @@ bool e57_next_block(struct e57 *r, size_t max, size_t *ret_count, GError **error
 void e57_add_note(struct e57 *r, const char *format, ...)
 {
 	va_list args;
+	if (r->notes->len > NOTES_MAX)
+		return;
 	va_start(args, format);
 	if (r->notes->len)
 		g_string_append(r->notes, "; ");
@@ -137,8 +142,11 @@ static struct e57_span span_of(
 	else if (f->most > f->least && f->most - f->least <= 65535 && role == E57_INTENSITY)
 		told = (struct e57_span){ f->least, f->most };
 	else
-		told.most = met.most <= 1 ? 1 : met.most <= 255 ? 255 : 65535;
-	if (met.least >= told.least && met.most <= told.most)
+		told.most = met.most <= 1 && f->kind != E57_INTEGER ? 1
+			    : met.most <= 255                       ? 255
+								    : 65535;
+	double slack = 1e-6 * (told.most - told.least); /* singles are rounded */
+	if (met.least >= told.least - slack && met.most <= told.most + slack)
 		return told;
 	*ret_beyond = true;
 	return (struct e57_span){ fmin(met.least, 0), fmax(met.most, met.least + 1e-9) };
@@ -173,6 +181,11 @@ bool e57_cell(const struct e57 *r, size_t i, uint64_t *ret)
 	return true;
 }
 
+bool e57_is_later_echo(const struct e57 *r, size_t i)
+{
+	return e57_number(r, E57_RETURN, i, 0) > fmax(r->met[E57_RETURN].least, 0);
+}
+
 static uint32_t extent(const struct e57_span *s)
 {
 	double cells = s->most - s->least + 1;
@@ -194,8 +207,8 @@ static bool count_shared(struct e57 *r, uint64_t *ret_first, uint64_t *ret_share
 			return false;
 		for (size_t i = 0; i < count; i++) {
 			uint64_t cell;
-			if (e57_number(r, E57_RETURN, i, 0) > fmax(r->met[E57_RETURN].least, 0) ||
-				e57_number(r, E57_STATE, i, 0) != 0 || !e57_cell(r, i, &cell))
+			if (e57_is_later_echo(r, i) || e57_number(r, E57_STATE, i, 0) != 0 ||
+				!e57_cell(r, i, &cell))
 				continue;
 			(*ret_first)++;
 			*ret_shared += e57_set_bit(r->has_point, cell);
