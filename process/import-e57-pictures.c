@@ -20,8 +20,13 @@ static bool check_blob(struct e57 *r, const struct e57_image *image, GError **er
 	uint8_t h[E57_BLOB_BYTES];
 	if (!e57_pages_read(r->pages, image->section, h, sizeof h, error))
 		return false;
-	return (h[0] == E57_BLOB_ID && image->bytes <= e57_pages_size(r->pages) - image->section) ||
-	       e57_pages_refuse(error, r->pages, image->section, "there is no picture here");
+	uint64_t length;
+	memcpy(&length, h + 8,
+		sizeof length); /* of the section; some writers leave its header out */
+	if (h[0] != E57_BLOB_ID || GUINT64_FROM_LE(length) < image->bytes)
+		return e57_pages_refuse(error, r->pages, image->section,
+			"there is no picture of %" G_GUINT64_FORMAT " bytes here", image->bytes);
+	return true;
 }
 
 static bool copy_bytes(
