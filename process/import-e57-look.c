@@ -89,21 +89,31 @@ static void meet(struct e57_span *s, double value)
 {
 	if (!isfinite(value))
 		return;
-	s->least = fmin(s->least, value);
-	s->most = fmax(s->most, value);
+	if (value < s->least)
+		s->least = value;
+	if (value > s->most)
+		s->most = value;
 }
 
-static void meet_record(struct e57 *r, size_t i)
+/* Numbers of a block, but where one of the others is not 0. */
+static void meet_numbers(
+	struct e57 *r, enum e57_role role, const double *state, const double *none, size_t count)
 {
-	static const enum e57_role of_points[] = { E57_ROW, E57_COLUMN, E57_RETURN };
-	for (size_t k = 0; k < G_N_ELEMENTS(of_points); k++)
-		meet(&r->met[of_points[k]], e57_number(r, of_points[k], i, NAN));
-	if (e57_number(r, E57_STATE, i, 0) != 0)
-		return;
-	if (e57_number(r, E57_NO_INTENSITY, i, 0) == 0)
-		meet(&r->met[E57_INTENSITY], e57_number(r, E57_INTENSITY, i, NAN));
-	for (int k = E57_RED; k <= E57_BLUE && e57_number(r, E57_NO_COLOUR, i, 0) == 0; k++)
-		meet(&r->met[k], e57_number(r, (enum e57_role)k, i, NAN));
+	const double *number = r->number[role];
+	for (size_t i = 0; number && i < count; i++)
+		if ((!state || state[i] == 0) && (!none || none[i] == 0))
+			meet(&r->met[role], number[i]);
+}
+
+static void meet_block(struct e57 *r, size_t count)
+{
+	const double *state = r->number[E57_STATE];
+	meet_numbers(r, E57_ROW, NULL, NULL, count);
+	meet_numbers(r, E57_COLUMN, NULL, NULL, count);
+	meet_numbers(r, E57_RETURN, NULL, NULL, count);
+	meet_numbers(r, E57_INTENSITY, state, r->number[E57_NO_INTENSITY], count);
+	for (int k = E57_RED; k <= E57_BLUE; k++)
+		meet_numbers(r, (enum e57_role)k, state, r->number[E57_NO_COLOUR], count);
 }
 
 static bool find_ranges(struct e57 *r, GError **error)
@@ -119,8 +129,7 @@ static bool find_ranges(struct e57 *r, GError **error)
 	while (count) {
 		if (!e57_next_block(r, E57_BLOCK_RECORDS, &count, error))
 			return false;
-		for (size_t i = 0; i < count; i++)
-			meet_record(r, i);
+		meet_block(r, count);
 	}
 	return true;
 }
@@ -179,11 +188,6 @@ bool e57_cell(const struct e57 *r, size_t i, uint64_t *ret)
 		return false;
 	*ret = (uint64_t)row * r->scan.columns + (uint64_t)column;
 	return true;
-}
-
-bool e57_is_later_echo(const struct e57 *r, size_t i)
-{
-	return e57_number(r, E57_RETURN, i, 0) > fmax(r->met[E57_RETURN].least, 0);
 }
 
 static uint32_t extent(const struct e57_span *s)

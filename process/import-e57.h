@@ -63,7 +63,11 @@ static inline double e57_number(const struct e57 *r, enum e57_role role, size_t 
 /* Reads all of the scan once, for what must be known before the first point is given: ranges of numbers, and whether rows and columns
  * make a grid, which scan.columns then says. */
 bool e57_look_through(struct e57 *r, GError **error);
-bool e57_is_later_echo(const struct e57 *r, size_t i);
+static inline bool e57_is_later_echo(const struct e57 *r, size_t i)
+{
+	const double *echo = r->number[E57_RETURN];
+	return echo && echo[i] > 0 && echo[i] > r->met[E57_RETURN].least;
+}
 /* Where record i of the block belongs in the grid; false: nowhere. */
 bool e57_cell(const struct e57 *r, size_t i, uint64_t *ret);
 static inline bool e57_bit(const uint8_t *bits, uint64_t i)
