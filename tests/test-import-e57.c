@@ -1,6 +1,5 @@
-/* Points of E57 files of every codec into a site: coordinates, intensities, colours, classes; and real files. */
+/* Points of E57 files of every codec into a site: coordinates, intensities, colours, classes. */
 #include "tests/e57-taken.h"
-#include "tests/support.h"
 
 /* ---- coordinates ---- */
 
@@ -332,59 +331,6 @@ static void test_colour(gconstpointer data)
 	taken_clear(&t);
 }
 
-/* ---- real files ---- */
-
-static void test_pump(void)
-{
-	const char *path = shared_path("data/pump/pump.e57");
-	g_autofree char *ptx = g_strdup(shared_path("data/pump/pump.ptx"));
-	if (!path || !ptx)
-		return g_test_skip("there is no shared/data/pump");
-	struct place at = place_new();
-	g_autofree char *e57 = g_strdup(shared_path("data/pump/pump.e57"));
-	g_autoptr(GArray) scans = place_import(&at, e57);
-	g_autoptr(GArray) others = place_import(&at, ptx);
-	g_autoptr(points) p = place_points(&at, 1), q = place_points(&at, 2);
-	g_assert_cmpuint(g_array_index(scans, struct imported, 0).points, ==, 155201);
-	g_assert_cmpuint(p->columns, ==, 345);
-	g_assert_cmpuint(p->rows, ==, 1074);
-	g_assert_cmpuint(q->columns, ==, p->columns);
-	g_assert_cmpuint(q->count, ==, p->count);
-	for (uint64_t i = 0; i < p->count; i++) {
-		const struct point_record *a = &p->record[i], *b = &q->record[i];
-		const double at_m[3] = { b->x_m, b->y_m, b->z_m };
-		g_assert_cmpint(a->cell == CELL_MEASURED, ==, b->cell == CELL_MEASURED);
-		if (a->cell != CELL_MEASURED)
-			continue;
-		assert_close(a, at_m, 0.06);
-		g_assert_cmpmem(a->rgb, 3, b->rgb, 3);
-	}
-	g_autofree char *folder = site_scan_path(at.site, 1),
-			*picture = g_build_filename(folder, "picture-01.jpg", NULL), *bytes = NULL;
-	gsize length;
-	g_assert_true(g_file_get_contents(picture, &bytes, &length, NULL));
-	g_assert_cmpuint(length, ==, 1504576);
-	g_assert_cmpmem(bytes, 3, "\xff\xd8\xff", 3);
-	place_clear(&at);
-}
-
-static void test_probe(void)
-{
-	const char *path = shared_path("vectors/e57_probe.e57");
-	if (!path)
-		return g_test_skip("there is no shared/vectors/e57_probe.e57");
-	struct place at = place_new();
-	g_autoptr(GArray) scans = place_import(&at, path);
-	g_autoptr(points) p = place_points(&at, 1);
-	g_autoptr(manifest) m = place_manifest(&at, 1);
-	g_assert_cmpuint(p->columns, ==, 300);
-	g_assert_cmpuint(p->rows, ==, 79);
-	g_assert_cmpuint(g_array_index(scans, struct imported, 0).points, ==, 23700 - 245);
-	g_assert_cmpuint(p->have, ==, POINTS_HAVE_INTENSITY | POINTS_HAVE_COLOUR);
-	manifest_assert_numbers(m, "given_pose.translation_m", 1.5, 0, 0);
-	place_clear(&at);
-}
-
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -404,7 +350,5 @@ int main(int argc, char **argv)
 		g_autofree char *path = g_strconcat("/import-e57/colour/", paints[i].path, NULL);
 		g_test_add_data_func(path, &paints[i], test_colour);
 	}
-	g_test_add_func("/import-e57/pump", test_pump);
-	g_test_add_func("/import-e57/probe", test_probe);
 	return g_test_run();
 }
