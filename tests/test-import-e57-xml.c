@@ -190,6 +190,10 @@ static void test_spellings(void)
 	g_autofree char *crlf = replaced(plain_xml(), "\n", "\r\n");
 	g_autofree char *apostrophes = replaced(plain_xml(), "\"", "'");
 	g_autofree char *bare = replaced(plain_xml(), " xmlns=\"" MADE_NAMESPACE "\"", "");
+	g_autofree char *filler = g_strnfill(12000000, '\n');
+	g_autofree char *with_filler = g_strconcat("<data3D", filler, NULL);
+	g_autofree char *lengthy = replaced(plain_xml(), "<data3D", with_filler);
+	assert_read(lengthy, strlen(lengthy)); /* many scans make so much */
 	assert_read(plain, strlen(plain));
 	assert_read(plain, strlen(plain) + 1); /* a zero behind it */
 	assert_read(with_mark, strlen(with_mark));
@@ -297,7 +301,8 @@ static void refuse_many(const char *at, const char *piece, unsigned count, const
 /* What would take very long, or very much. */
 static void test_heavy_xml(void)
 {
-	refuse_many("<data3D", "<a/>", 2000001, "more than 2000000 tags");
+	refuse_many("<data3D", "<a/>", 2000001, "more than 2000000 tags and");
+	refuse_many("<data3D", "<a b=''/>", 1000001, "more than 2000000 tags and");
 	refuse_many("type=\"CompressedVector\"", "a%u='' ", 200000, "more than 1000 attributes");
 	refuse_many("<data3D", "<a>", 100000, "of its XML: ");
 	g_autofree char *deep = g_strdup_printf("%s%s%s%s<cartesianX", DEEP, DEEP, CLOSE, CLOSE);
