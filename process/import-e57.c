@@ -10,26 +10,26 @@
 
 /* ---- points ---- */
 
+/* 0 to 1; what is no number, and what is of no range, is 0. */
+static double share_of(const struct e57_span *s, double value)
+{
+	double share = (value - s->least) / (s->most - s->least);
+	return isfinite(share) ? CLAMP(share, 0, 1) : 0;
+}
+
 static uint16_t intensity_of(const struct e57 *r, size_t i)
 {
-	double value = e57_number(r, E57_INTENSITY, i, 0);
-	if (r->field[E57_INTENSITY] < 0 || e57_number(r, E57_NO_INTENSITY, i, 0) != 0 ||
-		!isfinite(value))
+	if (r->field[E57_INTENSITY] < 0 || e57_number(r, E57_NO_INTENSITY, i, 0) != 0)
 		return 0;
-	double share = (value - r->intensity.least) / (r->intensity.most - r->intensity.least);
-	return (uint16_t)(CLAMP(share, 0, 1) * 65535 + 0.5);
+	return (uint16_t)(share_of(&r->intensity, r->number[E57_INTENSITY][i]) * 65535 + 0.5);
 }
 
 static void colour_of(const struct e57 *r, size_t i, uint8_t rgb[3])
 {
 	if (r->field[E57_RED] < 0 || e57_number(r, E57_NO_COLOUR, i, 0) != 0)
 		return;
-	for (int k = 0; k < 3; k++) {
-		double value = r->number[E57_RED + k][i];
-		double share =
-			(value - r->colour[k].least) / (r->colour[k].most - r->colour[k].least);
-		rgb[k] = isfinite(share) ? (uint8_t)(CLAMP(share, 0, 1) * 255 + 0.5) : 0;
-	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = (uint8_t)(share_of(&r->colour[k], r->number[E57_RED + k][i]) * 255 + 0.5);
 }
 
 static void locate(const struct e57 *r, size_t i, double ret[3])
