@@ -1,15 +1,16 @@
 #include "process/e57-tree.h"
-#include <libxml/parser.h>
+#include "process/e57-xml.h"
 #include <math.h>
 #include <string.h>
 
-/* Thousands of scans make a few MB. */
-#define XML_BYTES_MAX (256u << 20)
+/* More have no room in a packet. */
+#define FIELDS_MAX 32765u
 
 struct reading {
-	e57_pages *pages;
 	import_source *file;
 	e57_tree *tree;
+	GHashTable *by_guid; /* of scans, their index + 1 */
+	uint64_t *pictures;  /* bytes of all so far */
 };
 
 #define refuse(error, r, ...) import_refuse(error, (r)->file, G_IO_ERROR_INVALID_DATA, __VA_ARGS__)
@@ -21,10 +22,12 @@ static bool is_named(const xmlNode *n, const char *name)
 	return n->type == XML_ELEMENT_NODE && !strcmp((const char *)n->name, name);
 }
 
-/* Those of the standard: an extension may use the same names for something else. */
+/* Those of the standard are of the root's namespace, whatever its prefix is: an extension may use the same names for something else. */
 static bool is_extension(const xmlNode *n)
 {
-	return n->ns && n->ns->prefix;
+	const xmlNode *root = xmlDocGetRootElement(n->doc);
+	return n->ns && n->ns != root->ns &&
+	       (!root->ns || !xmlStrEqual(n->ns->href, root->ns->href));
 }
 
 static const xmlNode *child(const xmlNode *n, const char *name)
@@ -224,6 +227,10 @@ static bool read_fields(
 				xmlGetLineNo(c), c->name);
 		if (!good)
 			return false;
+		if (into->len == FIELDS_MAX)
+			return refuse(error, r,
+				"line %ld of its XML: more fields than a packet has room for",
+				xmlGetLineNo(c));
 		f.name = g_strdup((const char *)c->name);
 		f.is_extension = is_extension(c);
 		g_array_append_val(into, f);
@@ -286,6 +293,8 @@ static bool read_scan(const struct reading *r, const xmlNode *n, GError **error)
 	g_ptr_array_add(r->tree->scans, s);
 	s->guid = text(child(n, "guid"));
 	s->name = text(child(n, "name"));
+	if (s->guid)
+		g_hash_table_insert(r->by_guid, s->guid, GUINT_TO_POINTER(r->tree->scans->len));
 	if (!pose_of(n, &s->has_pose, &s->pose))
 		return refuse(error, r, "line %ld of its XML: the pose of scan %u is no motion",
 			xmlGetLineNo(n), r->tree->scans->len);
@@ -304,7 +313,6 @@ static void image_free(gpointer data)
 {
 	struct e57_image *i = data;
 	g_free(i->name);
-	g_free(i->scan_guid);
 	g_free(i);
 }
 
@@ -314,15 +322,16 @@ static const struct representation {
 	{ "pinholeRepresentation", "pinhole" }, { "cylindricalRepresentation", "cylindrical" },
 	{ "visualReferenceRepresentation", "visual reference" } };
 
-/* false: there is none that can be used. */
+/* false: there is none that can be used. All together are not more than the file: else one could stand for thousands. */
 static bool read_blob(const struct reading *r, const xmlNode *of, struct e57_image *i)
 {
 	const xmlNode *jpeg = child(of, "jpegImage"), *blob = jpeg ? jpeg : child(of, "pngImage");
 	int64_t bytes = 0;
 	if (!blob || !integer_of(r, blob, "length", 0, &bytes, NULL) || bytes <= 0 ||
-		(uint64_t)bytes > import_source_size(r->file) ||
+		(uint64_t)bytes > import_source_size(r->file) - *r->pictures ||
 		!offset_of(r, blob, &i->section, NULL))
 		return false;
+	*r->pictures += (uint64_t)bytes;
 	i->bytes = (uint64_t)bytes;
 	i->extension = jpeg ? "jpg" : "png";
 	return true;
@@ -343,8 +352,9 @@ static void read_camera(const xmlNode *of, struct e57_image *i)
 static void read_image(const struct reading *r, const xmlNode *n, unsigned number)
 {
 	struct e57_image *i = g_new0(struct e57_image, 1);
+	g_autofree char *guid = text(child(n, "associatedData3DGuid"));
 	i->name = text(child(n, "name"));
-	i->scan_guid = text(child(n, "associatedData3DGuid"));
+	i->scan = GPOINTER_TO_UINT(guid ? g_hash_table_lookup(r->by_guid, guid) : NULL) - 1;
 	i->has_pose = pose_of(n, &i->has_pose, &i->pose) && i->has_pose;
 	for (size_t k = 0; k < G_N_ELEMENTS(representations) && !i->kind; k++) {
 		const xmlNode *of = child(n, representations[k].element);
@@ -377,86 +387,13 @@ static bool read_vectors(const struct reading *r, const xmlNode *root, GError **
 	return true;
 }
 
-static bool read_root(const struct reading *r, xmlDoc *doc, GError **error)
+static bool read_root(const struct reading *r, const xmlDoc *doc, GError **error)
 {
-	const xmlNode *root = doc ? xmlDocGetRootElement(doc) : NULL;
-	if (!root) {
-		const xmlError *why = xmlGetLastError();
-		g_autofree char *what =
-			g_strdup(why && why->message ? why->message : "it is empty");
-		return refuse(
-			error, r, "line %d of its XML: %s", why ? why->line : 1, g_strstrip(what));
-	}
+	const xmlNode *root = xmlDocGetRootElement(doc);
 	if (!is_named(root, "e57Root"))
 		return refuse(error, r, "line %ld of its XML: '%s' should be e57Root",
 			xmlGetLineNo(root), root->name);
 	return read_vectors(r, root, error);
-}
-
-static bool parse(const struct reading *r, const char *xml, size_t length, GError **error)
-{
-	/* No entities, no network; what is wrong is told once, by us. */
-	int options = XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING | XML_PARSE_NOCDATA;
-	xmlResetLastError();
-	xmlDoc *doc = xmlReadMemory(xml, (int)length, NULL, NULL, options);
-	bool good = read_root(r, doc, error);
-	xmlFreeDoc(doc);
-	return good;
-}
-
-static uint64_t u64_at(const uint8_t *at)
-{
-	uint64_t value;
-	memcpy(&value, at, sizeof value);
-	return GUINT64_FROM_LE(value);
-}
-
-static bool check_header(const struct reading *r, const uint8_t *h, GError **error)
-{
-	uint64_t size = import_source_size(r->file), told = u64_at(h + 16), page = u64_at(h + 40);
-	uint32_t major;
-	memcpy(&major, h + 8, sizeof major);
-	major = GUINT32_FROM_LE(major);
-	if (memcmp(h, E57_SIGNATURE, 8) != 0)
-		return refuse(error, r, "does not begin with ASTM-E57, as E57 files do");
-	if (major != 1)
-		return import_refuse(error, r->file, G_IO_ERROR_NOT_SUPPORTED,
-			"is E57 version %u; version 1 is read", major);
-	if (page != E57_PAGE_BYTES)
-		return refuse(error, r,
-			"byte 40: pages of %" G_GUINT64_FORMAT " bytes cannot be; they have 1024",
-			page);
-	if (told > size)
-		return refuse(error, r,
-			"is cut short: its header tells of %" G_GUINT64_FORMAT
-			" bytes, and it has %" G_GUINT64_FORMAT,
-			told, size);
-	return true;
-}
-
-static bool read_file(const struct reading *r, GError **error)
-{
-	uint8_t h[E57_HEADER_BYTES];
-	size_t got;
-	/* Also of a file whose first page is damaged, it can be told that it is E57. */
-	if (!import_source_read(r->file, 0, h, sizeof h, &got, error))
-		return false;
-	if (got < sizeof h)
-		return refuse(error, r, "is cut short in its header, at byte %zu", got);
-	if (!check_header(r, h, error) || !e57_pages_read(r->pages, 0, h, sizeof h, error))
-		return false;
-	uint64_t at = e57_logical(u64_at(h + 24)), length = u64_at(h + 32);
-	if (length == 0 || length > XML_BYTES_MAX)
-		return refuse(error, r, "byte 32: an XML of %" G_GUINT64_FORMAT " bytes cannot be",
-			length);
-	if (u64_at(h + 24) >= import_source_size(r->file) || length > e57_pages_size(r->pages) - at)
-		return refuse(error, r,
-			"byte 24: its XML of %" G_GUINT64_FORMAT
-			" bytes cannot begin at byte %" G_GUINT64_FORMAT
-			": the file has %" G_GUINT64_FORMAT,
-			length, u64_at(h + 24), import_source_size(r->file));
-	g_autofree char *xml = g_malloc(length);
-	return e57_pages_read(r->pages, at, xml, length, error) && parse(r, xml, length, error);
 }
 
 e57_tree *e57_tree_read(e57_pages *pages, import_source *file, GError **error)
@@ -465,8 +402,13 @@ e57_tree *e57_tree_read(e57_pages *pages, import_source *file, GError **error)
 	t->scans = g_ptr_array_new_with_free_func(scan_free);
 	t->images = g_ptr_array_new_with_free_func(image_free);
 	t->passed_over = g_ptr_array_new_with_free_func(g_free);
-	struct reading r = { pages, file, t };
-	if (read_file(&r, error))
+	g_autoptr(GHashTable) by_guid = g_hash_table_new(g_str_hash, g_str_equal);
+	uint64_t pictures = 0;
+	struct reading r = { file, t, by_guid, &pictures };
+	xmlDoc *doc = e57_xml_read(pages, file, error);
+	bool good = doc && read_root(&r, doc, error);
+	xmlFreeDoc(doc);
+	if (good)
 		return t;
 	e57_tree_free(t);
 	return NULL;

@@ -33,11 +33,14 @@ struct e57_scan {
 	GArray *fields;   /* of struct e57_field, in the order of the streams */
 };
 
+#define E57_NO_SCAN UINT_MAX
+
 /* A picture in the file. */
 struct e57_image {
-	char *name, *scan_guid; /* NULL: none */
-	const char *kind;       /* "spherical", "pinhole", "cylindrical" or "visual reference" */
-	const char *extension;  /* "jpg" or "png" */
+	char *name;            /* NULL: none */
+	unsigned scan;         /* that it belongs to, from 0; E57_NO_SCAN: none of these */
+	const char *kind;      /* "spherical", "pinhole", "cylindrical" or "visual reference" */
+	const char *extension; /* "jpg" or "png" */
 	bool has_pose;
 	struct pose pose;
 	uint64_t section, bytes;          /* logical offset of the blob; of the picture */

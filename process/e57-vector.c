@@ -1,7 +1,7 @@
 #include "process/e57-vector.h"
 #include <string.h>
 
-/* A file whose streams run further apart than this is not one that a writer makes. */
+/* Of all streams: a file whose streams run further apart than this is not one that a writer makes. */
 #define QUEUE_MAX (64u << 20)
 /* Loads of eight bytes may reach so far beyond the last one. */
 #define BEHIND 16u
@@ -66,7 +66,7 @@ static uint16_t u16_at(const uint8_t *at)
 static bool take_data(e57_vector *v, size_t length, GError **error)
 {
 	unsigned count = u16_at(v->packet + 4);
-	size_t at = 6 + 2u * (size_t)count;
+	size_t at = 6 + 2u * (size_t)count, queued = 0;
 	if (count != v->count || at > length)
 		return e57_pages_refuse(error, v->pages, v->next,
 			"a packet of %u streams, and the points have %u fields", count, v->count);
@@ -76,16 +76,14 @@ static bool take_data(e57_vector *v, size_t length, GError **error)
 		if (bytes > length - at)
 			return e57_pages_refuse(error, v->pages, v->next,
 				"the streams of a packet are longer than it is, %zu bytes", length);
-		if (s->wanted && s->bits) {
+		if (s->wanted && s->bits)
 			append(s, v->packet + at, bytes);
-			if (s->filled > QUEUE_MAX)
-				return e57_pages_refuse(error, v->pages, v->next,
-					"the stream of '%s' has much that the others have not yet",
-					field_at(v, i)->name);
-		}
+		queued += s->filled;
 		at += bytes;
 	}
-	return true;
+	return queued <= QUEUE_MAX ||
+	       e57_pages_refuse(error, v->pages, v->next,
+		       "some of the streams have much that the others have not yet");
 }
 
 static bool next_packet(e57_vector *v, GError **error)
@@ -202,6 +200,11 @@ double e57_vector_fraction(const e57_vector *v)
 	return (double)v->done / (double)v->scan->count;
 }
 
+uint64_t e57_vector_bytes(const e57_vector *v)
+{
+	return v->end - v->scan->section;
+}
+
 /* ---- opening ---- */
 
 static unsigned bits_of(const struct e57_field *f)
@@ -244,12 +247,13 @@ static bool read_section(e57_vector *v, GError **error)
 	return true;
 }
 
-/* So much that no stream could ever come to its end is a lie: told before anything is made for it. */
+/* So much that no stream could ever come to its end is a lie: told before anything is made for it. Of all streams: those that are
+ * wanted may all have no bits. */
 static bool check_count(const e57_vector *v, GError **error)
 {
 	uint64_t bits = 0, bytes = v->end - v->next;
 	for (unsigned i = 0; i < v->count; i++)
-		bits += v->streams[i].wanted ? v->streams[i].bits : 0;
+		bits += v->streams[i].bits;
 	if (bits && v->scan->count / 8 <= bytes / bits)
 		return true;
 	return e57_pages_refuse(error, v->pages, v->scan->section,

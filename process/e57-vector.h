@@ -16,6 +16,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(e57_vector, e57_vector_free)
 bool e57_vector_read(e57_vector *v, size_t max, size_t *ret_count, GError **error);
 /* Of the block that was read last; NULL: not wanted. */
 const double *e57_vector_numbers(const e57_vector *v, unsigned field);
+/* Of its section, logical. */
+uint64_t e57_vector_bytes(const e57_vector *v);
 /* Of its records that were read, 0..1. */
 double e57_vector_fraction(const e57_vector *v);
 

@@ -18,6 +18,9 @@ static const struct {
 	{ E57_ROW, "rowIndex", false }, { E57_COLUMN, "columnIndex", false },
 	{ E57_RETURN, "returnIndex", false }, { E57_CLASS, "classification", true } };
 
+/* What is wrong a thousand times need not be said so often. */
+#define NOTES_MAX 1000
+
 static int find_field(const struct e57 *r, const char *name, bool is_extension_too)
 {
 	for (guint i = 0; i < r->from->fields->len; i++) {
@@ -71,6 +74,8 @@ bool e57_next_block(struct e57 *r, size_t max, size_t *ret_count, GError **error
 void e57_add_note(struct e57 *r, const char *format, ...)
 {
 	va_list args;
+	if (r->notes->len > NOTES_MAX)
+		return;
 	va_start(args, format);
 	if (r->notes->len)
 		g_string_append(r->notes, "; ");
@@ -84,21 +89,31 @@ static void meet(struct e57_span *s, double value)
 {
 	if (!isfinite(value))
 		return;
-	s->least = fmin(s->least, value);
-	s->most = fmax(s->most, value);
+	if (value < s->least)
+		s->least = value;
+	if (value > s->most)
+		s->most = value;
 }
 
-static void meet_record(struct e57 *r, size_t i)
+/* Numbers of a block, but where one of the others is not 0. */
+static void meet_numbers(
+	struct e57 *r, enum e57_role role, const double *state, const double *none, size_t count)
 {
-	static const enum e57_role of_points[] = { E57_ROW, E57_COLUMN, E57_RETURN };
-	for (size_t k = 0; k < G_N_ELEMENTS(of_points); k++)
-		meet(&r->met[of_points[k]], e57_number(r, of_points[k], i, NAN));
-	if (e57_number(r, E57_STATE, i, 0) != 0)
-		return;
-	if (e57_number(r, E57_NO_INTENSITY, i, 0) == 0)
-		meet(&r->met[E57_INTENSITY], e57_number(r, E57_INTENSITY, i, NAN));
-	for (int k = E57_RED; k <= E57_BLUE && e57_number(r, E57_NO_COLOUR, i, 0) == 0; k++)
-		meet(&r->met[k], e57_number(r, (enum e57_role)k, i, NAN));
+	const double *number = r->number[role];
+	for (size_t i = 0; number && i < count; i++)
+		if ((!state || state[i] == 0) && (!none || none[i] == 0))
+			meet(&r->met[role], number[i]);
+}
+
+static void meet_block(struct e57 *r, size_t count)
+{
+	const double *state = r->number[E57_STATE];
+	meet_numbers(r, E57_ROW, NULL, NULL, count);
+	meet_numbers(r, E57_COLUMN, NULL, NULL, count);
+	meet_numbers(r, E57_RETURN, NULL, NULL, count);
+	meet_numbers(r, E57_INTENSITY, state, r->number[E57_NO_INTENSITY], count);
+	for (int k = E57_RED; k <= E57_BLUE; k++)
+		meet_numbers(r, (enum e57_role)k, state, r->number[E57_NO_COLOUR], count);
 }
 
 static bool find_ranges(struct e57 *r, GError **error)
@@ -114,8 +129,7 @@ static bool find_ranges(struct e57 *r, GError **error)
 	while (count) {
 		if (!e57_next_block(r, E57_BLOCK_RECORDS, &count, error))
 			return false;
-		for (size_t i = 0; i < count; i++)
-			meet_record(r, i);
+		meet_block(r, count);
 	}
 	return true;
 }
@@ -137,8 +151,11 @@ static struct e57_span span_of(
 	else if (f->most > f->least && f->most - f->least <= 65535 && role == E57_INTENSITY)
 		told = (struct e57_span){ f->least, f->most };
 	else
-		told.most = met.most <= 1 ? 1 : met.most <= 255 ? 255 : 65535;
-	if (met.least >= told.least && met.most <= told.most)
+		told.most = met.most <= 1 && f->kind != E57_INTEGER ? 1
+			    : met.most <= 255                       ? 255
+								    : 65535;
+	double slack = 1e-6 * (told.most - told.least); /* singles are rounded */
+	if (met.least >= told.least - slack && met.most <= told.most + slack)
 		return told;
 	*ret_beyond = true;
 	return (struct e57_span){ fmin(met.least, 0), fmax(met.most, met.least + 1e-9) };
@@ -194,8 +211,8 @@ static bool count_shared(struct e57 *r, uint64_t *ret_first, uint64_t *ret_share
 			return false;
 		for (size_t i = 0; i < count; i++) {
 			uint64_t cell;
-			if (e57_number(r, E57_RETURN, i, 0) > fmax(r->met[E57_RETURN].least, 0) ||
-				e57_number(r, E57_STATE, i, 0) != 0 || !e57_cell(r, i, &cell))
+			if (e57_is_later_echo(r, i) || e57_number(r, E57_STATE, i, 0) != 0 ||
+				!e57_cell(r, i, &cell))
 				continue;
 			(*ret_first)++;
 			*ret_shared += e57_set_bit(r->has_point, cell);

@@ -10,15 +10,9 @@
 
 #define PIECE_BYTES (1u << 16)
 
-static bool names_scan(const struct e57 *r, const struct e57_image *image, const char *guid)
+static bool is_of_scan(const struct e57 *r, const struct e57_image *image)
 {
-	if (g_strcmp0(image->scan_guid, guid) == 0 && guid)
-		return true;
-	for (guint i = 0; i < r->tree->scans->len && image->scan_guid; i++)
-		if (g_strcmp0(((const struct e57_scan *)r->tree->scans->pdata[i])->guid,
-			    image->scan_guid) == 0)
-			return false;
-	return r->scans == 1;
+	return image->scan == E57_NO_SCAN ? r->scans == 1 : image->scan == r->next - 1;
 }
 
 static bool check_blob(struct e57 *r, const struct e57_image *image, GError **error)
@@ -26,8 +20,13 @@ static bool check_blob(struct e57 *r, const struct e57_image *image, GError **er
 	uint8_t h[E57_BLOB_BYTES];
 	if (!e57_pages_read(r->pages, image->section, h, sizeof h, error))
 		return false;
-	return (h[0] == E57_BLOB_ID && image->bytes <= e57_pages_size(r->pages) - image->section) ||
-	       e57_pages_refuse(error, r->pages, image->section, "there is no picture here");
+	uint64_t length;
+	memcpy(&length, h + 8,
+		sizeof length); /* of the section; some writers leave its header out */
+	if (h[0] != E57_BLOB_ID || GUINT64_FROM_LE(length) < image->bytes)
+		return e57_pages_refuse(error, r->pages, image->section,
+			"there is no picture of %" G_GUINT64_FORMAT " bytes here", image->bytes);
+	return true;
 }
 
 static bool copy_bytes(
@@ -96,7 +95,7 @@ bool e57_save_pictures(import_reader *reader, const char *folder, JsonArray *int
 	struct e57 *r = (struct e57 *)reader;
 	for (guint i = 0; i < r->tree->images->len; i++) {
 		const struct e57_image *image = r->tree->images->pdata[i];
-		if (!names_scan(r, image, r->from->guid))
+		if (!is_of_scan(r, image))
 			continue;
 		g_autofree char *file = g_strdup_printf("picture-%02u.%s",
 					json_array_get_length(into) + 1, image->extension),

@@ -10,26 +10,26 @@
 
 /* ---- points ---- */
 
+/* 0 to 1; what is no number, and what is of no range, is 0. */
+static double share_of(const struct e57_span *s, double value)
+{
+	double share = (value - s->least) / (s->most - s->least);
+	return isfinite(share) ? CLAMP(share, 0, 1) : 0;
+}
+
 static uint16_t intensity_of(const struct e57 *r, size_t i)
 {
-	double value = e57_number(r, E57_INTENSITY, i, 0);
-	if (r->field[E57_INTENSITY] < 0 || e57_number(r, E57_NO_INTENSITY, i, 0) != 0 ||
-		!isfinite(value))
+	if (r->field[E57_INTENSITY] < 0 || e57_number(r, E57_NO_INTENSITY, i, 0) != 0)
 		return 0;
-	double share = (value - r->intensity.least) / (r->intensity.most - r->intensity.least);
-	return (uint16_t)(CLAMP(share, 0, 1) * 65535 + 0.5);
+	return (uint16_t)(share_of(&r->intensity, r->number[E57_INTENSITY][i]) * 65535 + 0.5);
 }
 
 static void colour_of(const struct e57 *r, size_t i, uint8_t rgb[3])
 {
 	if (r->field[E57_RED] < 0 || e57_number(r, E57_NO_COLOUR, i, 0) != 0)
 		return;
-	for (int k = 0; k < 3; k++) {
-		double value = r->number[E57_RED + k][i];
-		double share =
-			(value - r->colour[k].least) / (r->colour[k].most - r->colour[k].least);
-		rgb[k] = isfinite(share) ? (uint8_t)(CLAMP(share, 0, 1) * 255 + 0.5) : 0;
-	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] = (uint8_t)(share_of(&r->colour[k], r->number[E57_RED + k][i]) * 255 + 0.5);
 }
 
 static void locate(const struct e57 *r, size_t i, double ret[3])
@@ -91,11 +91,15 @@ static bool place(struct e57 *r, struct point_record *p, bool *is_first, GError 
 /* Whether the record goes into the grid, and where. */
 static bool find_room(struct e57 *r, size_t i, enum found found, uint64_t *ret)
 {
-	if (!e57_cell(r, i, ret))
+	if (!e57_cell(r, i, ret)) {
+		r->scan.left_out += found == FOUND_POINT;
 		return false;
+	}
 	if (found == FOUND_NO_RETURN)
 		return !e57_bit(r->has_point, *ret) && !e57_set_bit(r->filled, *ret);
-	bool taken = e57_set_bit(r->filled, *ret);
+	/* A later echo may come before the first one. */
+	bool taken = (e57_is_later_echo(r, i) && e57_bit(r->has_point, *ret)) ||
+		     e57_set_bit(r->filled, *ret);
 	r->no_room += taken;
 	return !taken;
 }
@@ -178,6 +182,17 @@ static bool is_identity(const struct pose *p)
 	return memcmp(p, &none, sizeof none) == 0;
 }
 
+/* All together are not more than the file: else the same points could stand for thousands of scans. */
+static bool add_section(struct e57 *r, GError **error)
+{
+	uint64_t bytes = e57_vector_bytes(r->vector);
+	if (bytes > e57_pages_size(r->pages) - r->sections)
+		return e57_pages_refuse(error, r->pages, r->from->section,
+			"the points of scan %u stand among those of others", r->next);
+	r->sections += bytes;
+	return true;
+}
+
 static bool begin_scan(struct e57 *r, GError **error)
 {
 	bool all[E57_ROLES];
@@ -191,7 +206,8 @@ static bool begin_scan(struct e57 *r, GError **error)
 	g_clear_pointer(&r->filled, g_free);
 	if (!r->from->has_pose)
 		r->scan.pose = POSE_IDENTITY;
-	return e57_look_through(r, error) && e57_open_vector(r, all, error);
+	return e57_open_vector(r, all, error) && add_section(r, error) &&
+	       e57_look_through(r, error) && e57_open_vector(r, all, error);
 }
 
 static enum import_result e57_next_scan(
@@ -203,10 +219,8 @@ static enum import_result e57_next_scan(
 		e57_add_note(r, "%s", (const char *)r->tree->passed_over->pdata[i]);
 	while (r->next < r->tree->scans->len) {
 		r->from = r->tree->scans->pdata[r->next++];
-		if (!r->from->has_points || !e57_find_fields(r)) {
-			e57_add_note(r, "scan %u of the file has no points", r->next);
+		if (!r->from->has_points || !e57_find_fields(r))
 			continue;
-		}
 		if (!begin_scan(r, error))
 			return IMPORT_BAD;
 		r->scans++;
@@ -240,6 +254,27 @@ static void e57_close(import_reader *reader)
 	g_free(r);
 }
 
+/* Pictures of a scan without points go with the first that has some. */
+static void pass_over(struct e57 *r, guint scan)
+{
+	g_ptr_array_add(r->tree->passed_over,
+		g_strdup_printf("scan %u of the file has no points", scan + 1));
+	for (guint i = 0; i < r->tree->images->len; i++) {
+		struct e57_image *image = r->tree->images->pdata[i];
+		if (image->scan == scan)
+			image->scan = E57_NO_SCAN;
+	}
+}
+
+static void pass_over_empty(struct e57 *r)
+{
+	for (guint i = 0; i < r->tree->scans->len; i++) {
+		r->from = r->tree->scans->pdata[i];
+		if (!r->from->has_points || !e57_find_fields(r))
+			pass_over(r, i);
+	}
+}
+
 static import_reader *e57_open(import_source *file, GError **error)
 {
 	struct e57 *r = g_new0(struct e57, 1);
@@ -247,8 +282,10 @@ static import_reader *e57_open(import_source *file, GError **error)
 	r->notes = g_string_new(NULL);
 	r->pages = e57_pages_new(file);
 	r->tree = e57_tree_read(r->pages, file, error);
-	if (r->tree)
+	if (r->tree) {
+		pass_over_empty(r);
 		return (import_reader *)r;
+	}
 	e57_close((import_reader *)r);
 	return NULL;
 }

@@ -41,8 +41,9 @@ struct e57 {
 	struct e57_span met[E57_ROLES];       /* over all points of the scan */
 	struct e57_span intensity, colour[3]; /* what becomes 0 and the largest */
 	uint64_t cells[E57_BLOCK_RECORDS];    /* of the records that were given last */
-	uint8_t *has_point, *filled; /* a bit a cell: some record of it is a point; one was given */
+	uint8_t *has_point, *filled; /* a bit a cell: some first echo is of it; one was given */
 	uint64_t given;              /* points of the scan so far */
+	uint64_t sections;           /* bytes of those of the scans so far */
 	uint64_t no_room;            /* points whose cell had another one already */
 	unsigned scans;              /* given so far */
 	GString *notes;
@@ -62,6 +63,11 @@ static inline double e57_number(const struct e57 *r, enum e57_role role, size_t 
 /* Reads all of the scan once, for what must be known before the first point is given: ranges of numbers, and whether rows and columns
  * make a grid, which scan.columns then says. */
 bool e57_look_through(struct e57 *r, GError **error);
+static inline bool e57_is_later_echo(const struct e57 *r, size_t i)
+{
+	const double *echo = r->number[E57_RETURN];
+	return echo && echo[i] > 0 && echo[i] > r->met[E57_RETURN].least;
+}
 /* Where record i of the block belongs in the grid; false: nowhere. */
 bool e57_cell(const struct e57 *r, size_t i, uint64_t *ret);
 static inline bool e57_bit(const uint8_t *bits, uint64_t i)

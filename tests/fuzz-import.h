@@ -4,6 +4,7 @@
 #include "acquire/panorama.h"
 #include "process/import-grid.h"
 #include "process/import.h"
+#include <glib/gstdio.h>
 #include <math.h>
 #include <string.h>
 
@@ -43,6 +44,34 @@ static inline gpointer fuzz_cell(const struct import_scan *scan, uint64_t cell)
 	return GSIZE_TO_POINTER(cell);
 }
 
+/* Empties it; how many files it had. */
+static inline guint fuzz_remove(const char *folder)
+{
+	g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
+	guint count = 0;
+	g_assert_nonnull(dir);
+	for (const char *name; (name = g_dir_read_name(dir)); count++) {
+		g_autofree char *path = g_build_filename(folder, name, NULL);
+		g_assert_cmpint(g_unlink(path), ==, 0);
+	}
+	g_assert_cmpint(g_rmdir(folder), ==, 0);
+	return count;
+}
+
+/* Those that it tells of are there, and nothing else is. */
+static inline bool fuzz_pictures(const struct import_format *f, import_reader *r, GError **error)
+{
+	if (!f->save_pictures)
+		return true;
+	g_autofree char *folder = g_dir_make_tmp("pleinair-fuzz-XXXXXX", NULL);
+	g_autoptr(JsonArray) pictures = json_array_new();
+	g_assert_nonnull(folder);
+	bool good = f->save_pictures(r, folder, pictures, error);
+	guint count = fuzz_remove(folder);
+	g_assert_true(!good || count == json_array_get_length(pictures));
+	return good;
+}
+
 /* false: the file is bad. */
 static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
 	const struct import_scan *scan, GError **error)
@@ -73,6 +102,9 @@ static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
 		g_assert_cmpfloat(scan->origin_m[i], ==, rint(scan->origin_m[i]));
 	g_assert_true(pose_is_rigid(&scan->pose, 1e-9) || !scan->has_pose);
 	fuzz_grid(scan, all);
+	if (!fuzz_pictures(f, r, error))
+		return false;
+	g_assert_true(!scan->note || g_utf8_validate(scan->note, -1, NULL));
 	return true;
 }
 
