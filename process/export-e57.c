@@ -21,11 +21,12 @@ struct field {
 		OF_ROW,
 		OF_COLUMN,
 		OF_RETURN,
-		OF_CLASS
+		OF_CLASS,
+		OF_STATE
 	} of;
 	int64_t least, most;
 };
-#define FIELDS_MAX 11
+#define FIELDS_MAX 12
 
 struct export_e57 {
 	const struct export_job *job;
@@ -56,6 +57,9 @@ static void find_fields(struct export_e57 *w, const struct export_station *s)
 	if (s->columns) {
 		add_field(w, OF_ROW, 0, s->rows - 1.0);
 		add_field(w, OF_COLUMN, 0, s->columns - 1.0);
+	} else {
+		/* One at zero is a point, too: in bits it takes none. */
+		add_field(w, OF_STATE, 0, 0);
 	}
 	if (of->return_most > 1)
 		add_field(w, OF_RETURN, 0, of->return_most - 1.0);
@@ -76,7 +80,8 @@ static int64_t number_of(const struct export_point *p, enum field_of of)
 	case OF_ROW: return p->row;
 	case OF_COLUMN: return p->column;
 	case OF_RETURN: return p->return_number - 1;
-	default: return p->classification;
+	case OF_CLASS: return p->classification;
+	default: return 0;
 	}
 }
 
@@ -121,7 +126,8 @@ static void describe_fields(struct export_e57 *w)
 		[OF_ROW] = "rowIndex",
 		[OF_COLUMN] = "columnIndex",
 		[OF_RETURN] = "returnIndex",
-		[OF_CLASS] = E57_CLASS_PREFIX ":classification" };
+		[OF_CLASS] = E57_CLASS_PREFIX ":classification",
+		[OF_STATE] = "cartesianInvalidState" };
 	for (unsigned i = 0; i < w->count; i++) {
 		const struct field *f = &w->fields[i];
 		e57_xml_field(w->xml, names[f->of], f->least, f->most, f->of <= OF_Z ? STEP_M : 0);

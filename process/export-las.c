@@ -24,7 +24,6 @@ struct export_las {
 	FILE *file;
 	const struct export_station *station;
 	double offset_m[3];
-	double gps_time;
 	uint64_t by_return[15];
 };
 
@@ -186,8 +185,16 @@ static size_t record_length(const char *text)
 
 /* ---- points ---- */
 
-static void put_point(struct export_las *w, const struct export_point *p, uint8_t *at)
+/* Of the station's begin: of single points no time is kept. */
+static double gps_time_of(const struct export_station *s)
 {
+	return isfinite(s->started_s) ? s->started_s - GPS_BEGAN_S - 1e9 : 0;
+}
+
+static void encode(gpointer user_data, const struct export_station *s, const struct export_point *p,
+	uint8_t *at)
+{
+	const struct export_las *w = user_data;
 	unsigned echo = MIN(p->return_number, 15);
 	memset(at, 0, POINT_BYTES);
 	for (int k = 0; k < 3; k++)
@@ -196,11 +203,10 @@ static void put_point(struct export_las *w, const struct export_point *p, uint8_
 	put_u16(at + 12, p->intensity);
 	at[14] = (uint8_t)(echo | echo << 4);
 	at[16] = p->classification;
-	put_u16(at + 20, w->station->number);
-	put_f64(at + 22, w->gps_time);
+	put_u16(at + 20, s->number);
+	put_f64(at + 22, gps_time_of(s));
 	for (int k = 0; k < 3; k++)
 		put_u16(at + 30 + 2 * k, p->rgb[k] * 257u);
-	w->by_return[echo - 1]++;
 }
 
 static bool write_points(
@@ -211,8 +217,10 @@ static bool write_points(
 	(void)error;
 	for (size_t i = 0; i < count;) {
 		size_t some = 0;
-		for (; some < 64 && i < count; some++, i++)
-			put_point(w, &p[i], block + some * POINT_BYTES);
+		for (; some < 64 && i < count; some++, i++) {
+			encode(w, w->station, &p[i], block + some * POINT_BYTES);
+			w->by_return[MIN(p[i].return_number, 15) - 1]++;
+		}
 		fwrite(block, POINT_BYTES, some, w->file);
 	}
 	return true;
@@ -223,7 +231,6 @@ static bool begin_station(export_writer *writer, const struct export_station *s,
 	struct export_las *w = (struct export_las *)writer;
 	(void)error;
 	w->station = s;
-	w->gps_time = isfinite(s->started_s) ? s->started_s - GPS_BEGAN_S - 1e9 : 0;
 	return true;
 }
 
@@ -279,7 +286,16 @@ static double resolution_m(const struct export_job *j)
 
 static bool verify(const struct export_job *j, const char *path, GError **error)
 {
-	return export_verify_by_import(j, &import_las, path, true, error);
+	struct export_las w = { .job = j };
+	struct extent e = extent_of(j);
+	g_autofree char *text = stations_text(j);
+	struct export_records records = { .header_bytes =
+						  HEADER_BYTES + VLR_BYTES + record_length(text),
+		.record_bytes = POINT_BYTES,
+		.encode = encode,
+		.user_data = &w };
+	return find_offset(&w, &e, error) && export_verify_records(j, &records, path, error) &&
+	       export_verify_by_import(j, &import_las, path, true, error);
 }
 
 const struct export_format export_las = { .name = "LAS",

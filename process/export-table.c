@@ -1,7 +1,5 @@
 #include "process/export-table.h"
-#include "firmware-io/files.h"
 #include "process/export-verify.h"
-#include "process/export-walk.h"
 #include <math.h>
 #include <string.h>
 
@@ -102,76 +100,20 @@ void export_table_write(const struct export_table *t, const struct export_statio
 
 /* ---- reading back ---- */
 
-struct comparing {
-	const struct export_table *table;
-	const char *path;
-	FILE *file;
-	bool cells_too;
-	uint64_t points;
-};
-
-static bool is_cut(const struct comparing *c, GError **error)
+static void encode(gpointer user_data, const struct export_station *s, const struct export_point *p,
+	uint8_t *into)
 {
-	if (ferror(c->file))
-		return files_fail(error, c->path, "be read back");
-	return export_refuse_back(error, c->path, "it ends early");
-}
-
-static bool compare_block(struct comparing *c, const struct export_station *s,
-	const struct export_point *p, size_t count, GError **error)
-{
-	uint8_t wanted[8 * TABLE_COLUMNS], found[8 * TABLE_COLUMNS];
-	for (size_t i = 0; i < count; i++) {
-		if (!p[i].is_point && !c->cells_too)
-			continue;
-		c->points++;
-		export_table_record(c->table, s, &p[i], wanted);
-		if (fread(found, 1, c->table->record_bytes, c->file) != c->table->record_bytes)
-			return is_cut(c, error);
-		if (memcmp(wanted, found, c->table->record_bytes))
-			return export_refuse_back(error, c->path,
-				"point %" G_GUINT64_FORMAT " is another one", c->points);
-	}
-	return true;
-}
-
-static bool compare_header(struct comparing *c, const char *header, GError **error)
-{
-	size_t length = strlen(header);
-	g_autofree char *found = g_malloc(length);
-	if (fread(found, 1, length, c->file) != length)
-		return is_cut(c, error);
-	return !memcmp(found, header, length) ||
-	       export_refuse_back(error, c->path, "its header is another one");
-}
-
-static bool compare_all(
-	struct comparing *c, const struct export_job *j, const char *header, GError **error)
-{
-	if (!compare_header(c, header, error))
-		return false;
-	for (guint i = 0; i < j->stations->len; i++) {
-		const struct export_station *s = export_station_at(j, i);
-		g_autoptr(export_walk) w = export_walk_open(j, s, export_order_of(j, s), error);
-		const struct export_point *p;
-		for (size_t count = 1; w && count;)
-			if (!export_walk_next(w, &p, &count, error) ||
-				!compare_block(c, s, p, count, error))
-				return false;
-		if (!w)
-			return false;
-	}
-	return true;
+	export_table_record(user_data, s, p, into);
 }
 
 bool export_table_verify(const struct export_job *j, const struct export_table *t,
 	const char *header, bool cells_too, const char *path, GError **error)
 {
-	struct comparing c = { .table = t, .path = path, .cells_too = cells_too };
-	c.file = fopen(path, "re");
-	if (!c.file)
-		return files_fail(error, path, "be read back");
-	bool good = compare_all(&c, j, header, error);
-	fclose(c.file);
-	return good;
+	struct export_records records = { .header = header,
+		.header_bytes = strlen(header),
+		.record_bytes = t->record_bytes,
+		.cells_too = cells_too,
+		.encode = encode,
+		.user_data = (gpointer)t };
+	return export_verify_records(j, &records, path, error);
 }

@@ -1,5 +1,6 @@
 #include "process/export-verify.h"
 #include "acquire/panorama.h"
+#include "firmware-io/files.h"
 #include "process/export-walk.h"
 #include <math.h>
 #include <string.h>
@@ -150,5 +151,80 @@ bool export_verify_by_import(const struct export_job *j, const struct import_for
 	bool good = c->reader && compare_all(c, error);
 	if (c->reader)
 		format->close(c->reader);
+	return good;
+}
+
+/* ---- record for record ---- */
+
+struct matching {
+	const struct export_records *records;
+	const char *path;
+	FILE *file;
+	uint64_t count;
+};
+
+static bool is_cut(const struct matching *m, GError **error)
+{
+	if (ferror(m->file))
+		return files_fail(error, m->path, "be read back");
+	return export_refuse_back(error, m->path, "it ends early");
+}
+
+static bool match_header(const struct matching *m, GError **error)
+{
+	size_t length = m->records->header_bytes;
+	g_autofree uint8_t *found = g_malloc(length);
+	if (fread(found, 1, length, m->file) != length)
+		return is_cut(m, error);
+	return !m->records->header || !memcmp(found, m->records->header, length) ||
+	       export_refuse_back(error, m->path, "its header is another one");
+}
+
+static bool match_block(struct matching *m, const struct export_station *s,
+	const struct export_point *p, size_t count, GError **error)
+{
+	uint8_t wanted[EXPORT_RECORD_MAX], found[EXPORT_RECORD_MAX];
+	size_t length = m->records->record_bytes;
+	for (size_t i = 0; i < count; i++) {
+		if (!p[i].is_point && !m->records->cells_too)
+			continue;
+		m->count++;
+		m->records->encode(m->records->user_data, s, &p[i], wanted);
+		if (fread(found, 1, length, m->file) != length)
+			return is_cut(m, error);
+		if (memcmp(wanted, found, length))
+			return export_refuse_back(error, m->path,
+				"point %" G_GUINT64_FORMAT " is another one", m->count);
+	}
+	return true;
+}
+
+static bool match_all(struct matching *m, const struct export_job *j, GError **error)
+{
+	if (!match_header(m, error))
+		return false;
+	for (guint i = 0; i < j->stations->len; i++) {
+		const struct export_station *s = export_station_at(j, i);
+		g_autoptr(export_walk) w = export_walk_open(j, s, export_order_of(j, s), error);
+		const struct export_point *p;
+		for (size_t count = 1; w && count;)
+			if (!export_walk_next(w, &p, &count, error) ||
+				!match_block(m, s, p, count, error))
+				return false;
+		if (!w)
+			return false;
+	}
+	return true;
+}
+
+bool export_verify_records(const struct export_job *j, const struct export_records *records,
+	const char *path, GError **error)
+{
+	struct matching m = { .records = records, .path = path };
+	m.file = fopen(path, "re");
+	if (!m.file)
+		return files_fail(error, path, "be read back");
+	bool good = match_all(&m, j, error);
+	fclose(m.file);
 	return good;
 }

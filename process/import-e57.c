@@ -48,6 +48,12 @@ static void locate(const struct e57 *r, size_t i, double ret[3])
 
 enum found { FOUND_POINT, FOUND_NO_RETURN, FOUND_NOTHING };
 
+/* No scanner sees itself; and many writers say so that there is nothing, but for those that have a field to say it. */
+static bool is_nothing_at_zero(const struct e57 *r)
+{
+	return r->scan.columns > 0 || r->field[E57_STATE] < 0;
+}
+
 static enum found take(const struct e57 *r, size_t i, struct point_record *p)
 {
 	double state = e57_number(r, E57_STATE, i, 0), at[3];
@@ -55,8 +61,9 @@ static enum found take(const struct e57 *r, size_t i, struct point_record *p)
 	if (state != 0)
 		return state == 1 ? FOUND_NO_RETURN : FOUND_NOTHING;
 	locate(r, i, at);
+	bool zero = at[0] == 0 && at[1] == 0 && at[2] == 0;
 	if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2]) ||
-		(at[0] == 0 && at[1] == 0 && at[2] == 0))
+		(zero && is_nothing_at_zero(r)))
 		return FOUND_NOTHING;
 	p->x_m = at[0];
 	p->y_m = at[1];

@@ -165,7 +165,7 @@ static GByteArray *las_of_map(void)
 	}
 	g_byte_array_append(b, h, sizeof h);
 	for (uint32_t i = 0; i < count; i++) {
-		int32_t xyz[3] = { (int32_t)(i % 20 * 1234), (int32_t)(i / 20 * 777),
+		int32_t xyz[3] = { (int32_t)(i % 20 * 1234 + 5), (int32_t)(i / 20 * 777),
 			(int32_t)(i % 7) };
 		uint16_t intensity = (uint16_t)(i * 160),
 			 rgb[3] = { (uint16_t)(i % 256 * 257), 0, 65535 };
