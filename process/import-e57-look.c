@@ -190,10 +190,10 @@ bool e57_cell(const struct e57 *r, size_t i, uint64_t *ret)
 	return true;
 }
 
-static uint32_t extent(const struct e57_span *s)
+static uint32_t extent(const struct e57_span *s, uint32_t most)
 {
 	double cells = s->most - s->least + 1;
-	return cells >= 2 && cells <= PANORAMA_COLUMNS_MAX ? (uint32_t)cells : 0;
+	return cells >= 2 && cells <= most ? (uint32_t)cells : 0;
 }
 
 /* Of the first echoes, how many have a cell that another one has. */
@@ -240,8 +240,8 @@ static bool find_grid(struct e57 *r, GError **error)
 		return true;
 	widen(&r->met[E57_ROW], &r->from->rows);
 	widen(&r->met[E57_COLUMN], &r->from->columns);
-	s->columns = extent(&r->met[E57_COLUMN]);
-	s->rows = extent(&r->met[E57_ROW]);
+	s->columns = extent(&r->met[E57_COLUMN], PANORAMA_COLUMNS_MAX);
+	s->rows = extent(&r->met[E57_ROW], PANORAMA_ROWS_MAX);
 	uint64_t cells = (uint64_t)s->columns * s->rows;
 	if (!cells || cells > PANORAMA_CELLS_MAX || cells / 1000 > s->count) {
 		s->columns = s->rows = 0;

@@ -56,7 +56,7 @@ struct made {
 static inline void made_put(GByteArray *b, uint64_t value, unsigned bytes)
 {
 	for (unsigned i = 0; i < bytes; i++)
-		g_byte_array_append(b, &(uint8_t){ (uint8_t)(value >> (8 * i)) }, 1);
+		g_byte_array_append(b, &(uint8_t){ (uint8_t)(i < 8 ? value >> (8 * i) : 0) }, 1);
 }
 
 static inline void made_set(uint8_t *at, uint64_t value, unsigned bytes)
@@ -198,9 +198,10 @@ static inline void made_packet(GByteArray *b, const struct made_points *p, GByte
 				made_until(p, streams[k], k, packet, of),
 			2);
 	for (unsigned k = 0; k < p->fields; k++) {
-		size_t from = made_until(p, streams[k], k, packet, of);
-		g_byte_array_append(b, streams[k]->data + from,
-			(guint)(made_until(p, streams[k], k, packet + 1, of) - from));
+		size_t from = made_until(p, streams[k], k, packet, of),
+		       until = made_until(p, streams[k], k, packet + 1, of);
+		if (until > from)
+			g_byte_array_append(b, streams[k]->data + from, (guint)(until - from));
 	}
 	while (b->len < end)
 		made_put(b, 0, 1);
