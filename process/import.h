@@ -101,8 +101,8 @@ struct import_format {
 #define IMPORT_PROBE_BYTES 4096
 /* Ends with NULL. */
 extern const struct import_format *const import_formats[];
-extern const struct import_format import_e57, import_ptx, import_las, import_ply,
-	import_pcd, import_ascii; /* their files: import-e57.c and so on */
+extern const struct import_format import_e57, import_ptx, import_las, import_ply, import_pcd,
+	import_ascii; /* their files: import-e57.c and so on */
 
 /* By content, and only where no content is known by its extension. NULL: a sentence that lists the formats. */
 const struct import_format *import_format_of(import_source *file, GError **error);
