@@ -205,7 +205,7 @@ static bool verify(const struct export_job *j, const char *path, GError **error)
 const struct export_format export_e57 = { .name = "E57",
 	.extension = "e57",
 	.has_map = true,
-	.order = EXPORT_POINTS,
+	.order = EXPORT_WALK_POINTS,
 	.open = open_writer,
 	.begin = begin_station,
 	.write = write_points,

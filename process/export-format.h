@@ -78,9 +78,9 @@ static inline struct export_station *export_station_at(const struct export_job *
 static inline bool export_is_merged(const struct export_job *j);
 
 enum export_walk_order {
-	EXPORT_POINTS,  /* points alone, row by row where there are rows */
-	EXPORT_ROWS,    /* all cells of a grid, row by row */
-	EXPORT_COLUMNS, /* all cells, column by column */
+	EXPORT_WALK_POINTS,  /* points alone, row by row where there are rows */
+	EXPORT_WALK_ROWS,    /* all cells of a grid, row by row */
+	EXPORT_WALK_COLUMNS, /* all cells, column by column */
 };
 
 typedef struct export_writer export_writer; /* each format's own; it casts */
@@ -91,7 +91,7 @@ struct export_format {
 	bool keeps_one_grid; /* merged, but for a single station with a grid */
 	bool has_map;        /* coordinates of a map are exact in it */
 	enum export_walk_order
-		order; /* of stations with a grid; a file of one grid has EXPORT_ROWS */
+		order; /* of stations with a grid; a file of one grid has EXPORT_WALK_ROWS */
 	/* Of a file that is empty; all surveys are done. Writes what stands before the first station. */
 	export_writer *(*open)(const struct export_job *j, FILE *file, GError **error);
 	/* Then of each station these three. */

@@ -61,7 +61,7 @@ static void place_of(const struct export_job *j, const struct export_station *s,
 static bool survey_one(
 	const struct export_job *j, struct export_station *s, spacing *apart, GError **error)
 {
-	g_autoptr(export_walk) w = export_walk_open(j, s, EXPORT_POINTS, error);
+	g_autoptr(export_walk) w = export_walk_open(j, s, EXPORT_WALK_POINTS, error);
 	struct export_survey found = survey_of_nothing();
 	const struct export_point *p;
 	g_autofree uint8_t *kept = apart ? g_malloc0(s->cells / 8 + 1) : NULL;

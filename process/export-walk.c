@@ -24,8 +24,8 @@ struct export_walk {
 enum export_walk_order export_order_of(const struct export_job *j, const struct export_station *s)
 {
 	if (!s->columns)
-		return EXPORT_POINTS;
-	return j->one_grid ? EXPORT_ROWS : j->format->order;
+		return EXPORT_WALK_POINTS;
+	return j->one_grid ? EXPORT_WALK_ROWS : j->format->order;
 }
 
 /* ---- opening ---- */
@@ -107,7 +107,7 @@ uint64_t export_walk_index(const export_walk *w, size_t i)
 static uint64_t index_of(const export_walk *w, uint64_t at)
 {
 	const struct export_station *s = w->station;
-	return w->order == EXPORT_COLUMNS ? at % s->rows * s->columns + at / s->rows : at;
+	return w->order == EXPORT_WALK_COLUMNS ? at % s->rows * s->columns + at / s->rows : at;
 }
 
 static bool is_kept(const export_walk *w, uint64_t i)
@@ -174,11 +174,12 @@ static void take(export_walk *w, uint64_t i, struct export_point *p)
 /* What was read of mapped files, so that memory does not grow with them. */
 static void forget(export_walk *w)
 {
-	uint64_t step = w->order == EXPORT_COLUMNS ? (uint64_t)FORGET_COLUMNS * w->station->rows
-						   : FORGET_RECORDS;
+	uint64_t step = w->order == EXPORT_WALK_COLUMNS
+				? (uint64_t)FORGET_COLUMNS * w->station->rows
+				: FORGET_RECORDS;
 	if (w->done - w->forgotten < step)
 		return;
-	bool all = w->order == EXPORT_COLUMNS;
+	bool all = w->order == EXPORT_WALK_COLUMNS;
 	uint64_t first = all ? 0 : w->forgotten,
 		 count = (all ? w->station->cells : w->done) - first;
 	if (w->imported)
@@ -197,7 +198,7 @@ bool export_walk_next(
 	for (; count < EXPORT_BLOCK && w->done < cells && w->done - before < 16 * EXPORT_BLOCK;
 		w->done++) {
 		uint64_t i = index_of(w, w->done);
-		if (w->order == EXPORT_POINTS && !is_there(w, i))
+		if (w->order == EXPORT_WALK_POINTS && !is_there(w, i))
 			continue;
 		w->index[count] = i;
 		take(w, i, &w->block[count++]);

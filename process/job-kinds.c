@@ -23,6 +23,9 @@ static const struct job_option render_options[] = { { "style", 's', JOB_OPTION_R
 	{ "fps", 'd', JOB_OPTION_PLAIN }, { "title", 's', JOB_OPTION_PLAIN },
 	{ "no-paper", 'b', JOB_OPTION_PLAIN }, { "supersample", 'i', JOB_OPTION_PLAIN },
 	{ "backend", 's', JOB_OPTION_PLAIN }, { 0 } };
+static const struct job_option export_options[] = { { "output", 's', JOB_OPTION_INSIDE },
+	{ "scans", 's', JOB_OPTION_PLAIN }, { "spacing", 'd', JOB_OPTION_PLAIN },
+	{ "raw", 'b', JOB_OPTION_PLAIN }, { 0 } };
 static const struct job_option copy_options[] = { { "to", 's', JOB_OPTION_DRIVE },
 	{ "what", 's', JOB_OPTION_PLAIN }, { 0 } };
 
@@ -34,6 +37,7 @@ static const struct job_kind kinds[] = {
 	{ "report", false, true, report_options },
 	{ "styles", false, true, styles_options },
 	{ "render", false, true, render_options },
+	{ "export", false, true, export_options },
 	{ "copy", false, true, copy_options },
 };
 

@@ -347,6 +347,13 @@ static void take_home(struct walk *w)
 	rig_wait_gone(w->rig, "job", limit_s);
 	g_autoptr(GDir) made = g_dir_open(exports, 0, NULL);
 	g_assert_nonnull(made);
+	/* Smaller than the scan: it may have come and gone before anybody looked. */
+	g_autofree char *e57 = g_build_filename(exports, "points.e57", NULL);
+	rig_tap(w->rig, "take-points");
+	for (int i = 0; i < 600 && !g_file_test(e57, G_FILE_TEST_EXISTS); i++)
+		g_usleep(100000);
+	g_assert_true(g_file_test(e57, G_FILE_TEST_EXISTS));
+	rig_wait_gone(w->rig, "job", limit_s);
 	shot(w, "take-made");
 	rig_tap(w->rig, "drive-copy");
 	g_usleep(1000000);

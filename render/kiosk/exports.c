@@ -36,6 +36,11 @@ static enum export_kind kind_of(const char *name)
 		{ ".mp4", EXPORT_FILM },
 		{ ".webm", EXPORT_FILM },
 		{ ".html", EXPORT_REPORT },
+		{ ".e57", EXPORT_POINTS },
+		{ ".ptx", EXPORT_POINTS },
+		{ ".las", EXPORT_POINTS },
+		{ ".ply", EXPORT_POINTS },
+		{ ".pcd", EXPORT_POINTS },
 	};
 	for (size_t i = 0; i < G_N_ELEMENTS(kinds); i++)
 		if (g_str_has_suffix(name, kinds[i].ending))

@@ -11,6 +11,7 @@ enum export_kind {
 	EXPORT_DRAWING,
 	EXPORT_FILM,
 	EXPORT_REPORT,
+	EXPORT_POINTS, /* for other programs */
 	EXPORT_FOLDER, /* of pictures */
 	EXPORT_OTHER,
 };

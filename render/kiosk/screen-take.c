@@ -7,7 +7,7 @@
 #include "render/kiosk/take-preset.h"
 #include "render/kiosk/take-words.h"
 
-#define MADE_KINDS   4
+#define MADE_KINDS   5
 #define CHOICE_WIDTH 200
 
 struct take {
@@ -35,6 +35,8 @@ static const struct card {
 		N_("From station to station, or around."), EXPORT_FILM },
 	{ "take-report", "x-office-document-symbolic", N_("Report"),
 		N_("What was scanned, how well it fits."), EXPORT_REPORT },
+	{ "take-points", "view-grid-symbolic", N_("Points"), N_("For CAD and other programs."),
+		EXPORT_POINTS },
 };
 
 /* ---- what there is to choose from ---- */
@@ -165,7 +167,8 @@ static GtkWidget *card_of(struct take *t, const struct card *card, bool can_draw
 		kit_button(card->name, NULL, _("Make"), NULL, "main", G_CALLBACK(make_pressed), t);
 	g_object_set_data(G_OBJECT(button), "card", (gpointer)card);
 	gtk_size_group_add_widget(t->buttons, button);
-	gtk_widget_set_sensitive(button, can_draw || card->kind == EXPORT_REPORT);
+	gtk_widget_set_sensitive(
+		button, can_draw || card->kind == EXPORT_REPORT || card->kind == EXPORT_POINTS);
 	return card_around(
 		card->icon, _(card->title), _(card->text), choice_button(preset), button);
 }

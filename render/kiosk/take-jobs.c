@@ -136,6 +136,7 @@ static const char *title_of(const char *kind)
 	} titles[] = {
 		{ "render", N_("A picture or film") },
 		{ "report", N_("Report") },
+		{ "export", N_("Points") },
 		{ "copy", N_("Copy to a drive") },
 	};
 	for (size_t i = 0; i < G_N_ELEMENTS(titles); i++)

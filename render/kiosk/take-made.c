@@ -133,6 +133,7 @@ static const char *icon_of(enum export_kind kind)
 	switch (kind) {
 	case EXPORT_FILM: return "video-x-generic-symbolic";
 	case EXPORT_REPORT: return "x-office-document-symbolic";
+	case EXPORT_POINTS: return "view-grid-symbolic";
 	case EXPORT_FOLDER: return "folder-pictures-symbolic";
 	case EXPORT_DRAWING: return "x-office-drawing-symbolic";
 	case EXPORT_PICTURE: return "image-x-generic-symbolic";

@@ -30,6 +30,18 @@ static const struct take_preset reports[] = {
 	{ NULL },
 };
 
+/* A centimetre apart a room has some millions: programs on small machines open that. */
+static const struct take_preset clouds[] = {
+	{ "e57", N_("E57, all scans"), "e57" },
+	{ "e57-1cm", N_("E57, 1 cm apart"), "e57", .spacing_m = 0.01 },
+	{ "las", N_("LAS, with classes"), "las" },
+	{ "las-1cm", N_("LAS, 1 cm apart"), "las", .spacing_m = 0.01 },
+	{ "ptx", N_("PTX, all scans"), "ptx" },
+	{ "ply", N_("PLY"), "ply" },
+	{ "pcd", N_("PCD"), "pcd" },
+	{ NULL },
+};
+
 const struct take_preset *take_presets(enum export_kind kind)
 {
 	static const struct take_preset none[] = { { NULL } };
@@ -38,6 +50,7 @@ const struct take_preset *take_presets(enum export_kind kind)
 	case EXPORT_DRAWING: return drawings;
 	case EXPORT_FILM: return films;
 	case EXPORT_REPORT: return reports;
+	case EXPORT_POINTS: return clouds;
 	default: return none;
 	}
 }
@@ -55,6 +68,8 @@ char *take_stem(
 {
 	if (kind == EXPORT_REPORT)
 		return g_strdup("report");
+	if (kind == EXPORT_POINTS)
+		return g_strdup(p->spacing_m > 0 ? "points-1cm" : "points");
 	if (p == take_presets(kind))
 		return g_strdup_printf("%s-%s", style, view);
 	return g_strdup_printf("%s-%s-%s", style, view, p->id);
@@ -62,7 +77,7 @@ char *take_stem(
 
 const char *take_job(enum export_kind kind)
 {
-	return kind == EXPORT_REPORT ? "report" : "render";
+	return kind == EXPORT_REPORT ? "report" : kind == EXPORT_POINTS ? "export" : "render";
 }
 
 static void add_text(GVariantDict *d, const char *name, const char *value)
@@ -76,7 +91,10 @@ GVariant *take_options(enum export_kind kind, const struct take_preset *p, const
 {
 	g_auto(GVariantDict) d = G_VARIANT_DICT_INIT(NULL);
 	add_text(&d, "output", output);
-	if (kind != EXPORT_REPORT) {
+	if (kind == EXPORT_POINTS) {
+		if (p->spacing_m > 0)
+			g_variant_dict_insert(&d, "spacing", "d", p->spacing_m);
+	} else if (kind != EXPORT_REPORT) {
 		add_text(&d, "style", style);
 		add_text(&d, "view", view);
 		add_text(&d, "size", p->size);

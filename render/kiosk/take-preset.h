@@ -10,8 +10,9 @@ struct take_preset {
 	const char *size;   /* in pixels, NULL: the command's own */
 	const char *paper;  /* of drawings */
 	const char *path;   /* the camera's way, of films */
+	double spacing_m;   /* of points, thinned out; 0: all of them */
 };
-/* Of EXPORT_PICTURE, EXPORT_DRAWING, EXPORT_FILM and EXPORT_REPORT; ends with a row without id. The first is what is offered when
+/* Of EXPORT_PICTURE, EXPORT_DRAWING, EXPORT_FILM, EXPORT_REPORT and EXPORT_POINTS; ends with a row without id. The first is what is offered when
  * nobody has chosen. */
 const struct take_preset *take_presets(enum export_kind kind);
 /* NULL: the kind has none of that id. */
@@ -20,7 +21,7 @@ const struct take_preset *take_preset_find(enum export_kind kind, const char *id
 /* "figure-7d-overview-a4": a name that tells what it is; caller frees. */
 char *take_stem(
 	enum export_kind kind, const struct take_preset *p, const char *style, const char *view);
-/* "render" or "report": the job's kind. */
+/* "render", "report" or "export": the job's kind. */
 const char *take_job(enum export_kind kind);
 /* Its options (a{sv}), floating. */
 GVariant *take_options(enum export_kind kind, const struct take_preset *p, const char *style,

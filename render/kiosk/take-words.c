@@ -23,6 +23,7 @@ static const char *word_of_kind(enum export_kind kind)
 	case EXPORT_DRAWING: return _("Drawing");
 	case EXPORT_FILM: return _("Film");
 	case EXPORT_REPORT: return _("Report");
+	case EXPORT_POINTS: return _("Points");
 	case EXPORT_FOLDER: return _("Folder");
 	default: return _("File");
 	}
