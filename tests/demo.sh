@@ -14,6 +14,8 @@ done
 "$bin/pleinair" process "$site"
 "$bin/pleinair" report "$site"
 "$bin/pleinair" pictures "$site"
+"$bin/pleinair" export "$site" --output "$site/exports/points.e57"
+"$bin/pleinair" export "$site" --output "$site/exports/points-2cm.las" --spacing 0.02
 echo "demo: drawing the site in every style"
 "$bin/pleinair" styles "$site" --thumbnails "$site/exports/gallery" --size 1200x900
 echo
@@ -21,6 +23,7 @@ echo "demo: done in $(($(date +%s) - started)) s. Look at:"
 folder=$(cd "$site" && pwd)
 echo "    $folder/exports/gallery/index.html      the place drawn in every style"
 echo "    $folder/exports/panoramas/index.html    the panoramas"
+echo "    $folder/exports/points.e57              all points, for other programs; thinned out to 2 cm in points-2cm.las"
 echo "    $folder/exports/report.html             how the four scans fit"
 echo "    $folder/exports/pictures/index.html     classes, segments, feature degree, feature and dithering points"
 echo "The site itself is the folder $folder"

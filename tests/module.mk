@@ -6,6 +6,8 @@ $(BUILD)/tests/fake-egl/libEGL.so.1: tests/fake-egl.c
 	$(call say,CC)
 	$(q)$(CC) -std=gnu17 -D_GNU_SOURCE -O1 -Wall -Wextra -Werror -shared -fPIC -Wl,-soname,libEGL.so.1 -o $@ $<
 $(BUILD)/tests/test-gles: | $(BUILD)/tests/fake-egl/libEGL.so.1
+# Programs of others that read what is exported; tests skip without.
+packages += pcl-tools cloudcompare
 # The kiosk is tested under weston without a screen, which also is what shows it on one.
 packages += weston libweston-10-dev libwayland-dev
 $(BUILD)/tests/test-kiosk-%.o $(BUILD)/tests/rig-app.o: house_cflags += $(gtk_cflags)
