@@ -156,8 +156,10 @@ int main(int argc, char **argv)
 	if (!cli_parse(COMMAND, "SITE FILE...",
 		    "Imports scans of other scanners into a site, which is made when it is not "
 		    "there.",
-		    "E57 and PTX keep their grids and poses, E57 its pictures, PLY and PCD the grid of "
-		    "one scan; LAS 1.0 to 1.4 and tables in ASCII come as points. Of each file all scans "
+		    "E57 and PTX keep their grids and poses, E57 its pictures, PLY and PCD the "
+		    "grid of "
+		    "one scan; LAS 1.0 to 1.4 and tables in ASCII come as points. Of each file all "
+		    "scans "
 		    "are "
 		    "imported or none.\n\nExamples:\n"
 		    "  pleinair import oak pump.e57\n"
