@@ -147,7 +147,7 @@ bool export_verify_by_import(const struct export_job *j, const struct import_for
 		.classes = classes,
 		/* Doubles of map coordinates have steps of their own. */
 		.tolerance_m = j->format->resolution_m(j) * 0.5 + 4e-9 };
-	c->reader = file ? format->open(file, error) : NULL;
+	c->reader = file ? format->open(file, NULL, error) : NULL;
 	bool good = c->reader && compare_all(c, error);
 	if (c->reader)
 		format->close(c->reader);

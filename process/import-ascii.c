@@ -545,8 +545,10 @@ static void ascii_close(import_reader *reader)
 	g_free(r);
 }
 
-static import_reader *ascii_open(import_source *file, GError **error)
+static import_reader *ascii_open(
+	import_source *file, const struct import_options *options, GError **error)
 {
+	(void)options;
 	struct ascii *r = g_new0(struct ascii, 1);
 	import_lines_begin(&r->lines, file);
 	if (look_through(r, error))

@@ -282,8 +282,10 @@ static void pass_over_empty(struct e57 *r)
 	}
 }
 
-static import_reader *e57_open(import_source *file, GError **error)
+static import_reader *e57_open(
+	import_source *file, const struct import_options *options, GError **error)
 {
+	(void)options;
 	struct e57 *r = g_new0(struct e57, 1);
 	r->file = file;
 	r->notes = g_string_new(NULL);

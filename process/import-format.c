@@ -2,7 +2,7 @@
 #include <string.h>
 
 const struct import_format *const import_formats[] = { &import_e57, &import_ptx, &import_las,
-	&import_ply, &import_pcd, &import_ascii, NULL };
+	&import_mesh, &import_ply, &import_pcd, &import_ascii, NULL };
 
 static bool has_extension(const struct import_format *f, const char *path)
 {

@@ -338,8 +338,10 @@ static bool read_header(struct las *r, GError **error)
 	return find_colour_depth(r, error);
 }
 
-static import_reader *las_open(import_source *file, GError **error)
+static import_reader *las_open(
+	import_source *file, const struct import_options *options, GError **error)
 {
+	(void)options;
 	struct las *r = g_new0(struct las, 1);
 	r->file = file;
 	if (read_header(r, error))

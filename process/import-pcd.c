@@ -152,8 +152,10 @@ static bool set_columns(struct pcd *r, GError **error)
 		error);
 }
 
-static import_reader *pcd_open(import_source *file, GError **error)
+static import_reader *pcd_open(
+	import_source *file, const struct import_options *options, GError **error)
 {
+	(void)options;
 	struct pcd *r = g_new0(struct pcd, 1);
 	r->file = file;
 	r->cloud = import_cloud_new(file);

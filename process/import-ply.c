@@ -251,8 +251,10 @@ static bool open_elements(struct ply *r, GError **error)
 	return set_columns(r, error);
 }
 
-static import_reader *ply_open(import_source *file, GError **error)
+static import_reader *ply_open(
+	import_source *file, const struct import_options *options, GError **error)
 {
+	(void)options;
 	struct ply *r = g_new0(struct ply, 1);
 	r->file = file;
 	r->cloud = import_cloud_new(file);

@@ -213,8 +213,10 @@ static void ptx_close(import_reader *reader)
 	g_free(r);
 }
 
-static import_reader *ptx_open(import_source *file, GError **error)
+static import_reader *ptx_open(
+	import_source *file, const struct import_options *options, GError **error)
 {
+	(void)options;
 	struct ptx *r = g_new0(struct ptx, 1);
 	(void)error;
 	import_lines_begin(&r->lines, file);

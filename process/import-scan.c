@@ -1,6 +1,7 @@
 #include "process/import-scan.h"
 #include "acquire/panorama.h"
 #include "acquire/scan.h"
+#include "acquire/surface.h"
 #include "firmware-io/files.h"
 #include "process/pose-json.h"
 #include <errno.h>
@@ -90,17 +91,48 @@ static points_writer *open_points(
 	return points_writer_new(path, columns, rows, error);
 }
 
+/* ---- the surface ---- */
+
+static surface_writer *open_surface(const struct staged_scan *s, GError **error)
+{
+	g_autofree char *path = g_build_filename(s->folder, "surface.ply", NULL);
+	return surface_writer_new(path, error);
+}
+
+/* Such a format has no cells without a point. */
+static bool append_surface(struct reading *r, surface_writer *w, size_t count, GError **error)
+{
+	const struct surface_record *known = r->format->surface(r->reader);
+	return surface_writer_append(w, known, count, error);
+}
+
+static bool finish_surface(struct staged_scan *s, surface_writer *w, GError **error)
+{
+	g_autofree char *path = g_build_filename(s->folder, "surface.ply", NULL);
+	GStatBuf st;
+	if (!surface_writer_finish(w, error))
+		return false;
+	if (g_stat(path, &st))
+		return files_fail(error, path, "look at it");
+	s->surface_bytes = (uint64_t)st.st_size;
+	return true;
+}
+
 static bool read_cloud(struct reading *r, uint64_t limit, GError **error)
 {
 	g_autoptr(points_writer) w = open_points(r->staged, 0, 0, error);
-	for (size_t count = 1; w && count;) {
-		if (!next_block(r, limit, &count, error))
+	g_autoptr(surface_writer) s = NULL;
+	if (!w || (r->format->surface && !(s = open_surface(r->staged, error))))
+		return false;
+	for (size_t count = 1; count;) {
+		if (!next_block(r, limit, &count, error) ||
+			(s && !append_surface(r, s, count, error)))
 			return false;
 		size_t kept = drop_cells_without_point(r->block, count);
 		if (!points_writer_append(w, r->block, kept, error))
 			return false;
 	}
-	return w && points_writer_finish(w, error);
+	return points_writer_finish(w, error) && (!s || finish_surface(r->staged, s, error));
 }
 
 /* ---- a grid: into a scratch file as it comes, from there turned ---- */
@@ -405,13 +437,23 @@ static bool add_picture_files(JsonObject *files, const struct staged_scan *s, GE
 	return true;
 }
 
+static bool add_surface_file(JsonObject *files, const struct staged_scan *s, GError **error)
+{
+	g_autofree char *path = g_build_filename(s->folder, "surface.ply", NULL),
+			*sha256 = import_hash_end(import_hash_begin(path), error);
+	if (sha256)
+		add_file(files, "surface.ply", s->surface_bytes, sha256);
+	return sha256;
+}
+
 static bool set_files(manifest *m, const struct staged_scan *s, const char *sha256, GError **error)
 {
 	JsonObject *files = json_object_new();
 	JsonNode *node = json_node_new(JSON_NODE_OBJECT);
 	json_node_take_object(node, files);
 	add_file(files, "points.ply", s->bytes, sha256);
-	bool good = add_picture_files(files, s, error);
+	bool good = add_picture_files(files, s, error) &&
+		    (!s->surface_bytes || add_surface_file(files, s, error));
 	manifest_set_node(m, "files", node);
 	return good;
 }

@@ -14,6 +14,7 @@ struct staged_scan {
 	uint32_t columns_in_file, rows_in_file;
 	uint64_t bytes, records; /* of points.ply */
 	import_hash *hash;       /* of points.ply, under way */
+	uint64_t surface_bytes;  /* of surface.ply; 0: there is none */
 	JsonArray *pictures;     /* that came with it, as scan.json will have them */
 	struct imported result;
 };

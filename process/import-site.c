@@ -102,7 +102,7 @@ static bool read_all(struct importing *i, GError **error)
 {
 	const struct import_scan *scan;
 	enum import_result got;
-	i->reader = i->format->open(i->file, error);
+	i->reader = i->format->open(i->file, i->options, error);
 	if (!i->reader)
 		return false;
 	while ((got = i->format->next_scan(i->reader, &scan, error)) == IMPORT_SCAN)

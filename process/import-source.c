@@ -56,6 +56,11 @@ const char *import_source_path(const import_source *s)
 	return s->path;
 }
 
+bool import_source_is_file(const import_source *s)
+{
+	return s->fd >= 0;
+}
+
 uint64_t import_source_size(const import_source *s)
 {
 	return s->size;

@@ -9,6 +9,7 @@
  * this program does not read is G_IO_ERROR_NOT_SUPPORTED. One thread a reader. */
 #include "acquire/points.h"
 #include "acquire/site.h"
+#include "acquire/surface.h"
 #include "process/pose.h"
 #include <json-glib/json-glib.h>
 
@@ -32,7 +33,12 @@ const char *import_source_name_for_library(import_source *s, GError **error);
 bool import_refuse(GError **error, const import_source *s, int code, const char *format, ...)
 	G_GNUC_PRINTF(4, 5);
 
+/* Whether it was opened by its path, beside which others may lie. */
+bool import_source_is_file(const import_source *s);
+
 /* ---- readers ---- */
+
+struct import_options;
 
 /* How the records of a grid follow each other in the file. */
 enum import_order {
@@ -79,7 +85,9 @@ struct import_format {
 	/* Whether a file with this beginning (up to IMPORT_PROBE_BYTES) is of this format. */
 	bool (*probe)(const uint8_t *start, size_t length);
 	/* Reads what it must to know that this is going to work. The source stays valid until close. */
-	import_reader *(*open)(import_source *file, GError **error);
+	/* options: NULL stands for none. */
+	import_reader *(*open)(
+		import_source *file, const struct import_options *options, GError **error);
 	/* The next scan, whose struct is the reader's and stays until the one after. Never called before all records of the
 	 * scan before were read. IMPORT_END: the file ended where it should. */
 	enum import_result (*next_scan)(
@@ -93,6 +101,8 @@ struct import_format {
 	/* What only some formats have; NULL: this one has not. */
 	/* Of a scattered grid, the cells of the records that read gave last, none of them twice in a scan. */
 	const uint64_t *(*cells)(const import_reader *r);
+	/* What is known of the surface at the records that read gave last. */
+	const struct surface_record *(*surface)(const import_reader *r);
 	/* Of the scan whose records were all read: puts the pictures that came with it into the folder, and for each an object
 	 * with its name there ("file") and what is known of it into the array, as it will stand in scan.json. */
 	bool (*save_pictures)(
@@ -101,16 +111,26 @@ struct import_format {
 #define IMPORT_PROBE_BYTES 4096
 /* Ends with NULL. */
 extern const struct import_format *const import_formats[];
-extern const struct import_format import_e57, import_ptx, import_las, import_ply, import_pcd,
-	import_ascii; /* their files: import-e57.c and so on */
+extern const struct import_format import_e57, import_mesh, import_ptx, import_las, import_ply,
+	import_pcd, import_ascii; /* their files: import-e57.c and so on */
 
 /* By content, and only where no content is known by its extension. NULL: a sentence that lists the formats. */
 const struct import_format *import_format_of(import_source *file, GError **error);
 
 /* ---- into a site ---- */
 
+/* How points are made of a mesh. */
+struct import_mesh_options {
+	uint64_t points;      /* how many, about; 0: as the spacing says, or half a million */
+	double spacing_m;     /* of blue noise; 0: as the count says */
+	bool uniform;         /* spread by chance, not blue noise */
+	double metres_a_unit; /* of the file; 0: 1 */
+	bool y_up;            /* the file's y looks up, as many modellers have it */
+};
+
 struct import_options {
 	bool again; /* also what the site has already */
+	struct import_mesh_options mesh;
 	/* Returns false to stop: the site is then as it was. May be NULL. */
 	bool (*progress)(double fraction, const char *doing, gpointer user_data);
 	gpointer user_data;

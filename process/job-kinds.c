@@ -3,7 +3,10 @@
 #include <string.h>
 
 static const struct job_option process_options[] = { { "to", 's', JOB_OPTION_PLAIN }, { 0 } };
-static const struct job_option import_options[] = { { "again", 'b', JOB_OPTION_PLAIN }, { 0 } };
+static const struct job_option import_options[] = { { "again", 'b', JOB_OPTION_PLAIN },
+	{ "points", 'i', JOB_OPTION_PLAIN }, { "spacing", 'd', JOB_OPTION_PLAIN },
+	{ "sampling", 's', JOB_OPTION_PLAIN }, { "unit", 's', JOB_OPTION_PLAIN },
+	{ "up", 's', JOB_OPTION_PLAIN }, { 0 } };
 static const struct job_option align_options[] = { { "pairs", 's', JOB_OPTION_READ },
 	{ "accept", 'b', JOB_OPTION_PLAIN }, { "refuse", 'b', JOB_OPTION_PLAIN },
 	{ "undo", 'b', JOB_OPTION_PLAIN }, { "list", 'b', JOB_OPTION_PLAIN }, { 0 } };

@@ -2,13 +2,26 @@
 #include "acquire/cli.h"
 #include "process/import.h"
 #include <stdio.h>
+#include <string.h>
 
 #define COMMAND "import"
 
 static gboolean again, json;
+static gint64 point_count;
+static char *spacing_text, *sampling = "blue-noise", *unit = "m", *up = "z";
 
 static const GOptionEntry entries[] = {
 	{ "again", 0, 0, G_OPTION_ARG_NONE, &again, "Import also what the site has already", NULL },
+	{ "points", 0, 0, G_OPTION_ARG_INT64, &point_count,
+		"Of a mesh: how many points are made of it, about [500000]", "N" },
+	{ "spacing", 0, 0, G_OPTION_ARG_STRING, &spacing_text,
+		"Of a mesh: how far its points are from each other", "METRES" },
+	{ "sampling", 0, 0, G_OPTION_ARG_STRING, &sampling,
+		"Of a mesh: blue-noise (evenly spread) or uniform (by chance) [blue-noise]",
+		"HOW" },
+	{ "unit", 0, 0, G_OPTION_ARG_STRING, &unit, "Of a mesh: m, cm, mm, in or ft [m]", "UNIT" },
+	{ "up", 0, 0, G_OPTION_ARG_STRING, &up, "Of a mesh: which axis looks up, z or y [z]",
+		"AXIS" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print what was imported as JSON", NULL },
 	{ NULL },
 };
@@ -107,10 +120,11 @@ static void say(const site *s, const GArray *scans, const char *path, JsonArray 
 /* ---- the command ---- */
 
 /* What came before a bad file stays, and is told. */
-static bool import_all(site *s, char **files, JsonArray *into, GError **error)
+static bool import_all(site *s, char **files, const struct import_mesh_options *of_mesh,
+	JsonArray *into, GError **error)
 {
 	struct doing d = { cli_bar_begin(COMMAND), 0, (int)g_strv_length(files) };
-	struct import_options options = { again, show_progress, &d };
+	struct import_options options = { again, *of_mesh, show_progress, &d };
 	for (; files[d.file]; d.file++) {
 		g_autoptr(GArray) scans = import_file(s, files[d.file], &options, error);
 		cli_bar_end(&d.bar);
@@ -130,7 +144,7 @@ static int fail(const GError *error)
 	return CLI_FAILED;
 }
 
-static int import_into(const char *path, char **files)
+static int import_into(const char *path, char **files, const struct import_mesh_options *of_mesh)
 {
 	g_autoptr(GError) error = NULL;
 	g_autoptr(site) s = site_open_for_writing(path, &error);
@@ -139,7 +153,7 @@ static int import_into(const char *path, char **files)
 	JsonObject *o = json_object_new();
 	JsonArray *scans = json_array_new();
 	json_object_set_array_member(o, "scans", scans);
-	bool good = import_all(s, files, scans, &error);
+	bool good = import_all(s, files, of_mesh, scans, &error);
 	bool any = json_array_get_length(scans);
 	if (json && (good || any))
 		cli_print_json(json_object_ref(o));
@@ -150,15 +164,68 @@ static int import_into(const char *path, char **files)
 	return fail(error);
 }
 
+/* ---- options of meshes ---- */
+
+static bool read_unit(double *ret)
+{
+	static const struct {
+		const char *name;
+		double metres;
+	} units[] = { { "m", 1 }, { "cm", 0.01 }, { "mm", 0.001 }, { "in", 0.0254 },
+		{ "ft", 0.3048 } };
+	for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
+		if (!strcmp(unit, units[i].name)) {
+			*ret = units[i].metres;
+			return true;
+		}
+	return false;
+}
+
+static bool read_spacing(double *ret)
+{
+	char *end;
+	if (!spacing_text)
+		return true;
+	*ret = g_ascii_strtod(spacing_text, &end);
+	return end != spacing_text && !*end && *ret >= 1e-6 && *ret <= 1000;
+}
+
+/* CLI_DONE, or what was said. */
+static int read_mesh_options(struct import_mesh_options *ret)
+{
+	if (point_count < 0 || point_count > 1000000000)
+		return cli_misuse(COMMAND, "points go from 1 to 1000000000");
+	if (!read_spacing(&ret->spacing_m))
+		return cli_misuse(COMMAND, "a spacing is from 0.000001 to 1000 metres, not '%s'",
+			spacing_text);
+	if (point_count && spacing_text)
+		return cli_misuse(
+			COMMAND, "--points and --spacing say the same in two ways: take one");
+	if (strcmp(sampling, "blue-noise") && strcmp(sampling, "uniform"))
+		return cli_misuse(
+			COMMAND, "there is no sampling '%s': blue-noise or uniform", sampling);
+	if (!read_unit(&ret->metres_a_unit))
+		return cli_misuse(COMMAND, "there is no unit '%s': m, cm, mm, in or ft", unit);
+	if (strcmp(up, "z") && strcmp(up, "y"))
+		return cli_misuse(COMMAND, "'%s' is no axis that looks up: z or y", up);
+	ret->points = (uint64_t)point_count;
+	ret->uniform = !strcmp(sampling, "uniform");
+	ret->y_up = !strcmp(up, "y");
+	return CLI_DONE;
+}
+
 int main(int argc, char **argv)
 {
 	int status;
+	struct import_mesh_options of_mesh = { 0 };
 	if (!cli_parse(COMMAND, "SITE FILE...",
 		    "Imports scans of other scanners into a site, which is made when it is not "
 		    "there.",
 		    "E57 and PTX keep their grids and poses, E57 its pictures, PLY and PCD the "
 		    "grid of "
-		    "one scan; LAS 1.0 to 1.4 and tables in ASCII come as points. Of each file all "
+		    "one scan; LAS 1.0 to 1.4 and tables in ASCII come as points, meshes (OFF, "
+		    "OBJ, PLY, "
+		    "STL) are sampled to points. Of each file all "
 		    "scans "
 		    "are "
 		    "imported or none.\n\nExamples:\n"
@@ -173,6 +240,9 @@ int main(int argc, char **argv)
 	for (int i = 2; i < argc; i++)
 		if (!*argv[i])
 			return cli_misuse(COMMAND, "a file has no name");
+	status = read_mesh_options(&of_mesh);
+	if (status != CLI_DONE)
+		return status;
 	cli_catch_interrupts();
-	return import_into(argv[1], argv + 2);
+	return import_into(argv[1], argv + 2, &of_mesh);
 }

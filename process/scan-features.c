@@ -1,9 +1,12 @@
 #include "process/scan-features.h"
+#include "acquire/surface.h"
 #include "firmware-io/files.h"
 #include "process/features-cloud.h"
+#include "process/model.h"
 #include "process/scan-data.h"
 #include "process/scan-geometry.h"
 #include "process/scan-sources.h"
+#include <math.h>
 #include <string.h>
 
 /* Scans that stay in memory with their features: the neighbours of scans next to each other are mostly the same. */
@@ -211,6 +214,24 @@ static bool cloud_progress(double fraction, gpointer user_data)
 	return go_on(user_data, fraction, NULL);
 }
 
+/* Those of the file, where it told more than points. */
+static bool take_curvatures(
+	const site *of, uint32_t number, features *f, uint64_t count, GError **error)
+{
+	g_autoptr(scan_surface) known = NULL;
+	if (!surface_open_of_scan(of, number, count, &known, error))
+		return false;
+	for (uint64_t i = 0; known && i < count; i++) {
+		const struct surface_record *r = &known->record[i];
+		if (!isfinite(r->k1) || !isfinite(r->k2))
+			continue;
+		f->k1[i] = r->k1;
+		f->k2[i] = r->k2;
+		model_pack_normal(r->direction, f->principal[i]);
+	}
+	return true;
+}
+
 static bool make_cloud(struct maker *m, const struct scan_source *s, GError **error)
 {
 	struct entry *e = load(m, s, error);
@@ -227,6 +248,8 @@ static bool make_cloud(struct maker *m, const struct scan_source *s, GError **er
 	struct features_cloud_input of = { cloud_view_of(e->data->points), g->normal,
 		g->plane_error_m, g->point_size_m, e->data->points };
 	g_autoptr(features) f = features_of_cloud(&of, options_of(m), cloud_progress, m);
+	if (f && !take_curvatures(m->site, s->number, f, e->data->points->count, error))
+		return false;
 	return f ? write_file(m, s, f, error) : go_on(m, 0, error);
 }
 

@@ -1,4 +1,5 @@
 #include "process/scan-geometry.h"
+#include "acquire/surface.h"
 #include "firmware-io/files.h"
 #include "process/cloud.h"
 #include "process/geometry.h"
@@ -202,6 +203,20 @@ static bool cloud_progress(double fraction, gpointer user_data)
 	return go_on(user_data, fraction, NULL);
 }
 
+/* Those of the file, where it told more than points. */
+static bool take_normals(
+	const site *of, uint32_t number, const points *cloud, cloud_geometry *g, GError **error)
+{
+	g_autoptr(scan_surface) known = NULL;
+	if (!surface_open_of_scan(of, number, cloud->count, &known, error))
+		return false;
+	for (uint64_t i = 0; known && i < known->count; i++)
+		if (known->record[i].normal[0] != 0 || known->record[i].normal[1] != 0 ||
+			known->record[i].normal[2] != 0)
+			memcpy(g->normal[i], known->record[i].normal, sizeof g->normal[i]);
+	return true;
+}
+
 static bool make_cloud(
 	struct maker *m, const struct scan_source *s, const points *cloud, GError **error)
 {
@@ -209,6 +224,8 @@ static bool make_cloud(
 	struct cloud_geometry_options options = { .progress = cloud_progress, .user_data = m };
 	g_autoptr(cloud_geometry) g = cloud_geometry_estimate(&v, &options, error);
 	if (!g)
+		return false;
+	if (!take_normals(m->site, s->number, cloud, g, error))
 		return false;
 	const float *first = (const float *)g->normal;
 	struct planes p = { g->count, { first, first + 1, first + 2 }, 3, g->plane_error_m,

@@ -61,7 +61,7 @@ static inline struct made made_from_file(
 	g_autoptr(GError) error = NULL;
 	g_autoptr(import_source) file = import_source_open(path, &error);
 	g_assert_no_error(error);
-	import_reader *r = f->open(file, &error);
+	import_reader *r = f->open(file, NULL, &error);
 	g_assert_no_error(error);
 	const struct import_scan *scan;
 	g_assert_cmpint(f->next_scan(r, &scan, &error), ==, IMPORT_SCAN);

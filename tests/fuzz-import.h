@@ -111,8 +111,9 @@ static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
 static inline void fuzz_import(const struct import_format *f, const uint8_t *data, size_t size)
 {
 	g_autoptr(import_source) file = import_source_from_bytes(data, size, "x");
+	struct import_options options = { .mesh.points = 300 };
 	g_autoptr(GError) error = NULL;
-	import_reader *r = f->open(file, &error);
+	import_reader *r = f->open(file, &options, &error);
 	const struct import_scan *scan;
 	enum import_result got = r ? IMPORT_SCAN : IMPORT_BAD;
 	while (r && (got = f->next_scan(r, &scan, &error)) == IMPORT_SCAN)

@@ -1,0 +1,267 @@
+/* Files of meshes by assimp. */
+#include "firmware-io/files.h"
+#include "process/import-cloud.h"
+#include "process/import-mesh.h"
+#include <assimp/cfileio.h>
+#include <assimp/cimport.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <math.h>
+#include <string.h>
+
+#define FILE_BYTES_MAX     (UINT64_C(2) << 30)
+#define MATERIAL_BYTES_MAX (16u << 20)
+#define COORDINATE_MAX     1e9
+#define NAME               "mesh."
+
+/* ---- files for assimp: the bytes at hand, and the materials beside an OBJ ---- */
+
+struct opened {
+	struct aiFile file;
+	const uint8_t *bytes;
+	size_t length, at;
+	char *own; /* NULL: borrowed */
+};
+
+struct files {
+	struct aiFileIO io;
+	const uint8_t *bytes;
+	size_t length;
+	const char *folder; /* where materials may lie; NULL: nowhere */
+	bool wanted_material, has_material;
+};
+
+static size_t read_file(struct aiFile *f, char *into, size_t size, size_t count)
+{
+	struct opened *o = (struct opened *)f->UserData;
+	size_t whole = size ? MIN(count, (o->length - o->at) / size) : 0;
+	memcpy(into, o->bytes + o->at, whole * size);
+	o->at += whole * size;
+	return whole;
+}
+
+static size_t write_file(struct aiFile *f, const char *from, size_t size, size_t count)
+{
+	(void)f;
+	(void)from;
+	(void)size;
+	(void)count;
+	return 0;
+}
+
+static size_t tell_file(struct aiFile *f)
+{
+	return ((struct opened *)f->UserData)->at;
+}
+
+static size_t size_file(struct aiFile *f)
+{
+	return ((struct opened *)f->UserData)->length;
+}
+
+static enum aiReturn seek_file(struct aiFile *f, size_t offset, enum aiOrigin origin)
+{
+	struct opened *o = (struct opened *)f->UserData;
+	size_t from = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? o->at : o->length;
+	if (offset > o->length - from)
+		return aiReturn_FAILURE;
+	o->at = from + offset;
+	return aiReturn_SUCCESS;
+}
+
+static void flush_file(struct aiFile *f)
+{
+	(void)f;
+}
+
+static struct aiFile *opened_new(const uint8_t *bytes, size_t length, char *own)
+{
+	struct opened *o = g_new0(struct opened, 1);
+	o->bytes = bytes;
+	o->length = length;
+	o->own = own;
+	o->file = (struct aiFile){ read_file, write_file, tell_file, size_file, seek_file,
+		flush_file, (aiUserData)o };
+	return &o->file;
+}
+
+static struct aiFile *open_material(struct files *f, const char *name)
+{
+	g_autofree char *base = g_path_get_basename(name),
+			*path = f->folder ? g_build_filename(f->folder, base, NULL) : NULL;
+	size_t length;
+	f->wanted_material = true;
+	char *bytes = path ? files_read(path, MATERIAL_BYTES_MAX, &length, NULL) : NULL;
+	if (!bytes)
+		return NULL;
+	f->has_material = true;
+	return opened_new((const uint8_t *)bytes, length, bytes);
+}
+
+static struct aiFile *open_file(struct aiFileIO *io, const char *name, const char *mode)
+{
+	struct files *f = (struct files *)io->UserData;
+	if (strchr(mode, 'w') || strchr(mode, 'a'))
+		return NULL;
+	if (g_str_has_prefix(name, NAME))
+		return opened_new(f->bytes, f->length, NULL);
+	return g_str_has_suffix(name, ".mtl") ? open_material(f, name) : NULL;
+}
+
+static void close_file(struct aiFileIO *io, struct aiFile *file)
+{
+	struct opened *o = (struct opened *)file->UserData;
+	(void)io;
+	g_free(o->own);
+	g_free(o);
+}
+
+/* ---- the scene as one mesh ---- */
+
+static bool is_sound(const struct aiMesh *part)
+{
+	for (unsigned i = 0; i < part->mNumVertices; i++) {
+		const struct aiVector3D *v = &part->mVertices[i];
+		if (!(fabs((double)v->x) <= COORDINATE_MAX &&
+			    fabs((double)v->y) <= COORDINATE_MAX &&
+			    fabs((double)v->z) <= COORDINATE_MAX))
+			return false;
+	}
+	for (unsigned i = 0; i < part->mNumFaces; i++)
+		for (unsigned k = 0; k < part->mFaces[i].mNumIndices; k++)
+			if (part->mFaces[i].mIndices[k] >= part->mNumVertices)
+				return false;
+	return true;
+}
+
+static uint64_t triangles_of(const struct aiMesh *part)
+{
+	uint64_t count = 0;
+	for (unsigned i = 0; i < part->mNumFaces; i++)
+		count += part->mFaces[i].mNumIndices == 3;
+	return count;
+}
+
+static uint8_t byte_of(float share)
+{
+	return (uint8_t)(CLAMP((double)share, 0, 1) * 255 + 0.5);
+}
+
+/* A vertex's own colour, else its material's. */
+static void colour_of(const struct aiMesh *part, unsigned vertex, const struct aiColor4D *material,
+	uint8_t ret[3])
+{
+	const struct aiColor4D *c = part->mColors[0] ? &part->mColors[0][vertex] : material;
+	ret[0] = byte_of(c->r);
+	ret[1] = byte_of(c->g);
+	ret[2] = byte_of(c->b);
+}
+
+static void add_part(mesh *m, const struct aiScene *scene, const struct aiMesh *part,
+	uint32_t first, uint32_t *triangle)
+{
+	struct aiColor4D material = { 1, 1, 1, 1 };
+	if (part->mMaterialIndex < scene->mNumMaterials)
+		aiGetMaterialColor(scene->mMaterials[part->mMaterialIndex], AI_MATKEY_COLOR_DIFFUSE,
+			&material);
+	for (unsigned i = 0; i < part->mNumVertices; i++) {
+		m->at_m[first + i][0] = (double)part->mVertices[i].x;
+		m->at_m[first + i][1] = (double)part->mVertices[i].y;
+		m->at_m[first + i][2] = (double)part->mVertices[i].z;
+	}
+	for (unsigned i = 0; i < part->mNumFaces; i++) {
+		const struct aiFace *face = &part->mFaces[i];
+		for (unsigned k = 0; k < 3 && face->mNumIndices == 3; k++) {
+			m->corner[*triangle][k] = first + face->mIndices[k];
+			if (m->rgb)
+				colour_of(part, face->mIndices[k], &material, m->rgb[*triangle][k]);
+		}
+		*triangle += face->mNumIndices == 3;
+	}
+}
+
+static bool refuse(import_source *file, const char *what, GError **error)
+{
+	return import_refuse(error, file, G_IO_ERROR_INVALID_DATA, "%s", what);
+}
+
+static mesh *mesh_of(
+	const struct aiScene *scene, bool has_material, import_source *file, GError **error)
+{
+	uint64_t vertices = 0, triangles = 0;
+	bool colour = has_material;
+	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+		vertices += scene->mMeshes[i]->mNumVertices;
+		triangles += triangles_of(scene->mMeshes[i]);
+		colour |= scene->mMeshes[i]->mColors[0] != NULL;
+	}
+	if (!triangles || vertices > INT32_MAX || triangles > INT32_MAX)
+		return refuse(file, triangles ? "has too many triangles" : "has no triangles",
+			       error),
+		       NULL;
+	mesh *m = mesh_new((uint32_t)vertices, (uint32_t)triangles, colour);
+	uint32_t first = 0, triangle = 0;
+	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+		add_part(m, scene, scene->mMeshes[i], first, &triangle);
+		first += scene->mMeshes[i]->mNumVertices;
+	}
+	return m;
+}
+
+/* Indices are looked at before any step of assimp goes by them. */
+static const struct aiScene *triangulate(
+	const struct aiScene *scene, import_source *file, GError **error)
+{
+	for (unsigned i = 0; i < scene->mNumMeshes; i++)
+		if (!is_sound(scene->mMeshes[i]))
+			return refuse(file,
+				       "names vertices that are not there, or that are too far",
+				       error),
+			       NULL;
+	const struct aiScene *done = aiApplyPostProcessing(scene, aiProcess_Triangulate);
+	if (!done)
+		refuse(file, "has faces that are none", error);
+	return done;
+}
+
+static mesh *load(struct files *f, import_source *file, const char *name, GError **error)
+{
+	const struct aiScene *scene = aiImportFileEx(name, 0, &f->io);
+	if (!scene) {
+		g_autofree char *why = g_utf8_make_valid(aiGetErrorString(), -1);
+		import_refuse(error, file, G_IO_ERROR_INVALID_DATA, "cannot be read as a mesh: %s",
+			g_strstrip(g_strdelimit(why, "\n", ' ')));
+		return NULL;
+	}
+	const struct aiScene *sound = triangulate(scene, file, error);
+	mesh *m = sound ? mesh_of(sound, f->has_material, file, error) : NULL;
+	aiReleaseImport(sound ? sound : scene);
+	return m;
+}
+
+mesh *mesh_load(import_source *file, enum mesh_kind kind, GString *notes, GError **error)
+{
+	static const char *const names[] = { [MESH_OFF] = NAME "off",
+		[MESH_OBJ] = NAME "obj",
+		[MESH_PLY] = NAME "ply",
+		[MESH_STL] = NAME "stl" };
+	if (import_source_size(file) > FILE_BYTES_MAX)
+		return import_refuse(error, file, G_IO_ERROR_NOT_SUPPORTED,
+			       "is larger than 2 GiB, which is as much as is read of a mesh"),
+		       NULL;
+	size_t length;
+	g_autofree uint8_t *bytes = import_load(file, 0, &length, error);
+	g_autofree char *folder = g_path_get_dirname(import_source_path(file));
+	if (!bytes)
+		return NULL;
+	struct files f = { .bytes = bytes,
+		.length = length,
+		.folder = import_source_is_file(file) ? folder : NULL };
+	f.io = (struct aiFileIO){ open_file, close_file, (aiUserData)&f };
+	mesh *m = load(&f, file, names[kind], error);
+	if (m && f.wanted_material && !f.has_material)
+		g_string_append(
+			notes, "its materials were not beside it, so their colours are missing");
+	return m;
+}

@@ -1,0 +1,24 @@
+#ifndef PROCESS_MESH_H
+#define PROCESS_MESH_H
+/* A triangle mesh, and what its surface does at each vertex: normals by the angles of the corners (Thürmer & Wüthrich 1998), principal
+ * curvatures from how the normals change along the edges of each triangle (Rusinkiewicz 2004, "Estimating curvatures and their
+ * derivatives on triangle meshes"). One owner; const once mesh_curve was called. */
+#include "acquire/surface.h"
+
+typedef struct mesh mesh;
+struct mesh {
+	uint32_t vertices, triangles;
+	double (*at_m)[3];
+	uint32_t (*corner)[3];
+	uint8_t (*rgb)[3][3];           /* of each corner; NULL: no colour */
+	struct surface_record *surface; /* of each vertex; NULL until mesh_curve */
+};
+mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool has_colour);
+void mesh_free(mesh *m); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(mesh, mesh_free)
+/* Makes vertices at one place one, so that triangles that were told apart are neighbours. */
+void mesh_weld(mesh *m);
+void mesh_curve(mesh *m);
+double mesh_triangle_area_m2(const mesh *m, uint32_t triangle);
+
+#endif
