@@ -294,31 +294,53 @@ static bool check_binary_stl(import_source *file, const uint8_t *start, GError *
 		told, room);
 }
 
+/* The lines of a triangle, each with the numbers behind it. */
+static const struct {
+	const char *words;
+	int numbers;
+} stl_lines[] = { { "facet normal", 3 }, { "outer loop", 0 }, { "vertex", 3 }, { "vertex", 3 },
+	{ "vertex", 3 }, { "endloop", 0 }, { "endfacet", 0 } };
+
+static bool check_stl_line(struct import_lines *l, const char *at, size_t which, GError **error)
+{
+	double numbers[3];
+	g_auto(GStrv) words = g_strsplit(stl_lines[which].words, " ", -1);
+	bool good = true;
+	for (char **word = words; *word && good; word++) {
+		at = import_skip_blanks(at);
+		good = begins_with(at, *word);
+		at += good ? strlen(*word) : 0;
+	}
+	return (good && read_numbers(&at, stl_lines[which].numbers, numbers) &&
+		       import_lines_ends(l, at)) ||
+	       import_lines_refuse(error, l, "'%s%s' must stand here", stl_lines[which].words,
+		       stl_lines[which].numbers ? " x y z" : "");
+}
+
 static bool check_text_stl(struct import_lines *l, GError **error)
 {
 	const char *line;
-	uint64_t corners = 0;
+	uint64_t lines = 0;
+	bool inside = false;
 	for (;;) {
-		double xyz[3];
 		if (!next_line(l, &line, error))
 			return false;
 		if (!line)
 			break;
 		const char *at = import_skip_blanks(line);
-		if (begins_with(at, "endsolid"))
-			return corners % 3 == 0 ||
-			       import_lines_refuse(
-				       error, l, "its last triangle has not three corners");
-		if (!begins_with(at, "vertex"))
-			continue;
-		at += strlen("vertex");
-		corners++;
-		if (!read_numbers(&at, 3, xyz))
-			return import_lines_refuse(error, l, "a corner is vertex x y z");
+		bool between = lines % G_N_ELEMENTS(stl_lines) == 0,
+		     turns = between && begins_with(at, inside ? "endsolid" : "solid");
+		if (!turns && !inside)
+			return import_lines_refuse(error, l, "'solid' must stand here");
+		if (!turns && !check_stl_line(l, at, lines++ % G_N_ELEMENTS(stl_lines), error))
+			return false;
+		inside ^= turns;
 	}
 	l->line++;
-	return import_lines_refuse(
-		error, l, "the file ends here, and endsolid should stand before");
+	if (inside)
+		return import_lines_refuse(
+			error, l, "the file ends here, and endsolid should stand before");
+	return lines || import_lines_refuse(error, l, "the file ends here, and has no triangle");
 }
 
 static bool check_stl(import_source *file, struct import_lines *l, GError **error)

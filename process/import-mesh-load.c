@@ -5,7 +5,6 @@
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/material.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <math.h>
 #include <string.h>
@@ -139,7 +138,7 @@ static uint64_t triangles_of(const struct aiMesh *part)
 {
 	uint64_t count = 0;
 	for (unsigned i = 0; i < part->mNumFaces; i++)
-		count += part->mFaces[i].mNumIndices == 3;
+		count += part->mFaces[i].mNumIndices >= 3 ? part->mFaces[i].mNumIndices - 2 : 0;
 	return count;
 }
 
@@ -158,6 +157,27 @@ static void colour_of(const struct aiMesh *part, unsigned vertex, const struct a
 	ret[2] = byte_of(c->b);
 }
 
+static void add_face(mesh *m, const struct aiMesh *part, const struct aiFace *face, uint32_t first,
+	const struct aiColor4D *material, uint32_t *triangle)
+{
+	if (face->mNumIndices < 3)
+		return;
+	uint32_t count = face->mNumIndices;
+	g_autofree uint32_t *vertices = g_new(uint32_t, count),
+			    *cut = g_new(uint32_t, 3 * (size_t)(count - 2));
+	for (uint32_t k = 0; k < count; k++)
+		vertices[k] = first + face->mIndices[k];
+	mesh_cut_polygon(m, vertices, count, cut);
+	for (uint32_t t = 0; t < count - 2; t++, (*triangle)++)
+		for (int k = 0; k < 3; k++) {
+			uint32_t corner = cut[3 * t + (uint32_t)k];
+			m->corner[*triangle][k] = vertices[corner];
+			if (m->rgb)
+				colour_of(part, face->mIndices[corner], material,
+					m->rgb[*triangle][k]);
+		}
+}
+
 static void add_part(mesh *m, const struct aiScene *scene, const struct aiMesh *part,
 	uint32_t first, uint32_t *triangle)
 {
@@ -170,15 +190,8 @@ static void add_part(mesh *m, const struct aiScene *scene, const struct aiMesh *
 		m->at_m[first + i][1] = (double)part->mVertices[i].y;
 		m->at_m[first + i][2] = (double)part->mVertices[i].z;
 	}
-	for (unsigned i = 0; i < part->mNumFaces; i++) {
-		const struct aiFace *face = &part->mFaces[i];
-		for (unsigned k = 0; k < 3 && face->mNumIndices == 3; k++) {
-			m->corner[*triangle][k] = first + face->mIndices[k];
-			if (m->rgb)
-				colour_of(part, face->mIndices[k], &material, m->rgb[*triangle][k]);
-		}
-		*triangle += face->mNumIndices == 3;
-	}
+	for (unsigned i = 0; i < part->mNumFaces; i++)
+		add_face(m, part, &part->mFaces[i], first, &material, triangle);
 }
 
 static bool refuse(import_source *file, const char *what, GError **error)
@@ -209,20 +222,13 @@ static mesh *mesh_of(
 	return m;
 }
 
-/* Indices are looked at before any step of assimp goes by them. */
-static const struct aiScene *triangulate(
-	const struct aiScene *scene, import_source *file, GError **error)
+static bool check_parts(const struct aiScene *scene, import_source *file, GError **error)
 {
 	for (unsigned i = 0; i < scene->mNumMeshes; i++)
 		if (!is_sound(scene->mMeshes[i]))
 			return refuse(file,
-				       "names vertices that are not there, or that are too far",
-				       error),
-			       NULL;
-	const struct aiScene *done = aiApplyPostProcessing(scene, aiProcess_Triangulate);
-	if (!done)
-		refuse(file, "has faces that are none", error);
-	return done;
+				"names vertices that are not there, or that are too far", error);
+	return true;
 }
 
 static mesh *load(struct files *f, import_source *file, const char *name, GError **error)
@@ -234,10 +240,19 @@ static mesh *load(struct files *f, import_source *file, const char *name, GError
 			g_strstrip(g_strdelimit(why, "\n", ' ')));
 		return NULL;
 	}
-	const struct aiScene *sound = triangulate(scene, file, error);
-	mesh *m = sound ? mesh_of(sound, f->has_material, file, error) : NULL;
-	aiReleaseImport(sound ? sound : scene);
+	mesh *m = check_parts(scene, file, error) ? mesh_of(scene, f->has_material, file, error)
+						  : NULL;
+	aiReleaseImport(scene);
 	return m;
+}
+
+/* What should be one. */
+static bool is_text(const uint8_t *bytes, size_t length, enum mesh_kind kind)
+{
+	bool should = kind == MESH_OFF || kind == MESH_OBJ ||
+		      (kind == MESH_STL && length > 6 && !memcmp(bytes, "solid", 5) &&
+			      memmem(bytes, MIN(length, 512), "facet", 5));
+	return !should || !memchr(bytes, 0, length);
 }
 
 mesh *mesh_load(import_source *file, enum mesh_kind kind, GString *notes, GError **error)
@@ -255,6 +270,12 @@ mesh *mesh_load(import_source *file, enum mesh_kind kind, GString *notes, GError
 	g_autofree char *folder = g_path_get_dirname(import_source_path(file));
 	if (!bytes)
 		return NULL;
+	if (!is_text(bytes, length, kind)) {
+		const uint8_t *zero = memchr(bytes, 0, length);
+		import_refuse(error, file, G_IO_ERROR_INVALID_DATA,
+			"byte %zu: a zero byte cannot stand in a text", (size_t)(zero - bytes));
+		return NULL;
+	}
 	struct files f = { .bytes = bytes,
 		.length = length,
 		.folder = import_source_is_file(file) ? folder : NULL };

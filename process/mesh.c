@@ -79,6 +79,70 @@ void mesh_weld(mesh *m)
 			m->corner[t][k] = becomes[m->corner[t][k]];
 }
 
+/* ---- polygons ---- */
+
+/* By the sum over its edges (Newell). */
+static void polygon_normal(const mesh *m, const uint32_t *vertices, uint32_t count, double ret[3])
+{
+	memset(ret, 0, 3 * sizeof *ret);
+	for (uint32_t i = 0; i < count; i++) {
+		const double *a = m->at_m[vertices[i]], *b = m->at_m[vertices[(i + 1) % count]];
+		for (int k = 0; k < 3; k++)
+			ret[k] += (a[(k + 1) % 3] - b[(k + 1) % 3]) *
+				  (a[(k + 2) % 3] + b[(k + 2) % 3]);
+	}
+}
+
+/* Twice the area of a triangle, seen against n; below 0: it turns the other way. */
+static double turn_of(const double a[3], const double b[3], const double c[3], const double n[3])
+{
+	double ab[3], ac[3], across[3];
+	for (int k = 0; k < 3; k++) {
+		ab[k] = b[k] - a[k];
+		ac[k] = c[k] - a[k];
+	}
+	cross(ab, ac, across);
+	return dot(across, n);
+}
+
+/* Whether the corner at i of those that are left can be cut off: it is no inward one, and none of the others lies in it. */
+static bool is_ear(const mesh *m, const uint32_t *vertices, const uint32_t *left, uint32_t count,
+	uint32_t i, const double n[3])
+{
+	uint32_t before = (i + count - 1) % count, behind = (i + 1) % count;
+	const double *a = m->at_m[vertices[left[before]]], *b = m->at_m[vertices[left[i]]],
+		     *c = m->at_m[vertices[left[behind]]];
+	if (!(turn_of(a, b, c, n) > 0))
+		return false;
+	for (uint32_t k = 0; k < count; k++) {
+		const double *p = m->at_m[vertices[left[k]]];
+		if (k != before && k != i && k != behind && turn_of(a, b, p, n) > 0 &&
+			turn_of(b, c, p, n) > 0 && turn_of(c, a, p, n) > 0)
+			return false;
+	}
+	return true;
+}
+
+void mesh_cut_polygon(const mesh *m, const uint32_t *vertices, uint32_t count, uint32_t *ret)
+{
+	g_autofree uint32_t *left = g_new(uint32_t, count);
+	double n[3];
+	polygon_normal(m, vertices, count, n);
+	for (uint32_t i = 0; i < count; i++)
+		left[i] = i;
+	for (; count >= 3; count--, ret += 3) {
+		uint32_t ear = 0;
+		/* Where there is none, the polygon crosses itself or has no area: any will do. */
+		while (count > 3 && ear < count && !is_ear(m, vertices, left, count, ear, n))
+			ear++;
+		ear = ear == count ? 0 : ear;
+		ret[0] = left[(ear + count - 1) % count];
+		ret[1] = left[ear];
+		ret[2] = left[(ear + 1) % count];
+		memmove(left + ear, left + ear + 1, (count - ear - 1) * sizeof *left);
+	}
+}
+
 /* ---- triangles ---- */
 
 static void edge_of(const mesh *m, uint32_t triangle, int k, double ret[3])

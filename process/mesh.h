@@ -16,6 +16,9 @@ struct mesh {
 mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool has_colour);
 void mesh_free(mesh *m); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(mesh, mesh_free)
+/* A polygon of count corners, at least 3, as count - 2 triangles by its ears: ret is three places in vertices for each. One that
+ * crosses itself is cut somehow. */
+void mesh_cut_polygon(const mesh *m, const uint32_t *vertices, uint32_t count, uint32_t *ret);
 /* Makes vertices at one place one, so that triangles that were told apart are neighbours. */
 void mesh_weld(mesh *m);
 void mesh_curve(mesh *m);

@@ -26,7 +26,7 @@ for target; do
 	clang -std=gnu17 $common -fsanitize=fuzzer -DG_LOG_DOMAIN='"pleinair"' $cflags -o "build-fuzz/$name" "$target" \
 		build-fuzz/product.a $libs || exit 1
 	mkdir -p "build-fuzz/found-$name"
-	"build-fuzz/$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+	LSAN_OPTIONS=suppressions=tests/lsan.supp "build-fuzz/$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
 		-artifact_prefix="build-fuzz/$name-" "build-fuzz/found-$name" "$corpus" 2>"build-fuzz/$name.log" || {
 		tail -n 40 "build-fuzz/$name.log"
 		exit 1

@@ -448,7 +448,7 @@ static const struct bad {
 	{ "a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n",
 		"line 5: the file ends here, and endsolid" },
 	{ "b.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n",
-		"line 4: a corner is vertex x y z" },
+		"line 4: 'vertex x y z' must stand here" },
 	{ "c.stl", "not anything", "in its header, at byte 12" },
 	{ "a.ply",
 		"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
