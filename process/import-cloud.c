@@ -44,14 +44,25 @@ static const struct {
 	{ "return_number scalar_return_number returnnumber scalar_returnnumber", CLOUD_RETURN },
 	{ "cell", CLOUD_CELL } };
 
+/* Whether it is one of the words, without regard to case. */
+static bool is_among(const char *name, size_t length, const char *words)
+{
+	for (const char *at = words; *at;) {
+		size_t word = strcspn(at, " ");
+		if (word == length && g_ascii_strncasecmp(at, name, length) == 0)
+			return true;
+		at += word;
+		at += *at == ' ';
+	}
+	return false;
+}
+
 enum cloud_role cloud_role_of(const char *name)
 {
-	g_autofree char *lower = g_ascii_strdown(name, -1);
-	for (size_t i = 0; i < G_N_ELEMENTS(roles); i++) {
-		g_auto(GStrv) names = g_strsplit(roles[i].names, " ", -1);
-		if (g_strv_contains((const char *const *)names, lower))
+	size_t length = strlen(name);
+	for (size_t i = 0; i < G_N_ELEMENTS(roles) && length; i++)
+		if (is_among(name, length, roles[i].names))
 			return roles[i].role;
-	}
 	return CLOUD_NONE;
 }
 
