@@ -53,12 +53,19 @@ static bool is_obj(const char *text)
 	return has_vertex;
 }
 
+/* How many of them a PLY's header tells; 0: none. */
+static uint64_t ply_count(const char *text, const char *element)
+{
+	const char *at = strstr(text, element), *end = strstr(text, "\nend_header");
+	return at && (!end || at < end) ? g_ascii_strtoull(at + strlen(element), NULL, 10) : 0;
+}
+
+/* A few faces among points make no mesh: that has one for each three of them or more. */
 static bool is_ply_mesh(const char *text)
 {
-	const char *face = strstr(text, "\nelement face "), *end = strstr(text, "\nend_header");
-	if (strncmp(text, "ply", 3) != 0 || !face || (end && face > end))
-		return false;
-	return g_ascii_strtoull(face + strlen("\nelement face "), NULL, 10) > 0;
+	uint64_t faces = ply_count(text, "\nelement face ");
+	return strncmp(text, "ply", 3) == 0 && faces > 0 &&
+	       faces >= ply_count(text, "\nelement vertex ") / 3;
 }
 
 static uint32_t u32_at(const uint8_t *at)
