@@ -98,12 +98,13 @@ static bool add_candidate(
 	return true;
 }
 
-/* Scans that were never compared stand where their files say. */
+/* Scans that were never compared stand where their files say: but only among each other, for nobody has looked yet whether others
+ * stand in the same frame. */
 static void take_given_poses(const scan_graph *g, GArray *candidates)
 {
-	for (guint i = 0; i < candidates->len; i++) {
+	for (guint i = 0; i < candidates->len && !g->scans->len; i++) {
 		struct candidate *c = &g_array_index(candidates, struct candidate, i);
-		if (scan_graph_scan(g, c->scan->number) || !c->scan->has_given_pose)
+		if (!c->scan->has_given_pose)
 			continue;
 		c->group = 1;
 		c->pose = c->scan->given_pose;

@@ -262,6 +262,25 @@ static void test_not_aligned(void)
 	exported_assert_refused(&e, "none.e57", &o, "has no scan 7");
 }
 
+/* A scan that came later, with a pose of its own, is not in the frame of those that were aligned before anybody compared them. */
+static void test_came_later(void)
+{
+	g_auto(exported) e = exported_new();
+	g_autoptr(GByteArray) las = las_of_map();
+	g_autofree char *path = exported_file(&e, "later.las");
+	g_autoptr(GError) error = NULL;
+	struct import_options how = { 0 };
+	struct export_options o = { 0 };
+	struct export_result r;
+	g_assert_true(g_file_set_contents(path, (const char *)las->data, las->len, &error));
+	g_autoptr(GArray) scans = import_file(e.site, path, &how, &error);
+	g_assert_no_error(error);
+	g_autofree char *out = exported_write(&e, "out.e57", &o, &r);
+	g_assert_cmpuint(r.stations, ==, 2);
+	g_assert_nonnull(strstr(r.notes->pdata[0], "scan 3 is not aligned with the others"));
+	export_result_clear(&r);
+}
+
 static void test_clouds(void)
 {
 	g_autoptr(GByteArray) las = las_of_map();
@@ -515,6 +534,7 @@ int main(int argc, char **argv)
 		commands_add("/export/spoilt", i, spoilt[i], test_spoilt);
 	g_test_add_func("/export/raw", test_raw);
 	g_test_add_func("/export/not-aligned", test_not_aligned);
+	g_test_add_func("/export/came-later", test_came_later);
 	g_test_add_func("/export/clouds", test_clouds);
 	g_test_add_func("/export/stopped", test_stopped);
 	g_test_add_func("/export/pictures", test_pictures);
