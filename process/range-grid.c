@@ -4,7 +4,8 @@
 #include <string.h>
 
 /* Of a sample: medians need no more. */
-#define SPACING_SAMPLES 20000u
+#define SPACING_SAMPLES    20000u
+#define SPACING_APART_MOST 8
 /* Angles between neighbours below this are repeats of one beam. */
 #define SPACING_MIN_RAD   1e-6
 #define LATTICE_CELLS_MAX (1u << 28)
@@ -150,25 +151,42 @@ static int by_value(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Median angle between cells that are `step` apart; 0: there are none. */
+/* Which cells are compared: `apart` columns from each other in a row, or rows in a column. */
+struct stride {
+	uint32_t columns, rows, apart;
+};
+
+/* Median angle between cells of a stride, of one cell; 0: there are none. */
 static double median_spacing(
-	const range_grid *g, size_t step, double (*angle)(const range_grid *, size_t))
+	const range_grid *g, struct stride s, double (*angle)(const range_grid *, size_t))
 {
-	size_t n = range_grid_cells(g), stride = n / SPACING_SAMPLES + 1, count = 0;
+	size_t n = range_grid_cells(g), every = n / SPACING_SAMPLES + 1, count = 0;
+	size_t step = (size_t)s.rows * g->columns + s.columns;
 	g_autofree double *spacing = g_new(double, SPACING_SAMPLES + 1);
-	for (size_t i = 0; i + step < n && count < SPACING_SAMPLES; i += stride) {
-		if (step == 1 && i % g->columns == g->columns - 1)
+	for (size_t i = 0; i + step < n && count < SPACING_SAMPLES; i += every) {
+		if (i % g->columns + s.columns >= g->columns)
 			continue;
 		if (!(g->range_m[i] > 0 && g->range_m[i + step] > 0))
 			continue;
 		double difference = fabs(remainder(angle(g, i + step) - angle(g, i), 2 * G_PI));
 		if (difference > SPACING_MIN_RAD)
-			spacing[count++] = difference;
+			spacing[count++] = difference / s.apart;
 	}
 	if (!count)
 		return 0;
 	qsort(spacing, count, sizeof *spacing, by_value);
 	return spacing[count / 2];
+}
+
+/* A scanner whose rows are closer than its beams has measured only each second or third of them. */
+static double nearest_spacing(const range_grid *g, bool across)
+{
+	double spacing = 0;
+	for (uint32_t apart = 1; apart <= SPACING_APART_MOST && !(spacing > 0); apart++)
+		spacing = median_spacing(g,
+			(struct stride){ across ? apart : 0, across ? 0 : apart, apart },
+			across ? azimuth_of : elevation_of);
+	return spacing;
 }
 
 struct extent {
@@ -301,8 +319,8 @@ static bool take_points(range_grid *g, const struct range_grid_desc *desc, GErro
 
 static bool find_spacing(range_grid *g, GError **error)
 {
-	g->column_rad = median_spacing(g, 1, azimuth_of);
-	g->row_rad = median_spacing(g, g->columns, elevation_of);
+	g->column_rad = nearest_spacing(g, true);
+	g->row_rad = nearest_spacing(g, false);
 	if (g->column_rad > 0 && g->row_rad > 0)
 		return true;
 	g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,

@@ -208,6 +208,7 @@ static void whole_way(void)
 {
 	g_autofree char *program = commands_program("pleinair-kiosk"), *folder = simulated_folder();
 	g_autofree char *drives = simulated_folder();
+	commands_shell("mkdir '%s/STICK' && echo 1 2 3 > '%s/STICK/one.xyz'", drives, drives);
 	const char *const arguments[] = { "--device", SCENE, "--size", "1280x800", "--drives",
 		drives, folder, NULL };
 	g_autoptr(rig) r = rig_new(&(struct rig_desc){
@@ -226,6 +227,14 @@ static void whole_way(void)
 	scan(r, folder, 2);
 	rig_wait_for(r, "site-draw", limit_s);
 	check_screen(r, "a site");
+	press(r, "site-bring");
+	rig_wait_for(r, "file-one.xyz", limit_s);
+	go_to(r, "file-one.xyz");
+	rig_type(r, " ");
+	rig_wait_for(r, "bring-start", limit_s);
+	check_screen(r, "bring in");
+	rig_key(r, KEY_ESC);
+	rig_wait_for(r, "scan-start", limit_s);
 	draw_by_keys(r);
 	press(r, "site-align");
 	rig_wait_gone(r, "scan-start", limit_s);

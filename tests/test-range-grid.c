@@ -134,6 +134,21 @@ static void test_uneven_sector_across_north(void)
 	check_uneven(-0.6, 1.3, false);
 }
 
+/* Of three rows two have no beam. */
+static void test_rows_between_beams(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct uneven u = uneven_new(360, 60, 0.5, 2 * G_PI);
+	for (size_t i = 0; i < (size_t)u.columns * u.rows; i++)
+		if (i / u.columns % 3)
+			u.cell[i] = CELL_EMPTY;
+	g_autoptr(range_grid) g = uneven_grid(&u, &error);
+	g_assert_no_error(error);
+	g_assert_cmpfloat_with_epsilon(g->row_rad, 0.01, 0.003);
+	g_assert_cmpfloat_with_epsilon(g->column_rad, 2 * G_PI / 360, 0.0004);
+	uneven_clear(&u);
+}
+
 static void test_sector_knows_where_it_did_not_look(void)
 {
 	struct uneven u = uneven_new(360, 60, -0.6, 1.3);
@@ -180,6 +195,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/range-grid/panorama/find", test_panorama_finds_its_cells);
 	g_test_add_func("/range-grid/uneven/full-turn", test_uneven_full_turn);
 	g_test_add_func("/range-grid/uneven/sector", test_uneven_sector_across_north);
+	g_test_add_func("/range-grid/uneven/between-beams", test_rows_between_beams);
 	g_test_add_func("/range-grid/uneven/outside", test_sector_knows_where_it_did_not_look);
 	g_test_add_func("/range-grid/nonsense", test_nonsense_is_refused);
 	g_test_add_func("/range-grid/own-place", test_own_place_is_no_point);

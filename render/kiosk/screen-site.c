@@ -13,7 +13,7 @@ struct site_screen {
 	kiosk *kiosk;
 	char *folder;
 	GtkWidget *widget, *stack, *empty_text;
-	GtkWidget *map, *words, *chooser, *scan, *resume, *discard, *align, *draw, *take;
+	GtkWidget *map, *words, *chooser, *scan, *bring, *resume, *discard, *align, *draw, *take;
 	GtkWidget *work, *work_words, *work_bar, *work_cancel;
 	GCancellable *gone;
 	site_state *state; /* NULL: not read yet */
@@ -97,10 +97,12 @@ static void show_buttons(struct site_screen *s)
 	const site_state *st = s->state;
 	bool acquiring = services_has_acquisition(kiosk_services(s->kiosk));
 	gtk_widget_set_visible(s->scan, !st || !st->partial);
+	gtk_widget_set_visible(s->bring, !st || !st->partial);
 	gtk_widget_set_visible(s->chooser, !st || !st->partial);
 	gtk_widget_set_visible(s->resume, st && st->partial);
 	gtk_widget_set_visible(s->discard, st && st->partial);
 	gtk_widget_set_sensitive(s->scan, st && acquiring);
+	gtk_widget_set_sensitive(s->bring, st && services_has_jobs(kiosk_services(s->kiosk)));
 	gtk_widget_set_sensitive(s->resume, acquiring);
 	gtk_widget_set_sensitive(s->align, st && st->scans->len > 1);
 	gtk_widget_set_sensitive(s->draw, st && st->drawn);
@@ -356,6 +358,15 @@ static void take_pressed(GtkButton *b, gpointer user_data)
 	kiosk_push(s->kiosk, screen_take_new(s->kiosk, s->folder), "take", _("Take home"));
 }
 
+static void bring_pressed(GtkButton *b, gpointer user_data)
+{
+	struct site_screen *s = user_data;
+	(void)b;
+	/* What comes in is computed, whatever became of what was asked for before. */
+	s->asked = false;
+	kiosk_push(s->kiosk, screen_bring_new(s->kiosk, s->folder), "bring", _("Bring in scans"));
+}
+
 static void picture_tapped(const struct scene_picked *picked, gpointer user_data)
 {
 	struct site_screen *s = user_data;
@@ -417,12 +428,15 @@ static GtkWidget *facts_side(struct site_screen *s)
 	s->chooser = preset_chooser_new(kiosk_services(s->kiosk));
 	s->scan = kit_button("scan-start", "media-record-symbolic", _("Scan"), NULL, "main great",
 		G_CALLBACK(scan_pressed), s);
+	s->bring = kit_button("site-bring", "document-open-symbolic", NULL,
+		_("Bring in scans from a drive"), "great", G_CALLBACK(bring_pressed), s);
 	s->resume = kit_button("scan-resume", "media-playback-start-symbolic",
 		_("Go on with the scan"), NULL, "main great", G_CALLBACK(resume_pressed), s);
 	s->discard = kit_button("scan-discard", "user-trash-symbolic", _("Throw it away"), NULL,
 		"danger", G_CALLBACK(discard_pressed), s);
-	GtkWidget *side = kit_column(14, s->map, s->words, work_box(s), s->chooser, s->scan,
-		s->resume, s->discard, NULL);
+	GtkWidget *side = kit_column(14, s->map, s->words, work_box(s), s->chooser,
+		kit_row(12, kit_grow(s->scan, true, false), s->bring, NULL), s->resume, s->discard,
+		NULL);
 	gtk_widget_set_size_request(side, kit_is_upright() ? -1 : SIDE_WIDTH, -1);
 	return side;
 }

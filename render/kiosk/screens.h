@@ -14,6 +14,8 @@ GtkWidget *screen_align_new(kiosk *k, const char *folder, uint32_t a, uint32_t b
 GtkWidget *screen_draw_new(kiosk *k, const char *folder);
 /* Pictures, vector drawings, videos, and scans onto a drive. */
 GtkWidget *screen_take_new(kiosk *k, const char *folder);
+/* Files of other scanners and programs, from drives. */
+GtkWidget *screen_bring_new(kiosk *k, const char *folder);
 GtkWidget *screen_health_new(kiosk *k);
 
 #endif

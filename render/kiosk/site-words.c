@@ -39,7 +39,9 @@ char *words_points(double points)
 {
 	if (points >= 1e6)
 		return g_strdup_printf(_("%.1f million points"), points / 1e6);
-	return g_strdup_printf(_("%.0f thousand points"), points / 1e3);
+	if (points >= 1e3)
+		return g_strdup_printf(_("%.0f thousand points"), points / 1e3);
+	return g_strdup_printf(ngettext("%u point", "%u points", (gulong)points), (guint)points);
 }
 
 const char *words_doing(const char *doing)

@@ -7,9 +7,9 @@ struct take_jobs {
 	char *site;
 	void (*ended)(gpointer user_data);
 	gpointer user_data;
-	GtkWidget *box;
-	GPtrArray *rows;    /* of struct row, that run */
-	GPtrArray *outputs; /* of char * */
+	GtkWidget *box, *notes; /* notes: what is to be known of what was made, in the box */
+	GPtrArray *rows;        /* of struct row, that run */
+	GPtrArray *outputs;     /* of char * */
 	GCancellable *looking;
 };
 
@@ -61,6 +61,37 @@ static void say_end(const struct row *r, const char *state, const char *sentence
 		kiosk_say(k, said);
 }
 
+static void show_box(take_jobs *j)
+{
+	gtk_widget_set_visible(
+		j->box, j->rows->len > 0 || gtk_widget_get_first_child(j->notes) != NULL);
+}
+
+/* ---- notes ---- */
+
+static void note_read(GtkButton *button, gpointer user_data)
+{
+	take_jobs *j = user_data;
+	gtk_box_remove(GTK_BOX(j->notes), gtk_widget_get_parent(GTK_WIDGET(button)));
+	show_box(j);
+}
+
+static void show_notes(take_jobs *j, const char *title, const char *result)
+{
+	g_autofree char *notes = words_notes(result);
+	if (!notes)
+		return;
+	GtkWidget *read = kit_button("job-note-read", "window-close-symbolic", NULL, _("Close"),
+		"flat", G_CALLBACK(note_read), j);
+	GtkWidget *texts = kit_column(
+		2, kit_text(title, NULL), kit_named_text("job-notes", notes, "small"), NULL);
+	gtk_widget_set_valign(read, GTK_ALIGN_START);
+	gtk_box_append(GTK_BOX(j->notes),
+		kit_classed(kit_row(12, kit_grow(texts, true, false), read, NULL), "card"));
+}
+
+/* ---- the end of one ---- */
+
 static void row_ended(
 	const char *state, const char *result, const char *sentence, gpointer user_data)
 {
@@ -68,7 +99,8 @@ static void row_ended(
 	take_jobs *j = r->all;
 	gtk_box_remove(GTK_BOX(j->box), r->widget);
 	g_ptr_array_remove(j->rows, r);
-	gtk_widget_set_visible(j->box, j->rows->len > 0);
+	show_notes(j, r->title, g_strcmp0(state, "done") ? NULL : result);
+	show_box(j);
 	say_end(r, state, sentence);
 	if (r->done)
 		r->done(state, result, sentence, r->user_data);
@@ -102,7 +134,7 @@ static struct row *add_row(take_jobs *j, const char *kind, const char *title, co
 	gtk_widget_set_name(r->widget, "job");
 	gtk_box_append(GTK_BOX(j->box), r->widget);
 	g_ptr_array_add(j->rows, r);
-	gtk_widget_set_visible(j->box, TRUE);
+	show_box(j);
 	return r;
 }
 
@@ -138,6 +170,7 @@ static const char *title_of(const char *kind)
 		{ "report", N_("Report") },
 		{ "export", N_("Points") },
 		{ "copy", N_("Copy to a drive") },
+		{ "import", N_("Scans from a drive") },
 	};
 	for (size_t i = 0; i < G_N_ELEMENTS(titles); i++)
 		if (!g_strcmp0(titles[i].kind, kind))
@@ -207,7 +240,8 @@ take_jobs *take_jobs_new(
 	j->rows = g_ptr_array_new();
 	j->outputs = g_ptr_array_new();
 	j->looking = g_cancellable_new();
-	j->box = kit_column(10, NULL);
+	j->notes = kit_column(10, NULL);
+	j->box = kit_column(10, j->notes, NULL);
 	gtk_widget_set_visible(j->box, FALSE);
 	g_object_set_data_full(G_OBJECT(j->box), "jobs", j, take_jobs_free);
 	look_for_jobs(j);

@@ -1,7 +1,8 @@
 #ifndef RENDER_KIOSK_TAKE_JOBS_H
 #define RENDER_KIOSK_TAKE_JOBS_H
-/* What is being made and copied of a site just now: a row each, with progress, the time left and a way to stop it; also what was
- * started before the screen was opened. Main thread. */
+/* What is being made and copied of a site just now, and brought into it: a row each, with progress, the time left and a way to stop
+ * it; also what was started before the screen was opened. What is to be known of the result stays there until it is put away. Main
+ * thread. */
 #include "render/kiosk/kiosk.h"
 
 typedef struct take_jobs take_jobs;

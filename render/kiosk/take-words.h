@@ -14,5 +14,9 @@ char *words_view(const char *name);
 char *words_drive(const drive *d);
 /* Of the JSON document of a copy: "214 files, 1.3 GB, all verified by SHA-256". NULL: it is none. */
 char *words_copied(const char *json);
+/* Of that of an import: "3 scans, 2.4 million points". NULL: it is none. */
+char *words_brought(const char *json);
+/* What the document of an import or export wants known besides, a line each; NULL: nothing. */
+char *words_notes(const char *json);
 
 #endif
