@@ -1,6 +1,9 @@
 /* Binary PLY: all points in the coordinates of the site, or of its map; or one station with its grid (range_grid, as the scans of
  * Stanford have it) and where it stood (the element camera, as PCL writes it). */
+#include "firmware-io/files.h"
 #include "process/export-table.h"
+#include "process/export-verify.h"
+#include "process/export-walk.h"
 #include <string.h>
 
 /* Beyond, floats have steps of more than 0.06 mm. */
@@ -100,38 +103,50 @@ static bool begin_station(export_writer *writer, const struct export_station *s,
 	return true;
 }
 
+static void mark_points(uint8_t *has_point, const struct export_station *s,
+	const struct export_point *p, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		uint64_t cell = (uint64_t)p[i].row * s->columns + p[i].column;
+		has_point[cell / 8] |= (uint8_t)(p[i].is_point << cell % 8);
+	}
+}
+
 static bool write_points(
 	export_writer *writer, const struct export_point *p, size_t count, GError **error)
 {
 	struct export_ply *w = (struct export_ply *)writer;
 	(void)error;
 	export_table_write(&w->table, w->station, p, count, false, w->file);
-	for (size_t i = 0; i < count && w->has_point; i++) {
-		uint64_t cell = (uint64_t)p[i].row * w->station->columns + p[i].column;
-		w->has_point[cell / 8] |= (uint8_t)(p[i].is_point << cell % 8);
-	}
+	if (w->has_point)
+		mark_points(w->has_point, w->station, p, count);
 	return true;
 }
 
 /* Axes are the columns of the rotation. */
-static void put_camera(FILE *file, const struct pose *p)
-{
+struct camera {
 	double v[12];
+};
+
+static struct camera camera_of(const struct pose *p)
+{
+	struct camera c;
 	for (int i = 0; i < 3; i++) {
-		v[i] = p->translation_m[i];
+		c.v[i] = p->translation_m[i];
 		for (int k = 0; k < 3; k++)
-			v[3 + 3 * k + i] = p->rotation[i][k];
+			c.v[3 + 3 * k + i] = p->rotation[i][k];
 	}
-	fwrite(v, sizeof *v, G_N_ELEMENTS(v), file);
+	return c;
 }
 
 static bool end_station(export_writer *writer, GError **error)
 {
 	struct export_ply *w = (struct export_ply *)writer;
+	struct camera camera = camera_of(&w->station->pose);
 	int32_t vertex = 0;
 	(void)error;
 	if (w->has_point && w->station->has_pose)
-		put_camera(w->file, &w->station->pose);
+		fwrite(&camera, sizeof camera, 1, w->file);
 	for (uint64_t i = 0; w->has_point && i < w->station->cells; i++) {
 		bool has = w->has_point[i / 8] >> i % 8 & 1;
 		fputc(has, w->file);
@@ -168,11 +183,62 @@ static void close_writer(export_writer *writer)
 	g_free(writer);
 }
 
+/* ---- reading back ---- */
+
+static bool look_again(const struct export_job *j, uint8_t *has_point, GError **error)
+{
+	const struct export_station *s = export_station_at(j, 0);
+	g_autoptr(export_walk) walk = export_walk_open(j, s, export_order_of(j, s), error);
+	const struct export_point *p;
+	size_t count = 1;
+	while (walk && count) {
+		if (!export_walk_next(walk, &p, &count, error))
+			return false;
+		mark_points(has_point, s, p, count);
+	}
+	return walk != NULL;
+}
+
+/* What stands behind the points: the camera, and of each cell its point. */
+static bool grid_is_back(FILE *file, const struct export_station *s, const uint8_t *has_point)
+{
+	struct camera written = camera_of(&s->pose), camera;
+	int32_t vertex = 0, back;
+	if (s->has_pose && (fread(&camera, sizeof camera, 1, file) != 1 ||
+				   memcmp(&camera, &written, sizeof camera) != 0))
+		return false;
+	for (uint64_t i = 0; i < s->cells; i++) {
+		int has = has_point[i / 8] >> i % 8 & 1;
+		if (getc(file) != has ||
+			(has && (fread(&back, sizeof back, 1, file) != 1 || back != vertex++)))
+			return false;
+	}
+	return getc(file) == EOF && !ferror(file);
+}
+
+static bool verify_grid(
+	const struct export_job *j, uint64_t points_end, const char *path, GError **error)
+{
+	const struct export_station *s = export_station_at(j, 0);
+	g_autofree uint8_t *has_point = g_malloc0(s->cells / 8 + 1);
+	if (!look_again(j, has_point, error))
+		return false;
+	FILE *file = fopen(path, "rbe");
+	if (!file)
+		return files_fail(error, path, "open"), false;
+	bool good =
+		fseeko(file, (off_t)points_end, SEEK_SET) == 0 && grid_is_back(file, s, has_point);
+	fclose(file);
+	return good || export_refuse_back(error, path, "its grid is not as it was written");
+}
+
 static bool verify(const struct export_job *j, const char *path, GError **error)
 {
 	struct export_table t = table_of(j);
 	g_autofree char *header = header_of(j, &t);
-	return export_table_verify(j, &t, header, false, path, error);
+	uint64_t points_end = strlen(header) + export_table_extent(j).points * t.record_bytes;
+	return export_table_verify(j, &t, header, false, path, error) &&
+	       (!j->one_grid || verify_grid(j, points_end, path, error));
 }
 
 static double resolution_m(const struct export_job *j)

@@ -342,7 +342,8 @@ static void test_spacing(gconstpointer data)
 struct spoiling {
 	const exported *e;
 	const char *beside;
-	bool done, stop;
+	double where; /* 0..1 of the file */
+	bool done;
 };
 
 /* While the file is read back, one of its bytes becomes another. */
@@ -356,7 +357,7 @@ static bool spoil(double fraction, const char *doing, gpointer user_data)
 	FILE *f = fopen(path, "r+");
 	g_assert_nonnull(f);
 	fseek(f, 0, SEEK_END);
-	long middle = ftell(f) * 3 / 4;
+	long middle = (long)((double)ftell(f) * s->where);
 	fseek(f, middle, SEEK_SET);
 	int byte = fgetc(f);
 	fseek(f, middle, SEEK_SET);
@@ -372,9 +373,22 @@ static void test_spoilt(gconstpointer data)
 {
 	g_auto(exported) e = exported_new();
 	g_autofree char *beside = g_strdup_printf(".%s.partial", (const char *)data);
-	struct spoiling s = { &e, beside, false, false };
+	struct spoiling s = { &e, beside, 0.75, false };
 	struct export_options o = { .progress = spoil, .user_data = &s };
 	exported_assert_refused(&e, data, &o, beside);
+	g_assert_true(s.done);
+}
+
+/* Behind the points: which cells they are of. */
+static void test_spoilt_grid(void)
+{
+	g_auto(exported) e = exported_new();
+	struct spoiling s = { &e, ".x.ply.partial", 0.97, false };
+	uint32_t first = 1;
+	struct export_options o = {
+		.scans = &first, .scan_count = 1, .raw = true, .progress = spoil, .user_data = &s
+	};
+	exported_assert_refused(&e, "x.ply", &o, "its grid is not as it was written");
 	g_assert_true(s.done);
 }
 
@@ -536,6 +550,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/export/not-aligned", test_not_aligned);
 	g_test_add_func("/export/came-later", test_came_later);
 	g_test_add_func("/export/clouds", test_clouds);
+	g_test_add_func("/export/spoilt-grid", test_spoilt_grid);
 	g_test_add_func("/export/stopped", test_stopped);
 	g_test_add_func("/export/pictures", test_pictures);
 	g_test_add_func("/export/pump", test_pump);
