@@ -28,8 +28,9 @@ static bool is_off(const char *text)
 
 static bool is_obj_line(const char *line)
 {
-	static const char *const words[] = { "v", "vn", "vt", "f", "g", "o", "s", "mtllib",
-		"usemtl" };
+	static const char *const words[] = { "v", "vn", "vt", "vp", "f", "l", "p", "g", "o", "s",
+		"mg", "mtllib", "usemtl", "maplib", "usemap", "lod", "bevel", "c_interp",
+		"d_interp", "shadow_obj", "trace_obj" };
 	for (size_t i = 0; i < G_N_ELEMENTS(words); i++)
 		if (begins_with(line, words[i]))
 			return true;

@@ -13,6 +13,9 @@
 #define MATERIAL_BYTES_MAX (16u << 20)
 #define COORDINATE_MAX     1e9
 #define NAME               "mesh."
+/* Of all textures together. */
+#define TEXELS_MAX   (UINT64_C(192) << 20)
+#define TEXTURES_MAX 4096
 
 /* ---- files for assimp: the bytes at hand, and the materials beside an OBJ ---- */
 
@@ -27,7 +30,7 @@ struct files {
 	struct aiFileIO io;
 	const uint8_t *bytes;
 	size_t length;
-	const char *folder; /* where materials may lie; NULL: nowhere */
+	const char *folder; /* where materials and textures may lie; NULL: nowhere */
 	bool wanted_material, has_material;
 };
 
@@ -157,8 +160,103 @@ static void colour_of(const struct aiMesh *part, unsigned vertex, const struct a
 	ret[2] = byte_of(c->b);
 }
 
+/* ---- textures, beside an OBJ or PLY ---- */
+
+/* The path of the picture that colours what is of a material; NULL: none. Nothing outside the folder is named. */
+static char *texture_path(const struct aiMaterial *material, const char *folder)
+{
+	struct aiString name = { 0 };
+	if (!folder || aiGetMaterialTexture(material, aiTextureType_DIFFUSE, 0, &name, NULL, NULL,
+			       NULL, NULL, NULL, NULL) != aiReturn_SUCCESS)
+		return NULL;
+	g_autofree char *plain = g_strdelimit(g_strndup(name.data, name.length), "\\", '/');
+	g_autofree char *base = g_path_get_basename(plain);
+	bool inside = *plain && !g_path_is_absolute(plain) && !strstr(plain, "..");
+	g_autofree char *path = g_build_filename(folder, inside ? plain : base, NULL);
+	/* Pictures are moved more often than the names of them are mended. */
+	if (inside && !g_file_test(path, G_FILE_TEST_EXISTS))
+		return g_build_filename(folder, base, NULL);
+	return g_steal_pointer(&path);
+}
+
+struct textures {
+	GPtrArray *all; /* of mesh_texture */
+	int16_t *of_material;
+};
+
+static void textures_clear(struct textures *t)
+{
+	g_clear_pointer(&t->all, g_ptr_array_unref);
+	g_clear_pointer(&t->of_material, g_free);
+}
+
+static GHashTable *find_paths(const struct aiScene *scene, const char *folder, char **path_of)
+{
+	GHashTable *paths = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+	for (unsigned i = 0; i < scene->mNumMaterials; i++) {
+		path_of[i] = texture_path(scene->mMaterials[i], folder);
+		if (path_of[i])
+			g_hash_table_add(paths, g_strdup(path_of[i]));
+	}
+	return paths;
+}
+
+/* What cannot be read is left out, and the first of them told. */
+static struct textures load_textures(
+	const struct aiScene *scene, const char *folder, GString *notes)
+{
+	unsigned materials = scene->mNumMaterials;
+	struct textures t = { g_ptr_array_new_with_free_func((GDestroyNotify)mesh_texture_free),
+		g_new(int16_t, materials + 1) };
+	g_auto(GStrv) path_of = g_new0(char *, materials + 1);
+	g_autoptr(GHashTable) paths = find_paths(scene, folder, path_of);
+	g_autoptr(GHashTable) index = g_hash_table_new(g_str_hash, g_str_equal);
+	unsigned missing = 0, count = g_hash_table_size(paths);
+	g_autoptr(GError) first = NULL;
+	for (unsigned i = 0; i < materials; i++) {
+		gpointer at;
+		t.of_material[i] = -1;
+		if (!path_of[i] || t.all->len == TEXTURES_MAX)
+			continue;
+		if (g_hash_table_lookup_extended(index, path_of[i], NULL, &at)) {
+			t.of_material[i] = (int16_t)GPOINTER_TO_INT(at);
+			continue;
+		}
+		mesh_texture *one =
+			mesh_texture_read(path_of[i], TEXELS_MAX / count, first ? NULL : &first);
+		missing += !one;
+		if (one) {
+			t.of_material[i] = (int16_t)t.all->len;
+			g_ptr_array_add(t.all, one);
+		}
+		g_hash_table_insert(index, path_of[i], GINT_TO_POINTER(t.of_material[i]));
+	}
+	if (missing)
+		g_string_append_printf(notes, "%u of its %u textures could not be read (%s)",
+			missing, count, first->message);
+	return t;
+}
+
+/* Before its colours; m has textures. */
+static void put_texture(mesh *m, uint32_t triangle, int corner, const struct aiMesh *part,
+	unsigned vertex, int16_t texture)
+{
+	const struct aiVector3D *uv = &part->mTextureCoords[0][vertex];
+	m->texture[triangle] = texture;
+	m->uv[triangle][corner][0] = uv->x;
+	m->uv[triangle][corner][1] = uv->y;
+}
+
+/* ---- faces ---- */
+
+/* What a face has from its material. */
+struct cover {
+	struct aiColor4D colour;
+	int16_t texture; /* below 0: none */
+};
+
 static void add_face(mesh *m, const struct aiMesh *part, const struct aiFace *face, uint32_t first,
-	const struct aiColor4D *material, uint32_t *triangle)
+	const struct cover *cover, uint32_t *triangle)
 {
 	if (face->mNumIndices < 3)
 		return;
@@ -173,25 +271,38 @@ static void add_face(mesh *m, const struct aiMesh *part, const struct aiFace *fa
 			uint32_t corner = cut[3 * t + (uint32_t)k];
 			m->corner[*triangle][k] = vertices[corner];
 			if (m->rgb)
-				colour_of(part, face->mIndices[corner], material,
+				colour_of(part, face->mIndices[corner], &cover->colour,
 					m->rgb[*triangle][k]);
+			if (cover->texture >= 0)
+				put_texture(m, *triangle, k, part, face->mIndices[corner],
+					cover->texture);
 		}
 }
 
-static void add_part(mesh *m, const struct aiScene *scene, const struct aiMesh *part,
-	uint32_t first, uint32_t *triangle)
+static struct cover cover_of(
+	const struct aiScene *scene, const struct aiMesh *part, const struct textures *textures)
 {
-	struct aiColor4D material = { 1, 1, 1, 1 };
-	if (part->mMaterialIndex < scene->mNumMaterials)
-		aiGetMaterialColor(scene->mMaterials[part->mMaterialIndex], AI_MATKEY_COLOR_DIFFUSE,
-			&material);
+	struct cover c = { { 1, 1, 1, 1 }, -1 };
+	if (part->mMaterialIndex >= scene->mNumMaterials)
+		return c;
+	aiGetMaterialColor(
+		scene->mMaterials[part->mMaterialIndex], AI_MATKEY_COLOR_DIFFUSE, &c.colour);
+	if (part->mTextureCoords[0])
+		c.texture = textures->of_material[part->mMaterialIndex];
+	return c;
+}
+
+static void add_part(mesh *m, const struct aiScene *scene, const struct aiMesh *part,
+	const struct textures *textures, uint32_t first, uint32_t *triangle)
+{
+	struct cover cover = cover_of(scene, part, textures);
 	for (unsigned i = 0; i < part->mNumVertices; i++) {
 		m->at_m[first + i][0] = (double)part->mVertices[i].x;
 		m->at_m[first + i][1] = (double)part->mVertices[i].y;
 		m->at_m[first + i][2] = (double)part->mVertices[i].z;
 	}
 	for (unsigned i = 0; i < part->mNumFaces; i++)
-		add_face(m, part, &part->mFaces[i], first, &material, triangle);
+		add_face(m, part, &part->mFaces[i], first, &cover, triangle);
 }
 
 static bool refuse(import_source *file, const char *what, GError **error)
@@ -199,11 +310,12 @@ static bool refuse(import_source *file, const char *what, GError **error)
 	return import_refuse(error, file, G_IO_ERROR_INVALID_DATA, "%s", what);
 }
 
-static mesh *mesh_of(
-	const struct aiScene *scene, bool has_material, import_source *file, GError **error)
+/* Takes the textures. */
+static mesh *mesh_of(const struct aiScene *scene, struct textures *textures, bool has_material,
+	import_source *file, GError **error)
 {
 	uint64_t vertices = 0, triangles = 0;
-	bool colour = has_material;
+	bool colour = has_material || textures->all->len;
 	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
 		vertices += scene->mMeshes[i]->mNumVertices;
 		triangles += triangles_of(scene->mMeshes[i]);
@@ -214,9 +326,11 @@ static mesh *mesh_of(
 			       error),
 		       NULL;
 	mesh *m = mesh_new((uint32_t)vertices, (uint32_t)triangles, colour);
+	if (textures->all->len)
+		mesh_add_textures(m, g_steal_pointer(&textures->all));
 	uint32_t first = 0, triangle = 0;
 	for (unsigned i = 0; i < scene->mNumMeshes; i++) {
-		add_part(m, scene, scene->mMeshes[i], first, &triangle);
+		add_part(m, scene, scene->mMeshes[i], textures, first, &triangle);
 		first += scene->mMeshes[i]->mNumVertices;
 	}
 	return m;
@@ -231,7 +345,8 @@ static bool check_parts(const struct aiScene *scene, import_source *file, GError
 	return true;
 }
 
-static mesh *load(struct files *f, import_source *file, const char *name, GError **error)
+static mesh *load(
+	struct files *f, import_source *file, const char *name, GString *notes, GError **error)
 {
 	const struct aiScene *scene = aiImportFileEx(name, 0, &f->io);
 	if (!scene) {
@@ -240,8 +355,12 @@ static mesh *load(struct files *f, import_source *file, const char *name, GError
 			g_strstrip(g_strdelimit(why, "\n", ' ')));
 		return NULL;
 	}
-	mesh *m = check_parts(scene, file, error) ? mesh_of(scene, f->has_material, file, error)
-						  : NULL;
+	mesh *m = NULL;
+	if (check_parts(scene, file, error)) {
+		struct textures textures = load_textures(scene, f->folder, notes);
+		m = mesh_of(scene, &textures, f->has_material, file, error);
+		textures_clear(&textures);
+	}
 	aiReleaseImport(scene);
 	return m;
 }
@@ -280,7 +399,7 @@ mesh *mesh_load(import_source *file, enum mesh_kind kind, GString *notes, GError
 		.length = length,
 		.folder = import_source_is_file(file) ? folder : NULL };
 	f.io = (struct aiFileIO){ open_file, close_file, (aiUserData)&f };
-	mesh *m = load(&f, file, names[kind], error);
+	mesh *m = load(&f, file, names[kind], notes, error);
 	if (m && f.wanted_material && !f.has_material)
 		g_string_append(
 			notes, "its materials were not beside it, so their colours are missing");

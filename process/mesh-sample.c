@@ -16,7 +16,8 @@ struct mesh_sample {
 	double *until_m2; /* area of all triangles up to this one */
 	uint64_t darts, thrown;
 	double spacing_m;
-	spacing *apart; /* NULL: uniform */
+	double point_m2; /* of the surface, for each point */
+	spacing *apart;  /* NULL: uniform */
 	uint64_t chance;
 };
 
@@ -32,6 +33,7 @@ mesh_sample *mesh_sample_new(const mesh *m, const struct mesh_sampling *how)
 	s->spacing_m = how->spacing_m > 0 ? how->spacing_m : sqrt(DISCS_AN_AREA * area / count);
 	if (!how->count && how->spacing_m > 0)
 		count = DISCS_AN_AREA * area / (s->spacing_m * s->spacing_m);
+	s->point_m2 = how->uniform ? area / count : s->spacing_m * s->spacing_m;
 	if (how->uniform)
 		s->spacing_m = 0;
 	else
@@ -112,19 +114,48 @@ static struct dart throw_dart(mesh_sample *s)
 	return d;
 }
 
-static void set_record(const mesh *m, const struct dart *d, struct point_record *r)
+/* Of the triangle, in pictures. */
+static double texture_area(const float uv[3][2])
 {
+	double a[2] = { (double)uv[1][0] - (double)uv[0][0], (double)uv[1][1] - (double)uv[0][1] },
+	       b[2] = { (double)uv[2][0] - (double)uv[0][0], (double)uv[2][1] - (double)uv[0][1] };
+	return fabs(a[0] * b[1] - a[1] * b[0]) / 2;
+}
+
+static void colour_of_texture(const mesh_sample *s, const struct dart *d, uint8_t ret[3])
+{
+	const mesh *m = s->m;
+	const float(*uv)[2] = m->uv[d->triangle];
+	double at[2] = { 0 }, area_m2 = mesh_triangle_area_m2(m, d->triangle);
+	for (int k = 0; k < 3; k++)
+		for (int i = 0; i < 2; i++)
+			at[i] += d->share[k] * (double)uv[k][i];
+	mesh_texture_at(m->textures->pdata[m->texture[d->triangle]], at[0], at[1],
+		area_m2 > 0 ? texture_area(uv) * s->point_m2 / area_m2 : 0, ret);
+}
+
+static void colour_of_corners(const mesh *m, const struct dart *d, uint8_t ret[3])
+{
+	for (int i = 0; i < 3; i++) {
+		double value = 0;
+		for (int k = 0; k < 3; k++)
+			value += d->share[k] * m->rgb[d->triangle][k][i];
+		ret[i] = (uint8_t)(value + 0.5);
+	}
+}
+
+static void set_record(const mesh_sample *s, const struct dart *d, struct point_record *r)
+{
+	const mesh *m = s->m;
 	*r = (struct point_record){ .x_m = d->at_m[0],
 		.y_m = d->at_m[1],
 		.z_m = d->at_m[2],
 		.cell = CELL_MEASURED,
 		.return_number = 1 };
-	for (int i = 0; i < 3 && m->rgb; i++) {
-		double value = 0;
-		for (int k = 0; k < 3; k++)
-			value += d->share[k] * m->rgb[d->triangle][k][i];
-		r->rgb[i] = (uint8_t)(value + 0.5);
-	}
+	if (m->textures && m->texture[d->triangle] >= 0)
+		colour_of_texture(s, d, r->rgb);
+	else if (m->rgb)
+		colour_of_corners(m, d, r->rgb);
 }
 
 static void unit(float v[3])
@@ -179,7 +210,7 @@ size_t mesh_sample_next(
 		struct dart d = throw_dart(s);
 		if (s->apart && !spacing_take(s->apart, d.at_m))
 			continue;
-		set_record(s->m, &d, &into[count]);
+		set_record(s, &d, &into[count]);
 		set_surface(s->m, &d, &into_surface[count++]);
 	}
 	return count;

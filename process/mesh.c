@@ -30,6 +30,15 @@ mesh *mesh_new(uint32_t vertices, uint32_t triangles, bool has_colour)
 	return m;
 }
 
+void mesh_add_textures(mesh *m, GPtrArray *textures)
+{
+	m->textures = textures;
+	m->texture = g_new(int16_t, MAX(m->triangles, 1));
+	m->uv = g_malloc0_n(MAX(m->triangles, 1), sizeof *m->uv);
+	for (uint32_t t = 0; t < m->triangles; t++)
+		m->texture[t] = -1;
+}
+
 void mesh_free(mesh *m)
 {
 	if (!m)
@@ -38,6 +47,9 @@ void mesh_free(mesh *m)
 	g_free(m->corner);
 	g_free(m->rgb);
 	g_free(m->surface);
+	g_clear_pointer(&m->textures, g_ptr_array_unref);
+	g_free(m->texture);
+	g_free(m->uv);
 	g_free(m);
 }
 
