@@ -24,8 +24,10 @@ struct disc_pass {
 	float turn[3][3]; /* site to camera */
 	float disc, radius_least;
 	bool backs_hidden;
-	uint32_t end;   /* of the points that may be drawn */
-	float per_rank; /* 1 / all points of the chunk */
+	bool is_inside;  /* all discs of the chunk are in the picture as wholes */
+	bool is_crowded; /* points may stand for others */
+	uint32_t end;    /* of the points that may be drawn */
+	float per_rank;  /* 1 / all points of the chunk */
 };
 
 /* The first points of the chunk that may be among those that stand for all. */
@@ -34,6 +36,26 @@ static inline uint32_t disc_prefix(float focal_px, const struct chunk_view *v)
 	float spacing_px = v->chunk->spacing_most_m * focal_px / v->near_m;
 	float part = spacing_px * spacing_px * DISC_CROWD;
 	return part < 1 ? (uint32_t)ceilf(part * (float)v->chunk->count) : v->chunk->count;
+}
+
+/* More than floats are rounded by. */
+#define DISC_SURELY 1.001f
+
+/* At any of its places, even the farthest, points are wide enough apart. */
+static inline bool disc_is_crowded(float focal_px, const struct chunk_view *v)
+{
+	return v->chunk->spacing_least_m * focal_px <
+	       DISC_SURELY * v->far_m * (1 / DISC_CROWD_ROOT);
+}
+
+static inline bool disc_is_inside(const struct camera *c, const struct chunk_view *v)
+{
+	const float size[2] = { (float)c->width, (float)c->height };
+	bool inside = v->near_m > DISC_SURELY * (float)c->near_m;
+	for (int k = 0; k < 2; k++)
+		inside &= v->low_px[k] > v->margin_px + 1 &&
+			  v->high_px[k] < size[k] - v->margin_px - 1;
+	return inside;
 }
 
 static inline struct disc_pass disc_pass_of(
@@ -47,6 +69,8 @@ static inline struct disc_pass disc_pass_of(
 		.disc = disc,
 		.radius_least = radius_least,
 		.backs_hidden = frame_pipeline(f, v->pipeline)->mask.backs == BACKS_HIDDEN,
+		.is_inside = disc_is_inside(c, v),
+		.is_crowded = disc_is_crowded((float)c->focal_px, v),
 		.end = disc_prefix((float)c->focal_px, v),
 		.per_rank = 1.f / (float)v->chunk->count };
 	const double *row[3] = { c->right, c->down, c->forward };
@@ -58,9 +82,9 @@ static inline struct disc_pass disc_pass_of(
 
 struct disc_lanes {
 	vf x, y, radius, depth_m;
-	/* A place dx, dy from the middle is inside where dx^2 + dy^2 + (squash . d)^2 < radius^2: discs that are met aslant are flat.
-	 * Its depth there is depth_m + tilt . d. Both 0 without a normal. */
-	vf squash[2], tilt[2];
+	/* A place d from the middle is inside where d . d + bend (aside . d)^2 < radius^2: discs that are met aslant are flat. aside is
+	 * the normal on the screen. Its depth there is depth_m + slope aside . d. bend and slope are 0 without a normal. */
+	vf aside[2], bend, slope;
 	vf half[2]; /* of the box around it */
 	vf rank;    /* 0 .. 1, of those that are drawn here */
 	vi drawn;
@@ -69,20 +93,20 @@ struct disc_lanes {
 /* Where discs are seen at no angle there is nothing to tilt. */
 #define ASIDE_LEAST 1e-6f
 
-/* Flat as its plane is seen, but not below the least radius. n: normals as the camera sees them; aside2 of them on the screen. */
-INLINE void squash_lanes(const struct disc_pass *p, const vf n[3], vf along, vf ray2, vf aside2,
-	vi some, struct disc_lanes *d)
+/* Flat as its plane is seen, but not below the least radius. */
+INLINE void bend_lanes(const struct disc_pass *p, vf length2, vf along, vf ray2, vf aside2, vi some,
+	struct disc_lanes *d)
 {
 	float narrowest = 1 / (p->radius_least * p->radius_least);
-	vf reach = d->radius * d->radius, length2 = aside2 + n[2] * n[2];
+	vf reach = d->radius * d->radius;
 	/* 1 / cosine^2 */
 	vf flat = least(length2 * ray2 / (along * along), reach * narrowest);
 	flat = where(some, most(least(flat, all(1e3f)), all(1)) - 1);
-	vf squash = root(where(some, flat / aside2)), part = reach / (1 + flat);
+	d->bend = where(some, flat / aside2);
+	vf part = reach / (1 + flat);
 	for (int k = 0; k < 2; k++)
-		d->squash[k] = squash * n[k];
-	for (int k = 0; k < 2; k++)
-		d->half[k] = root(part * (1 + d->squash[1 - k] * d->squash[1 - k])) + DISC_ROUNDING;
+		d->half[k] = root(part * (1 + d->bend * d->aside[1 - k] * d->aside[1 - k])) +
+			     DISC_ROUNDING;
 }
 
 /* Its depth no steeper than DISC_STEEPEST, or a third of the distance. */
@@ -98,47 +122,64 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], fl
 	vf along = n[0] * right + n[1] * down + n[2];
 	if (p->backs_hidden)
 		d->drawn &= along <= 0;
-	vf aside2 = n[0] * n[0] + n[1] * n[1];
-	vi some = aside2 > ASIDE_LEAST * (aside2 + n[2] * n[2]);
+	vf aside2 = n[0] * n[0] + n[1] * n[1], length2 = aside2 + n[2] * n[2];
+	vi some = aside2 > ASIDE_LEAST * length2;
 	/* depth = n . P / n . ray */
 	vf steep = most(magnitude(along) * p->focal_px,
 		root(aside2) * most(d->radius * 3, all(p->focal_px / DISC_STEEPEST)));
-	vf slope = where(some, d->depth_m / steep);
-	slope = choose(along >= 0, -slope, slope);
-	for (int k = 0; k < 2; k++)
-		d->tilt[k] = slope * n[k];
+	/* With the sign that along has not. */
+	vi turned = ~(vi)along & INT32_MIN;
+	d->slope = (vf)((vi)where(some, d->depth_m / steep) ^ turned);
+	d->aside[0] = n[0];
+	d->aside[1] = n[1];
 	if (any((d->radius >= flat_radius) & d->drawn))
-		squash_lanes(p, n, along, right * right + down * down + 1, aside2, some, d);
+		bend_lanes(p, length2, along, right * right + down * down + 1, aside2, some, d);
 	else
-		for (int k = 0; k < 2; k++)
-			d->squash[k] = d->half[k] = all(0);
+		d->bend = d->half[0] = d->half[1] = all(0);
+}
+
+/* How large they are, and whether their ranks are those of points that stand for others. */
+INLINE vi size_lanes(const struct disc_pass *p, vf spacing_px, vf disc_px, struct disc_lanes *d)
+{
+	vf radius = 0.5f * p->disc * disc_px;
+	vi is_drawn = all(0) == all(0);
+	if (p->is_crowded) {
+		/* The root of the part that is drawn, which is small where spacing is: this is the size of those that are left. */
+		vf part = least(spacing_px * DISC_CROWD_ROOT, all(1)), limit = part * part;
+		is_drawn = d->rank < limit;
+		d->rank = d->rank / limit;
+		radius = radius / part;
+	}
+	d->radius = least(most(radius, all(p->radius_least)), all(DISC_RADIUS_MOST));
+	return is_drawn;
+}
+
+INLINE vi is_in_picture(const struct disc_pass *p, const struct disc_lanes *d)
+{
+	return (d->depth_m > p->near_m) & (d->x > -d->radius) & (d->y > -d->radius) &
+	       (d->x < 2 * p->middle_x + d->radius) & (d->y < 2 * p->middle_y + d->radius);
 }
 
 /* Of drawn, and of x, y, depth, radius and rank: the rest only where some are drawn, and those with less than flat_radius have no
- * squash and half. */
+ * bend and half. */
 INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const struct chunk_view *v,
 	uint32_t i, float flat_radius, struct disc_lanes *d)
 {
 	uint32_t at = v->chunk->first + i;
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
 	struct lane_points l = project_lanes(v, q, p->focal_px, p->middle_x, p->middle_y);
-	vf unit_px = l.px_per_m * 1e-4f;
-	vf spacing_px = load_u16(s->spacing + at) * unit_px,
-	   disc_px = load_u16(s->disc + at) * unit_px;
-	vf rank = ((float)i + 0.5f + lane_number) * p->per_rank;
-	/* The root of the part that is drawn, which is small where spacing is: this is the size of those that are left. */
-	vf part = least(spacing_px * DISC_CROWD_ROOT, all(1)), limit = part * part;
+	vf unit_px = l.px_per_m * SCENE_UNIT_M;
 	d->x = l.x_px;
 	d->y = l.y_px;
 	d->depth_m = l.depth_m;
-	d->rank = rank / limit;
-	d->radius = 0.5f * p->disc * disc_px / part;
-	d->radius = least(most(d->radius, all(p->radius_least)), all(DISC_RADIUS_MOST));
-	vi in = (l.depth_m > p->near_m) & (d->x > -d->radius) & (d->y > -d->radius) &
-		(d->x < 2 * p->middle_x + d->radius) & (d->y < 2 * p->middle_y + d->radius) &
-		(rank < limit) & (lane_number < (float)(p->end - i));
-	d->drawn = in;
-	if (any(in))
+	d->rank = ((float)i + 0.5f + lane_number) * p->per_rank;
+	d->drawn = size_lanes(
+		p, load_u16(s->spacing + at) * unit_px, load_u16(s->disc + at) * unit_px, d);
+	if (!p->is_inside)
+		d->drawn &= is_in_picture(p, d);
+	if (p->end - i < LANES)
+		d->drawn &= lane_number < (float)(p->end - i);
+	if (any(d->drawn))
 		tilt_lanes(p, s->normal + at, flat_radius, d);
 }
 

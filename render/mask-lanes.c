@@ -22,17 +22,19 @@ INLINE void find_discs(
 	   top = pixels_from(d->y - d->half[1], t->height);
 	vf x = __builtin_convertvector(left, vf) + 0.5f - d->x,
 	   y = __builtin_convertvector(top, vf) + 0.5f - d->y;
-	vf flat = 1 + d->squash[0] * d->squash[0], steep = 1 + d->squash[1] * d->squash[1],
-	   cross = 2 * d->squash[0] * d->squash[1];
+	/* Squares and products of the normal on the screen. */
+	vf flat = 1 + d->bend * d->aside[0] * d->aside[0],
+	   steep = 1 + d->bend * d->aside[1] * d->aside[1],
+	   cross = 2 * (d->bend * d->aside[0] * d->aside[1]);
 	ret->flat = flat;
 	ret->cross = cross;
 	ret->steep2 = 2 * steep;
 	ret->away = flat * x * x + cross * x * y + steep * y * y - d->radius * d->radius;
 	ret->along = 2 * flat * x + cross * y;
 	ret->step = cross * x + steep * (2 * y + 1);
-	ret->depth_m = pushed_m + d->tilt[0] * x + d->tilt[1] * y;
-	ret->tilt[0] = d->tilt[0];
-	ret->tilt[1] = d->tilt[1];
+	for (int k = 0; k < 2; k++)
+		ret->tilt[k] = d->slope * d->aside[k];
+	ret->depth_m = pushed_m + ret->tilt[0] * x + ret->tilt[1] * y;
 	ret->at = top * (int32_t)t->pitch + left;
 	ret->columns = pixels_from(d->x + d->half[0], t->width) - left;
 	ret->rows = pixels_from(d->y + d->half[1], t->height) - top;
@@ -65,22 +67,33 @@ INLINE void draw_columns(const struct mask_target *t, const struct discs *d, int
 /* Discs are reckoned some at a time before they are drawn, by how many rows they have, which is hard to foresee: nothing that takes
  * long should wait for it. Those of few rows are drawn as if they had a few more. */
 #define SHEET 32
-enum { NONE, DOT, LOW, MIDDLE, HIGH, SIZES };
+enum { DOT, LOW, MIDDLE, HIGH, SIZES };
 #define ROWS_LOW    2
 #define ROWS_MIDDLE 4
 
 struct sheet {
 	struct discs discs[SHEET];
 	vi dot_at[SHEET], dot_key[SHEET];
-	/* Of each size: places in the sheet. */
-	uint16_t place[SIZES][SHEET * LANES];
+	/* Of each size: places in the sheet, of which some more are written than count. */
+	uint16_t place[SIZES][SHEET * LANES + LANES];
 	uint32_t count[SIZES];
 };
 
-INLINE void sort_in(struct sheet *to, uint32_t n, vi size)
+/* Of each set of four lanes the members, in front. */
+typedef uint16_t four __attribute__((vector_size(8)));
+static const four members[16] = { { 0 }, { 0 }, { 1 }, { 0, 1 }, { 2 }, { 0, 2 }, { 1, 2 },
+	{ 0, 1, 2 }, { 3 }, { 0, 3 }, { 1, 3 }, { 0, 1, 3 }, { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 },
+	{ 0, 1, 2, 3 } };
+
+/* Those of the vector n that are of this size. */
+INLINE void sort_in(struct sheet *to, uint32_t n, int size, vi are)
 {
-	for (int k = 0; k < LANES; k++)
-		to->place[size[k]][to->count[size[k]]++] = (uint16_t)(n * LANES + (uint32_t)k);
+	unsigned which = bits(are);
+	for (uint32_t k = 0; k < LANES; k += 4, which >>= 4) {
+		four places = members[which & 15] + (uint16_t)(n * LANES + k);
+		memcpy(&to->place[size][to->count[size]], &places, sizeof places);
+		to->count[size] += (uint32_t)__builtin_popcount(which & 15);
+	}
 }
 
 /* Whether they are in the picture. */
@@ -91,8 +104,9 @@ INLINE vi place_dots(const struct mask_target *t, const struct disc_lanes *d, vf
 		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
 	vi column = __builtin_convertvector(where(inside, d->x), vi),
 	   row = __builtin_convertvector(where(inside, d->y), vi);
-	vf depth_m = pushed_m + d->tilt[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
-		     d->tilt[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
+	vf depth_m = pushed_m +
+		     d->slope * d->aside[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
+		     d->slope * d->aside[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
 	*ret_at = row * (int32_t)t->pitch + column;
 	*ret_key = keys_of(depth_m, pipeline);
 	return inside;
@@ -106,23 +120,24 @@ INLINE void lay_out(const frame *f, const struct mask_target *t, const struct ch
 	disc_lanes_find(f->scene, p, v, i, MASK_DOT_RADIUS, &d);
 	if (!any(d.drawn))
 		return;
-	vi dots = d.drawn & (d.radius < MASK_DOT_RADIUS), wide = d.drawn & ~dots, size = { 0 };
+	vi dots = d.drawn & (d.radius < MASK_DOT_RADIUS), wide = d.drawn & ~dots;
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 	vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
 		      SLANT * d.radius * d.depth_m * (1 / p->focal_px);
 	if (any(dots))
-		size = dots & DOT &
-		       place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n], &to->dot_key[n]);
-	if (any(wide)) {
-		const struct discs *w = &to->discs[n];
-		find_discs(t, &d, pushed_m, &to->discs[n]);
-		wide &= (w->columns > 0) & (w->rows > 0);
-		vi narrow = w->columns <= LANES;
-		vi low = narrow & (w->rows <= ROWS_LOW), middle = narrow & (w->rows <= ROWS_MIDDLE);
-		/* Each is the one before it and one more. */
-		size |= wide & (HIGH + middle + low);
-	}
-	sort_in(to, n, size);
+		sort_in(to, n, DOT,
+			dots & place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n],
+				       &to->dot_key[n]));
+	if (!any(wide))
+		return;
+	const struct discs *w = &to->discs[n];
+	find_discs(t, &d, pushed_m, &to->discs[n]);
+	wide &= (w->columns > 0) & (w->rows > 0);
+	vi narrow = w->columns <= LANES;
+	vi low = narrow & (w->rows <= ROWS_LOW), middle = narrow & (w->rows <= ROWS_MIDDLE);
+	sort_in(to, n, LOW, wide & low);
+	sort_in(to, n, MIDDLE, wide & middle & ~low);
+	sort_in(to, n, HIGH, wide & ~middle);
 }
 
 INLINE void draw_size(

@@ -77,9 +77,12 @@ void LANES_NAME(splat_chunk)(const struct band *b, const frame *f, const visibil
 			int k = __builtin_ctz(left);
 			const uint8_t *rgba = f->scene->rgba[v->chunk->first + i + (uint32_t)k];
 			/* Those of the last ranks come and go softly. */
+			float squash = sqrtf(d.bend[k]), slope = d.slope[k],
+			      aside[2] = { d.aside[0][k], d.aside[1][k] };
 			struct splat s = { d.x[k], d.y[k], d.radius[k],
-				{ d.half[0][k], d.half[1][k] }, { d.squash[0][k], d.squash[1][k] },
-				{ d.tilt[0][k], d.tilt[1][k] }, d.depth_m[k],
+				{ d.half[0][k], d.half[1][k] },
+				{ squash * aside[0], squash * aside[1] },
+				{ slope * aside[0], slope * aside[1] }, d.depth_m[k],
 				fminf(4 * (1 - d.rank[k]) + 1e-3f, 1),
 				{ linear[(int)(rgba[0] * lit[k])], linear[(int)(rgba[1] * lit[k])],
 					linear[(int)(rgba[2] * lit[k])] },
