@@ -180,20 +180,40 @@ static double tile_variation(const struct cells *c, bool with_limited)
 	return count < TILES_LEAST ? NAN : coefficient_of_variation(relative, count);
 }
 
-struct density density_of(
+static struct cells cells_new(
 	const frame *f, const struct shot *s, uint32_t layer, const uint8_t *lightness)
 {
 	const struct frame_layer *l = &f->layer[layer];
 	struct cells c = { (s->mask->width + CELL_PX - 1) / CELL_PX,
 		(s->mask->height + CELL_PX - 1) / CELL_PX };
-	g_autofree struct cell *cell = g_new0(struct cell, c.columns * c.rows);
-	struct density d;
-	c.cell = cell;
+	c.cell = g_new0(struct cell, c.columns * c.rows);
 	add_wanted(&c, l, s->mask, lightness);
 	add_points(&c, f, l, s);
-	add_strokes(&c, f, l, &s->lists[layer]);
+	return c;
+}
+
+void density_find_limited(const frame *f, const struct shot *s, uint32_t layer,
+	const uint8_t *lightness, bool *limited)
+{
+	const uint32_t step = TILE_PX / CELL_PX, across = s->mask->width / TILE_PX;
+	struct cells c = cells_new(f, s, layer, lightness);
+	for (uint32_t down = 0; down < s->mask->height / TILE_PX; down++)
+		for (uint32_t n = 0; n < across; n++) {
+			struct cell tile = tile_at(&c, n * step, down * step);
+			limited[down * across + n] |= is_limited(&tile);
+		}
+	g_free(c.cell);
+}
+
+struct density density_of(
+	const frame *f, const struct shot *s, uint32_t layer, const uint8_t *lightness)
+{
+	struct cells c = cells_new(f, s, layer, lightness);
+	struct density d;
+	add_strokes(&c, f, &f->layer[layer], &s->lists[layer]);
 	sum_cells(&c, &d);
 	d.cv = tile_variation(&c, false);
 	d.cv_all = tile_variation(&c, true);
+	g_free(c.cell);
 	return d;
 }

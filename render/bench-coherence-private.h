@@ -53,6 +53,10 @@ struct density {
 	double limited_share;   /* of the covered area */
 	double cv, cv_all;      /* NAN: too few tiles */
 };
+/* Sets what belongs to a tile of TILE_PX, row by row and only whole ones, where the layer's points, with all copies that they may give,
+ * are fewer than it wants. */
+void density_find_limited(const frame *f, const struct shot *s, uint32_t layer,
+	const uint8_t *lightness, bool *limited);
 /* lightness: of plain coloured points. */
 struct density density_of(
 	const frame *f, const struct shot *s, uint32_t layer, const uint8_t *lightness);
@@ -66,6 +70,8 @@ struct tone_sums {
 	double error2; /* squared differences to the curve */
 	double light, wanted;
 	uint64_t tiles;
+	double error2_all; /* also where the data limit them */
+	uint64_t tiles_all;
 };
 /* Draws f, of a tone_drawing, with the camera of the shot, whose mask is of the drawing with all layers. */
 bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t *lightness,
@@ -79,7 +85,7 @@ struct coherence_row {
 	double kept_least, kept, step_most, jumped_share;
 	double density_least, density_most, limited_share, cv, cv_all;
 	double layer_least, layer_most; /* density of single layers */
-	double warp, warp_soft, tone, tone_bias, tone_drift;
+	double warp, warp_soft, tone, tone_all, tone_bias, tone_drift;
 	bool is_static;
 };
 void coherence_print_heading(const struct bench_coherence_options *o);

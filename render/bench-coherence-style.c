@@ -176,6 +176,8 @@ static bool measure_tone(
 	s->tone.light += t.light;
 	s->tone.wanted += t.wanted;
 	s->tone.tiles += t.tiles;
+	s->tone.error2_all += t.error2_all;
+	s->tone.tiles_all += t.tiles_all;
 	if (!t.tiles)
 		return true;
 	double off = (t.light - t.wanted) / (double)t.tiles;
@@ -222,6 +224,7 @@ struct coherence_row styled_row(
 		.warp = warp_of(s == baseline, s->error2, baseline->error2),
 		.warp_soft = warp_of(s == baseline, s->soft_error2, baseline->soft_error2),
 		.tone = sqrt(by(s->tone.error2, (double)s->tone.tiles)),
+		.tone_all = sqrt(by(s->tone.error2_all, (double)s->tone.tiles_all)),
 		.tone_bias = by(s->tone.light - s->tone.wanted, (double)s->tone.tiles),
 		.tone_drift = s->tone.tiles ? s->tone_mean_most - s->tone_mean_least : NAN,
 		.is_static = s->is_static };

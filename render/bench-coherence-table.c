@@ -16,7 +16,7 @@ void coherence_print_heading(const struct bench_coherence_options *o)
 		o->width, o->height, o->view ? o->view : "walk", o->pairs);
 	puts("style                        kept (mean)       step (beyond)   density (layers)      "
 	     "       "
-	     "limited       cv (all)       warp (soft)     tone (mean)   drift   static");
+	     "limited       cv (all)       warp (soft)     tone (all)    drift   static");
 	puts("                          >= 99 %            <= 0.15       %  0.9 .. 1.1             "
 	     "            "
 	     "%  <= 0.25          <= 1.25         <= 0.04");
@@ -80,7 +80,7 @@ void coherence_print(const struct coherence_row *r, uint32_t *bars, uint32_t *mi
 	judge(&f, "%7.2f", r->warp, r->warp <= WARP_MOST);
 	beside("(%.2f)", r->warp_soft);
 	judge(&f, "%7.3f", r->tone, r->tone <= TONE_MOST);
-	beside("(%+.3f)", r->tone_bias);
+	beside("(%.3f)", r->tone_all);
 	beside("%.3f", r->tone_drift);
 	++*bars;
 	*missed += !r->is_static;
@@ -99,7 +99,8 @@ JsonObject *coherence_to_json(const struct coherence_row *r)
 		{ "layer_density_least", r->layer_least }, { "layer_density_most", r->layer_most },
 		{ "limited_share", r->limited_share }, { "cv", r->cv }, { "cv_all", r->cv_all },
 		{ "warp", r->warp }, { "warp_soft", r->warp_soft }, { "tone", r->tone },
-		{ "tone_bias", r->tone_bias }, { "tone_drift", r->tone_drift } };
+		{ "tone_all", r->tone_all }, { "tone_bias", r->tone_bias },
+		{ "tone_drift", r->tone_drift } };
 	json_object_set_string_member(o, "style", r->style);
 	json_object_set_string_member(o, "path", r->path);
 	for (size_t n = 0; n < G_N_ELEMENTS(member); n++)

@@ -100,6 +100,10 @@ bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t
 	draw_frame(NULL, f, picture, NULL);
 	g_autofree struct targets *targets = targets_of(f);
 	double paper = paper_light(f);
+	const uint32_t across = picture->width / TILE_PX;
+	g_autofree bool *limited = g_new0(bool, across *(picture->height / TILE_PX) + 1);
+	for (uint32_t l = 0; l < f->layers; l++)
+		density_find_limited(f, s, l, lightness, limited);
 	for (uint32_t y = 0; y + TILE_PX <= picture->height; y += TILE_PX)
 		for (uint32_t x = 0; x + TILE_PX <= picture->width; x += TILE_PX) {
 			struct tile one = tile_of(targets, s, picture, lightness, x, y);
@@ -107,7 +111,12 @@ bool tone_add(struct tone_sums *t, frame *f, const struct shot *s, const uint8_t
 				continue;
 			double light = one.light / paper / one.covered,
 			       curve = one.curve / one.covered;
-			t->error2 += (light - curve) * (light - curve);
+			double error2 = (light - curve) * (light - curve);
+			t->error2_all += error2;
+			t->tiles_all++;
+			if (limited[y / TILE_PX * across + x / TILE_PX])
+				continue;
+			t->error2 += error2;
 			t->light += light;
 			t->wanted += curve;
 			t->tiles++;

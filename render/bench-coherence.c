@@ -60,8 +60,8 @@ static bool take_all(struct bench *b, const struct camera *c, GError **error)
 static void measure_pair(struct bench *b)
 {
 	const struct shot *now = &b->style->now, *before = &b->style->before;
-	g_autoptr(reprojection) r =
-		reprojection_new(&now->camera, now->mask, &before->camera, before->mask);
+	g_autoptr(reprojection) r = reprojection_new(
+		b->style->frame, &now->camera, now->mask, &before->camera, before->mask);
 	uint64_t pixels = 0;
 	for (uint32_t n = 0; n < b->styles; n++)
 		pixels = styled_measure_pair(&b->style[n], r, b->scratch);

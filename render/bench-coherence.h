@@ -22,13 +22,13 @@
  *     cv         coefficient of variation of density over tiles of 64 px that are covered whole (99 %), not limited, and where 50
  *                strokes or more are wanted; mean of frames (<= 0.25). And with the limited tiles
  *     warp       mean of |V(t) - V(t-1) at the same place of the site|^2 over pixels that are covered in both frames at depths that
- *                agree to 2 %, V the luminance in linear light (Lai et al. 2018), by the same of plain coloured points (<= 1.25). It holds single pixels
+ *                agree to 2 %, which are those of surfaces, not what the mask pushes back, V the luminance in linear light (Lai et al. 2018), by the same of plain coloured points (<= 1.25). It holds single pixels
  *                against each other, so thin ink that moves by half a pixel counts like ink that comes and goes; paper counts too.
  *                And the same of means of 9 x 9 pixels, which is what remains of strokes too fine to be followed
  *     tone       of layers with the tone of the colour, drawn alone on paper without grain: mean luminance of tiles of 64 px that
- *                are covered whole, by the paper's, less what the layer's tone curve makes of the lightness of plain coloured
+ *                are covered whole and that the data do not limit, by the paper's, less what the layer's tone curve makes of the lightness of plain coloured
  *                points (it ends at what strokes no closer than spacing_px can reach: frame_wanted_light); root of the mean square
- *                (<= 0.04). And the mean
+ *                (<= 0.04). And with the limited tiles
  *     static     the same camera gives the same bytes again
  *
  * Of several layers the worst one counts. */

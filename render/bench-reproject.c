@@ -49,7 +49,17 @@ bool reproject_shows(const struct camera *c, const visibility_mask *m, const dou
 	return true;
 }
 
-static bool agrees(const visibility_mask *m, const double px[2], double depth_m)
+double reproject_depth(const frame *f, int32_t key)
+{
+	double depth_m = mask_depth(key);
+	if (!f)
+		return depth_m;
+	const struct mask_step *step =
+		&frame_pipeline(f, key & ((1 << MASK_PIPELINE_BITS) - 1))->mask;
+	return (depth_m - (double)step->offset_m) / (1 + (double)step->offset_relative);
+}
+
+static bool agrees(const frame *f, const visibility_mask *m, const double px[2], double depth_m)
 {
 	int32_t at[2];
 	if (!corner_of(m, px, at))
@@ -57,13 +67,13 @@ static bool agrees(const visibility_mask *m, const double px[2], double depth_m)
 	for (int n = 0; n < 4; n++) {
 		int32_t key = mask_key(m, at[0] + (n & 1), at[1] + (n >> 1));
 		if (key == MASK_EMPTY ||
-			fabs(mask_depth(key) - depth_m) > AGREE_PART * depth_m + AGREE_M)
+			fabs(reproject_depth(f, key) - depth_m) > AGREE_PART * depth_m + AGREE_M)
 			return false;
 	}
 	return true;
 }
 
-static void find_row(reprojection *r, uint32_t y, const struct camera *now,
+static void find_row(reprojection *r, const frame *f, uint32_t y, const struct camera *now,
 	const visibility_mask *mask_now, const struct camera *before,
 	const visibility_mask *mask_before)
 {
@@ -71,16 +81,18 @@ static void find_row(reprojection *r, uint32_t y, const struct camera *now,
 	for (uint32_t x = 0; x < r->width; x++) {
 		int32_t key = mask_key(mask_now, (int32_t)x, (int32_t)y);
 		double px[2] = { x + 0.5, y + 0.5 }, was_px[2] = { 0 }, was_m = 0;
-		bool seen = key != MASK_EMPTY &&
-			    reproject_place(now, px, mask_depth(key), before, was_px, &was_m) &&
-			    agrees(mask_before, was_px, was_m);
+		bool seen =
+			key != MASK_EMPTY &&
+			reproject_place(now, px, reproject_depth(f, key), before, was_px, &was_m) &&
+			agrees(f, mask_before, was_px, was_m);
 		for (int k = 0; k < 2; k++)
 			to[x][k] = seen ? (float)was_px[k] : NAN;
 	}
 }
 
-reprojection *reprojection_new(const struct camera *now, const visibility_mask *mask_now,
-	const struct camera *before, const visibility_mask *mask_before)
+reprojection *reprojection_new(const frame *f, const struct camera *now,
+	const visibility_mask *mask_now, const struct camera *before,
+	const visibility_mask *mask_before)
 {
 	reprojection *r = g_new0(reprojection, 1);
 	r->width = mask_now->width;
@@ -88,7 +100,7 @@ reprojection *reprojection_new(const struct camera *now, const visibility_mask *
 	r->before_px = g_malloc((size_t)r->width * r->height * sizeof *r->before_px);
 #pragma omp parallel for schedule(dynamic, 16)
 	for (uint32_t y = 0; y < r->height; y++)
-		find_row(r, y, now, mask_now, before, mask_before);
+		find_row(r, f, y, now, mask_now, before, mask_before);
 	return r;
 }
 

@@ -65,7 +65,7 @@ static void test_error(void)
 	struct camera before = camera_at(0, 0), now = camera_at(0.25, 0);
 	float shift = (float)(0.25 * now.focal_px / depth_m);
 	g_autoptr(visibility_mask) m = mask_of_depth(depth_m);
-	g_autoptr(reprojection) r = reprojection_new(&now, m, &before, m);
+	g_autoptr(reprojection) r = reprojection_new(NULL, &now, m, &before, m);
 	g_autofree float *was = g_new(float, WIDTH *HEIGHT), *is = g_new(float, WIDTH *HEIGHT);
 	uint64_t pixels = 0;
 	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
