@@ -70,6 +70,31 @@ static bool has_patch(const range_grid *g, uint64_t i, const int16_t packed[2], 
 	return found >= BESIDE_LEAST;
 }
 
+/* Beams that stand at most so many columns apart have nothing between them. */
+#define GAP_LEAST 0.5f
+#define GAP_MOST  2.f
+
+/* Columns from this cell's beam to that of the cell beside it; 1 where that has no point. */
+static float gap(const range_grid *g, uint64_t i, int right)
+{
+	size_t j;
+	if (!range_grid_step(
+		    g, (uint32_t)(i / g->columns), (uint32_t)(i % g->columns), 0, right, &j) ||
+		!(g->range_m[j] > 0))
+		return 1;
+	float across = fabsf(g->x_m[i] * g->y_m[j] - g->y_m[i] * g->x_m[j]);
+	float both = hypotf(g->x_m[i], g->y_m[i]) * hypotf(g->x_m[j], g->y_m[j]);
+	float columns = both > 0 ? across / (both * (float)g->column_rad) : 1;
+	return columns < GAP_LEAST ? GAP_LEAST : columns < GAP_MOST ? columns : GAP_MOST;
+}
+
+/* A scanner's lines seldom stand as its columns do: where two lines are in one, and became one point or left one out, there is a gap
+ * beside it, and the points at both sides stand for half of that, too. */
+static float columns_wide(const range_grid *g, uint64_t i)
+{
+	return (gap(g, i, -1) + gap(g, i, 1)) / 2;
+}
+
 /* Of the surface that the cell's beam stands for, slanted as it is; of a cloud's points their patch. */
 static float spacing_m(const struct scan_points *s, uint64_t i, const double normal[3])
 {
@@ -83,7 +108,7 @@ static float spacing_m(const struct scan_points *s, uint64_t i, const double nor
 	if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0)
 		cosine = fabs(normal[0] * ray[0] + normal[1] * ray[1] + normal[2] * ray[2]) /
 			 g->range_m[i];
-	float size_m = g->range_m[i] * sqrtf(scan_points_solid_angle_sr(s, i));
+	float size_m = g->range_m[i] * sqrtf(scan_points_solid_angle_sr(s, i) * columns_wide(g, i));
 	if (cosine < SLANTED && !has_patch(g, i, s->geometry->normal[i],
 					REACH * size_m / sqrtf(fmaxf((float)cosine, COSINE_LEAST))))
 		cosine = 1;
@@ -331,7 +356,9 @@ static model_part *open_part(const site *s, const struct model_input *input, con
 	if (!p->file || !take_sections(p) || (!p->cell && p->count && !p->is_cloud))
 		return NULL;
 	JsonObject *m = product_manifest(p->file);
-	if (strcmp(json_object_get_string_member_with_default(m, "key", ""), key))
+	/* An earlier version's points are not what this one would make. */
+	if (json_object_get_int_member(m, "version") != MODEL_PART_VERSION ||
+		strcmp(json_object_get_string_member_with_default(m, "key", ""), key))
 		return NULL;
 	p->level_needed = (unsigned)CLAMP(
 		json_object_get_int_member_with_default(m, "level_needed", 0), 0, MORTON_LEVEL_MAX);

@@ -8,7 +8,7 @@
 #include "process/morton.h"
 
 #define MODEL_PART_KIND       "model-part"
-#define MODEL_PART_VERSION    4
+#define MODEL_PART_VERSION    5
 #define MODEL_PART_SUM_POINTS 1024u
 #define PART_SORT_BYTES       32u /* for each point, while they are sorted */
 

@@ -15,7 +15,7 @@
 #include "process/product.h"
 
 #define MODEL_KIND         "model"
-#define MODEL_VERSION      4
+#define MODEL_VERSION      5
 #define MODEL_CHUNK_POINTS 4096u
 #define MODEL_NORMAL_NONE  INT16_MIN
 #define MODEL_ERROR_NONE   UINT16_MAX /* of the plane error */

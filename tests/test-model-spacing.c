@@ -12,8 +12,7 @@ struct place {
 	double at_m[3];
 };
 
-/* ret_cell_sr: what a beam at the horizon looks at. */
-static scene *scene_of_draft(model **ret_model, double *ret_cell_sr)
+static scene *scene_of_draft(model **ret_model, scan_data **ret_scan)
 {
 	g_autoptr(GError) error = NULL;
 	g_autofree char *path = fresh_site();
@@ -22,9 +21,8 @@ static scene *scene_of_draft(model **ret_model, double *ret_cell_sr)
 	struct build_result result;
 	build_model(s, g, NULL, &result, &error);
 	g_assert_no_error(error);
-	g_autoptr(scan_data) d = scan_data_load(s, 1, &error);
+	*ret_scan = scan_data_load(s, 1, &error);
 	g_assert_no_error(error);
-	*ret_cell_sr = d->grid->column_rad * d->grid->row_rad;
 	*ret_model = model_open(path, &error);
 	scene *made = scene_new(*ret_model, &error);
 	g_assert_no_error(error);
@@ -62,8 +60,8 @@ static uint32_t held(const scene *s, const struct place *all, uint32_t i, double
 static void test_lone(void)
 {
 	g_autoptr(model) m = NULL;
-	double cell_sr;
-	g_autoptr(scene) s = scene_of_draft(&m, &cell_sr);
+	g_autoptr(scan_data) d = NULL;
+	g_autoptr(scene) s = scene_of_draft(&m, &d);
 	g_autofree struct place *all = places_of(s);
 	uint32_t large = 0, lone = 0;
 	for (uint32_t i = 0; i < s->count; i++) {
@@ -85,36 +83,83 @@ static void test_lone(void)
 #define SMOOTH       100 /* 0.1 mm */
 #define COSINE_LEAST 0.05
 
+/* How the scanner met a point, if that is ground that is taken here. */
+static bool is_ground(const scene *s, const model *m, const struct place *at, uint32_t i,
+	double *ret_far, double *ret_level, double *ret_cosine)
+{
+	const double *eye = true_pose[1].translation_m;
+	float normal[3];
+	double ray[3], far = 0, cosine = 0;
+	model_unpack_normal(s->normal[i], normal);
+	for (int k = 0; k < 3; k++) {
+		ray[k] = at->at_m[k] - eye[k];
+		far += ray[k] * ray[k];
+		cosine -= ray[k] * normal[k];
+	}
+	*ret_far = far = sqrt(far);
+	*ret_level = hypot(ray[0], ray[1]) / far;
+	*ret_cosine = cosine /= far;
+	return normal[2] >= 0.98F && ray[2] <= -1 && far >= 5 && far <= 20 &&
+	       cosine >= COSINE_LEAST && model_points(m)[i].plane_error <= SMOOTH;
+}
+
+static size_t nearest_cell(const range_grid *g, const double at_m[3])
+{
+	const struct pose back = pose_inverse(&true_pose[1]);
+	double from[3];
+	pose_apply(&back, at_m, from);
+	size_t cell = 0;
+	double least = INFINITY;
+	for (size_t i = 0; i < range_grid_cells(g); i++) {
+		double x = g->x_m[i] - from[0], y = g->y_m[i] - from[1], z = g->z_m[i] - from[2];
+		double far2 = g->range_m[i] > 0 ? x * x + y * y + z * z : INFINITY;
+		cell = far2 < least ? i : cell;
+		least = fmin(least, far2);
+	}
+	return cell;
+}
+
+/* Columns from the middle between its beam and the one before to the middle between it and the one behind; 0: one is not there. */
+static double columns_of(const range_grid *g, size_t i)
+{
+	double azimuth[2];
+	for (int k = 0; k < 2; k++) {
+		size_t j;
+		if (!range_grid_step(g, (uint32_t)(i / g->columns), (uint32_t)(i % g->columns), 0,
+			    2 * k - 1, &j) ||
+			!(g->range_m[j] > 0))
+			return 0;
+		azimuth[k] = atan2((double)g->x_m[j], (double)g->y_m[j]);
+	}
+	return remainder(azimuth[1] - azimuth[0], 2 * G_PI) / 2 / g->column_rad;
+}
+
+/* Also beside gaps between lines, which stand otherwise than columns do. */
 static void test_ground(void)
 {
 	g_autoptr(model) m = NULL;
-	double cell_sr;
-	g_autoptr(scene) s = scene_of_draft(&m, &cell_sr);
+	g_autoptr(scan_data) d = NULL;
+	g_autoptr(scene) s = scene_of_draft(&m, &d);
 	g_autofree struct place *all = places_of(s);
-	const double *eye = true_pose[1].translation_m;
-	uint32_t ground = 0, right = 0;
+	double cell_sr = d->grid->column_rad * d->grid->row_rad;
+	uint32_t ground = 0, right = 0, wide = 0;
 	for (uint32_t i = 0; i < s->count; i++) {
-		float normal[3];
-		double ray[3], far = 0, cosine = 0;
-		model_unpack_normal(s->normal[i], normal);
-		for (int k = 0; k < 3; k++) {
-			ray[k] = all[i].at_m[k] - eye[k];
-			far += ray[k] * ray[k];
-			cosine -= ray[k] * normal[k];
-		}
-		far = sqrt(far);
-		cosine /= far;
-		if (normal[2] < 0.98F || ray[2] > -1 || far < 5 || far > 20 ||
-			cosine < COSINE_LEAST || model_points(m)[i].plane_error > SMOOTH)
+		double far, level, cosine, columns;
+		if (!is_ground(s, m, &all[i], i, &far, &level, &cosine))
 			continue;
-		double level = hypot(ray[0], ray[1]) / far;
-		double wanted_m = far * sqrt(cell_sr * level / cosine);
+		columns = columns_of(d->grid, nearest_cell(d->grid, all[i].at_m));
+		if (columns == 0)
+			continue;
+		double wanted_m = far * sqrt(cell_sr * level / cosine * columns);
 		ground++;
-		right += fabs(model_points(m)[i].spacing * 1e-4 - wanted_m) < 0.15 * wanted_m;
+		wide += columns > 1.15;
+		right += fabs(model_points(m)[i].spacing * 1e-4 - wanted_m) < 0.05 * wanted_m;
 	}
-	g_test_message("%u points of the ground, %u stand for as much of it as they should", ground,
-		right);
+	g_test_message("%u points of the ground, %u of them beside gaps; %u stand for as much of "
+		       "it as they should",
+		ground, wide, right);
 	g_assert_cmpuint(ground, >, 250);
+	g_assert_cmpuint(wide, >, 20);
 	g_assert_cmpuint(right, >=, ground - ground / 10);
 }
 
