@@ -44,7 +44,7 @@ static bool open_site(bench_place *p, double aspect, GError **error)
 		.stations = (const struct view_station *)(void *)p->stations->data,
 		.station_count = p->stations->len,
 		.aspect = aspect };
-	p->sources.chunks = model_chunks(p->model, &p->sources.chunk_count);
+	p->sources.boxes = p->boxes = view_boxes_new(p->model);
 	return open_tree(p, error);
 }
 
@@ -68,6 +68,7 @@ void bench_place_free(bench_place *p)
 	if (p->stations)
 		g_array_unref(p->stations);
 	segments_free(p->tree);
+	view_boxes_free(p->boxes);
 	model_free(p->model);
 	site_free(p->site);
 	if (p->work)

@@ -21,6 +21,7 @@ struct bench_place {
 	model *model;
 	segments *tree; /* NULL: there are none */
 	GArray *stations;
+	view_boxes *boxes;
 	struct view_sources sources;
 };
 /* aspect: width by height of the pictures. Errors of scanning, pleinair process, opening. */

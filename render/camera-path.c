@@ -247,7 +247,7 @@ static bool count_frames(const struct reading *r, camera_path *p)
 
 static bool read_stations(const struct reading *r, camera_path *p)
 {
-	size_t count = r->sources->chunk_count ? r->sources->station_count : 0;
+	size_t count = r->sources->boxes ? r->sources->station_count : 0;
 	if (!read_frames(r, p, 1, &p->between))
 		return false;
 	if (count < 2)

@@ -13,7 +13,7 @@ drawn_site *drawn_site_new(const char *folder, double aspect, GError **error)
 		.stations = (const struct view_station *)(void *)d->stations->data,
 		.station_count = d->stations->len,
 		.aspect = aspect };
-	d->sources.chunks = model_chunks(d->model, &d->sources.chunk_count);
+	d->sources.boxes = d->boxes = view_boxes_new(d->model);
 	return g_steal_pointer(&d);
 }
 
@@ -38,6 +38,7 @@ void drawn_site_free(drawn_site *d)
 	segments_free(d->tree);
 	if (d->stations)
 		g_array_unref(d->stations);
+	view_boxes_free(d->boxes);
 	model_free(d->model);
 	site_free(d->site);
 	g_free(d->folder);

@@ -10,7 +10,8 @@ struct drawn_site {
 	char *folder;
 	site *site;
 	model *model;
-	GArray *stations;            /* of struct view_station */
+	GArray *stations; /* of struct view_station */
+	view_boxes *boxes;
 	struct view_sources sources; /* for view_find */
 	segments *tree;              /* NULL: none was found yet */
 	scene *scene;                /* NULL until drawn_site_load */

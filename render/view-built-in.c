@@ -171,7 +171,7 @@ static size_t station_of(const struct view_sources *s, const char *name)
 view *view_built_in(const struct view_sources *s, const char *name)
 {
 	size_t station = station_of(s, name);
-	if (!s->chunk_count)
+	if (!s->boxes)
 		return NULL;
 	if (station)
 		return station_view(s, station - 1, name);
@@ -185,7 +185,7 @@ view *view_built_in(const struct view_sources *s, const char *name)
 GPtrArray *view_built_in_names(const struct view_sources *s)
 {
 	GPtrArray *names = g_ptr_array_new_with_free_func(g_free);
-	if (!s->chunk_count)
+	if (!s->boxes)
 		return names;
 	g_ptr_array_add(names, g_strdup("overview"));
 	g_ptr_array_add(names, g_strdup("plan"));

@@ -75,7 +75,7 @@ static bool say_unknown(const struct view_sources *s, const char *spec, GError *
 	g_autoptr(GPtrArray) built_in = view_built_in_names(s);
 	add_names(text, saved);
 	add_names(text, built_in);
-	if (!s->chunk_count)
+	if (!s->boxes)
 		g_string_append(text, text->len
 					      ? "; the others need a model, which the site has not"
 					      : "none, since the site has no model");

@@ -80,8 +80,8 @@ GArray *view_stations(const site *s, const model *m, GError **error)
 static double points_below(const struct view_sources *s, int axis, double at_m)
 {
 	double sum = 0;
-	for (uint64_t i = 0; i < s->chunk_count; i++) {
-		const struct model_chunk *c = &s->chunks[i];
+	for (uint64_t i = 0; i < s->boxes->count; i++) {
+		const struct model_chunk *c = &s->boxes->box[i];
 		double low = c->centre_m[axis] - c->half_size_m[axis],
 		       size = 2 * fmax(c->half_size_m[axis], 1e-6);
 		sum += c->points * CLAMP((at_m - low) / size, 0, 1);
@@ -105,8 +105,8 @@ struct view_box view_bulk(const struct view_sources *s)
 	struct view_box bulk;
 	for (int k = 0; k < 3; k++) {
 		double low = INFINITY, high = -INFINITY;
-		for (uint64_t i = 0; i < s->chunk_count; i++) {
-			const struct model_chunk *c = &s->chunks[i];
+		for (uint64_t i = 0; i < s->boxes->count; i++) {
+			const struct model_chunk *c = &s->boxes->box[i];
 			low = fmin(low, c->centre_m[k] - c->half_size_m[k]);
 			high = fmax(high, c->centre_m[k] + c->half_size_m[k]);
 		}
@@ -135,8 +135,8 @@ static double reach(const struct model_chunk *c, const double middle_m[3], const
 static double points_beyond(const struct view_sources *s, const double *reach_m, double at_m)
 {
 	double sum = 0;
-	for (uint64_t i = 0; i < s->chunk_count; i++)
-		sum += reach_m[i] > at_m ? s->chunks[i].points : 0;
+	for (uint64_t i = 0; i < s->boxes->count; i++)
+		sum += reach_m[i] > at_m ? s->boxes->box[i].points : 0;
 	return sum;
 }
 
@@ -145,10 +145,10 @@ static double points_beyond(const struct view_sources *s, const double *reach_m,
 static double reach_of_most(
 	const struct view_sources *s, const double middle_m[3], const double v[3])
 {
-	g_autofree double *reach_m = g_new(double, s->chunk_count);
+	g_autofree double *reach_m = g_new(double, s->boxes->count);
 	double low = INFINITY, high = -INFINITY;
-	for (uint64_t i = 0; i < s->chunk_count; i++) {
-		reach_m[i] = reach(&s->chunks[i], middle_m, v);
+	for (uint64_t i = 0; i < s->boxes->count; i++) {
+		reach_m[i] = reach(&s->boxes->box[i], middle_m, v);
 		low = fmin(low, reach_m[i]);
 		high = fmax(high, reach_m[i]);
 	}
@@ -213,12 +213,6 @@ static bool see(const struct camera *c, const struct model_chunk *chunk, struct 
 	return true;
 }
 
-/* Others are mostly what is left at the end of a thing: few points in a large box. */
-static bool is_solid(const struct model_chunk *c)
-{
-	return c->points >= MODEL_CHUNK_POINTS / 8;
-}
-
 static int pixel(double at, uint32_t side)
 {
 	return (int)CLAMP(floor(at), -1, (double)side);
@@ -244,9 +238,10 @@ static float *draw_depths(const struct view_sources *s, const struct camera *c)
 	float *depths_m = g_new(float, pixels);
 	for (size_t i = 0; i < pixels; i++)
 		depths_m[i] = INFINITY;
-	for (uint64_t i = 0; i < s->chunk_count; i++) {
+	for (uint64_t i = 0; i < s->boxes->count; i++) {
 		struct seen seen;
-		if (is_solid(&s->chunks[i]) && see(c, &s->chunks[i], &seen))
+		if (s->boxes->box[i].points >= s->boxes->solid_points &&
+			see(c, &s->boxes->box[i], &seen))
 			draw(c, &seen, depths_m);
 	}
 	return depths_m;
@@ -265,19 +260,33 @@ static double elevation_rad(const struct camera *c, const double place_m[3])
 		hypot(place_m[0] - c->eye_m[0], place_m[1] - c->eye_m[1]));
 }
 
+/* 1 before a wall and 0 behind it; leaves face any way. */
+static double faces(const struct view_sources *s, uint64_t i, const struct camera *c)
+{
+	double along = 0, far2 = 0;
+	if (!s->boxes->facing)
+		return 0.5;
+	for (int k = 0; k < 3; k++) {
+		double to = c->eye_m[k] - s->boxes->box[i].centre_m[k];
+		along += to * (double)s->boxes->facing[i][k];
+		far2 += to * to;
+	}
+	return far2 > 0 ? 0.5 + 0.5 * along / sqrt(far2) : 0.5;
+}
+
 struct view_sight view_look(
 	const struct view_sources *s, const struct camera *c, double near_m, double far_m)
 {
 	struct view_sight sight = { 0 };
 	g_autofree float *depths_m = draw_depths(s, c);
-	for (uint64_t i = 0; i < s->chunk_count; i++) {
-		const struct model_chunk *chunk = &s->chunks[i];
+	for (uint64_t i = 0; i < s->boxes->count; i++) {
+		const struct model_chunk *chunk = &s->boxes->box[i];
 		struct seen seen;
 		if (!see(c, chunk, &seen) || seen.depth_m < near_m || seen.depth_m > far_m ||
 			is_hidden(c, &seen, depths_m))
 			continue;
 		double aside = 2 * seen.px[0] / c->width - 1;
-		double weight = chunk->points * (1 - aside * aside / 2);
+		double weight = chunk->points * (1 - aside * aside / 2) * 2 * faces(s, i, c);
 		sight.points += weight;
 		sight.distance_m += weight * seen.depth_m;
 		sight.elevation_rad += weight * elevation_rad(c, chunk->centre_m);
@@ -315,8 +324,8 @@ double view_ground_m(const struct view_sources *s, const double place_m[3])
 {
 	g_autoptr(GArray) levels = g_array_new(FALSE, FALSE, sizeof(struct level));
 	double half = 0;
-	for (uint64_t i = 0; i < s->chunk_count; i++) {
-		const struct model_chunk *c = &s->chunks[i];
+	for (uint64_t i = 0; i < s->boxes->count; i++) {
+		const struct model_chunk *c = &s->boxes->box[i];
 		struct level level = { c->centre_m[2], c->points };
 		if (!is_ground_below(c, place_m))
 			continue;

@@ -374,7 +374,7 @@ static void test_which_view(struct place *p, gconstpointer data)
 	write_file(p, "gate.json", "{");
 	view *v = NULL;
 	g_assert_false(view_find(&m.sources, "gate", &v, NULL));
-	m.sources.chunk_count = 0;
+	m.sources.boxes = NULL;
 	assert_unknown(&m.sources, "overview",
 		"gate, plan; the others need a model, which the site has not");
 	m.sources.site = NULL;

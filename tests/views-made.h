@@ -101,6 +101,7 @@ static inline GArray *court(void)
 struct model_site {
 	GArray *chunks;
 	struct view_station stations[3];
+	view_boxes boxes;
 	struct view_sources sources;
 };
 
@@ -110,10 +111,12 @@ static inline void build(struct model_site *m)
 	m->chunks = court();
 	for (int k = 0; k < 3; k++)
 		m->stations[k] = (struct view_station){ 2 + (uint32_t)k, pose_from_yaw(k, at[k]) };
-	m->sources = (struct view_sources){ .chunks = (struct model_chunk *)m->chunks->data,
-		.chunk_count = m->chunks->len,
-		.stations = m->stations,
-		.station_count = 3 };
+	m->boxes = (view_boxes){ .box = (struct model_chunk *)m->chunks->data,
+		.count = m->chunks->len,
+		.solid_points = MODEL_CHUNK_POINTS / 8.0 };
+	m->sources = (struct view_sources){
+		.boxes = &m->boxes, .stations = m->stations, .station_count = 3
+	};
 }
 
 static inline void set_up_court(struct model_site *m, gconstpointer data)

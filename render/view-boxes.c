@@ -1,0 +1,106 @@
+#include "render/view-boxes.h"
+#include <math.h>
+#include <string.h>
+
+/* Chunks that are enough for views. */
+#define CHUNKS_ENOUGH 1024u
+/* The first points of a chunk are anywhere in it. */
+#define SAMPLE 512u
+/* Boxes a side. */
+#define SIDE  4
+#define CELLS (SIDE * SIDE * SIDE)
+/* Of the sample: a box with fewer is what is left at the end of a thing. */
+#define SOLID_SAMPLES 4
+#define SOLID_CHUNK   (MODEL_CHUNK_POINTS / 8.0)
+
+/* What falls into a cell of a chunk. */
+struct cell {
+	float low_m[3], high_m[3]; /* from the chunk's centre */
+	double facing[3];
+	uint32_t samples;
+};
+
+static int cell_of(const struct model_chunk *c, const struct model_point *p)
+{
+	int cell = 0;
+	for (int k = 0; k < 3; k++) {
+		float part =
+			c->half_size_m[k] > 0 ? (p->position_m[k] / c->half_size_m[k] + 1) / 2 : 0;
+		cell = cell * SIDE + (int)CLAMP(part * SIDE, 0, SIDE - 1);
+	}
+	return cell;
+}
+
+static void add(struct cell *to, const struct model_point *p)
+{
+	float normal[3], length2 = 0;
+	model_unpack_normal(p->normal, normal);
+	for (int k = 0; k < 3; k++) {
+		to->low_m[k] =
+			to->samples ? fminf(to->low_m[k], p->position_m[k]) : p->position_m[k];
+		to->high_m[k] =
+			to->samples ? fmaxf(to->high_m[k], p->position_m[k]) : p->position_m[k];
+		length2 += normal[k] * normal[k];
+	}
+	for (int k = 0; k < 3 && length2 > 0; k++)
+		to->facing[k] += normal[k] / sqrtf(length2);
+	to->samples++;
+}
+
+static void add_boxes(const struct model_chunk *c, const struct model_point *points, GArray *boxes,
+	GArray *facing)
+{
+	struct cell cells[CELLS] = { 0 };
+	uint32_t samples = MIN(c->points, SAMPLE);
+	for (uint32_t i = 0; i < samples; i++)
+		add(&cells[cell_of(c, &points[i])], &points[i]);
+	for (int n = 0; n < CELLS; n++) {
+		const struct cell *from = &cells[n];
+		struct model_chunk box = { .leaf = c->leaf };
+		float mean[3];
+		if (!from->samples)
+			continue;
+		for (int k = 0; k < 3; k++) {
+			box.centre_m[k] =
+				c->centre_m[k] + ((double)from->low_m[k] + from->high_m[k]) / 2;
+			box.half_size_m[k] = (from->high_m[k] - from->low_m[k]) / 2;
+			mean[k] = (float)(from->facing[k] / from->samples);
+		}
+		box.points = (uint32_t)((uint64_t)c->points * from->samples / samples);
+		box.points = MAX(box.points, 1);
+		g_array_append_val(boxes, box);
+		g_array_append_val(facing, mean);
+	}
+}
+
+view_boxes *view_boxes_new(const model *m)
+{
+	view_boxes *b = g_new0(view_boxes, 1);
+	b->box = model_chunks(m, &b->count);
+	b->solid_points = SOLID_CHUNK;
+	if (b->count > CHUNKS_ENOUGH)
+		return b;
+	GArray *boxes = g_array_new(FALSE, FALSE, sizeof(struct model_chunk)),
+	       *facing = g_array_new(FALSE, FALSE, 3 * sizeof(float));
+	for (uint64_t n = 0; n < b->count; n++)
+		add_boxes(&b->box[n], model_points(m) + b->box[n].first, boxes, facing);
+	b->count = boxes->len;
+	b->solid_points = (double)MODEL_CHUNK_POINTS / SAMPLE * SOLID_SAMPLES;
+	struct model_chunk *box = g_malloc(boxes->len * (sizeof *box + 3 * sizeof(float)) + 1);
+	b->memory = box;
+	memcpy(box, boxes->data, boxes->len * sizeof *box);
+	memcpy(box + boxes->len, facing->data, facing->len * 3 * sizeof(float));
+	b->box = box;
+	b->facing = (const float(*)[3])(const void *)(box + boxes->len);
+	g_array_unref(boxes);
+	g_array_unref(facing);
+	return b;
+}
+
+void view_boxes_free(view_boxes *b)
+{
+	if (!b)
+		return;
+	g_free(b->memory);
+	g_free(b);
+}
