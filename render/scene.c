@@ -1,5 +1,6 @@
 #include "render/large.h"
 #include "render/scene-cover.h"
+#include "render/scene-grey.h"
 #include <math.h>
 #include <string.h>
 
@@ -103,7 +104,8 @@ static void measure(scene *s, uint32_t at, const struct model_point *p)
 	s->disc[at] = (uint16_t)fminf(disc + 0.5f, SPACING_M);
 }
 
-static void copy_point(scene *s, struct scene_chunk *c, uint32_t at, const struct model_point *p)
+static void copy_point(scene *s, struct scene_chunk *c, uint32_t at, const struct model_point *p,
+	const struct scene_grey *grey)
 {
 	for (int k = 0; k < 3; k++) {
 		float q = c->step_m[k] > 0 ? (p->position_m[k] + c->half_m[k]) / c->step_m[k] : 0;
@@ -112,7 +114,10 @@ static void copy_point(scene *s, struct scene_chunk *c, uint32_t at, const struc
 	measure(s, at, p);
 	memcpy(s->normal[at], p->normal, sizeof p->normal);
 	memcpy(s->direction[at], p->direction, sizeof p->direction);
-	memcpy(s->rgba[at], p->rgba, sizeof p->rgba);
+	if (p->rgba[3])
+		memcpy(s->rgba[at], p->rgba, sizeof p->rgba);
+	else
+		scene_grey_colour(grey, p->intensity, s->rgba[at]);
 	s->kind[at] = MIN(p->kind, FEATURE_KINDS - 1);
 	s->degree[at] = p->feature;
 }
@@ -216,14 +221,14 @@ struct room {
 	struct shares shares;
 };
 
-static void take_chunk(
-	scene *s, uint32_t n, const model *m, const struct model_chunk *from, struct room *room)
+static void take_chunk(scene *s, uint32_t n, const model *m, const struct model_chunk *from,
+	const struct scene_grey *grey, struct room *room)
 {
 	struct scene_chunk *c = &s->chunk[n];
 	const struct model_point *p = model_points(m) + from->first;
 	place_chunk(s, c, from);
 	for (uint32_t i = 0; i < c->count; i++)
-		copy_point(s, c, c->first + i, p + i);
+		copy_point(s, c, c->first + i, p + i, grey);
 	scene_cover_chunk(room->cover, s, c);
 	find_extremes(s, c);
 	list_kinds(s, c);
@@ -292,6 +297,7 @@ scene *scene_new(const model *m, GError **error)
 	struct features_options defaults = features_defaults(NULL);
 	s->dither_per_m2 = (float)number_in(m, "dither_per_m2", defaults.dither_per_m2);
 	s->tone_exponent = (float)number_in(m, "tone_exponent", defaults.tone_exponent);
+	const struct scene_grey grey = scene_grey_of(m);
 	find_origin(s, chunk);
 #pragma omp parallel
 	{
@@ -299,7 +305,7 @@ scene *scene_new(const model *m, GError **error)
 		room->cover = scene_cover_new();
 #pragma omp for schedule(dynamic, 8)
 		for (uint32_t n = 0; n < s->chunks; n++)
-			take_chunk(s, n, m, &chunk[n], room);
+			take_chunk(s, n, m, &chunk[n], &grey, room);
 		scene_cover_free(room->cover);
 	}
 	find_levels(s);

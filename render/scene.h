@@ -37,7 +37,8 @@ struct scene {
 		disc; /* diameter that covers its patch, the long way where it is slanted, 0.1 mm */
 	int16_t (*normal)[2];    /* packed (model.h) */
 	int16_t (*direction)[2]; /* of its line; none: MODEL_NORMAL_NONE */
-	uint8_t (*rgba)[4];      /* sRGB; a 0: has no colour */
+	uint8_t (*rgba)
+		[4]; /* sRGB; of intensities where there is no colour (scene-grey.h); a 0: has neither */
 	uint8_t *kind, *degree;
 	/* Indices in the chunk, kind by kind, each in the order of ranks; and as many spacings among points of the same kind. */
 	uint16_t *list, *list_spacing;

@@ -20,13 +20,19 @@ struct cell {
 	uint32_t samples;
 };
 
+static bool is_placed(const struct model_point *p)
+{
+	return isfinite(p->position_m[0]) && isfinite(p->position_m[1]) &&
+	       isfinite(p->position_m[2]);
+}
+
 static int cell_of(const struct model_chunk *c, const struct model_point *p)
 {
 	int cell = 0;
 	for (int k = 0; k < 3; k++) {
 		float part =
 			c->half_size_m[k] > 0 ? (p->position_m[k] / c->half_size_m[k] + 1) / 2 : 0;
-		cell = cell * SIDE + (int)CLAMP(part * SIDE, 0, SIDE - 1);
+		cell = cell * SIDE + (int)fminf(fmaxf(part * SIDE, 0), SIDE - 1);
 	}
 	return cell;
 }
@@ -53,7 +59,8 @@ static void add_boxes(const struct model_chunk *c, const struct model_point *poi
 	struct cell cells[CELLS] = { 0 };
 	uint32_t samples = MIN(c->points, SAMPLE);
 	for (uint32_t i = 0; i < samples; i++)
-		add(&cells[cell_of(c, &points[i])], &points[i]);
+		if (is_placed(&points[i]))
+			add(&cells[cell_of(c, &points[i])], &points[i]);
 	for (int n = 0; n < CELLS; n++) {
 		const struct cell *from = &cells[n];
 		struct model_chunk box = { .leaf = c->leaf };

@@ -21,7 +21,8 @@ static void assert_attributes(const scene *s, uint32_t at, const struct model_po
 {
 	g_assert_cmpmem(s->normal[at], 4, p->normal, 4);
 	g_assert_cmpmem(s->direction[at], 4, p->direction, 4);
-	g_assert_cmpmem(s->rgba[at], 4, p->rgba, 4);
+	if (p->rgba[3])
+		g_assert_cmpmem(s->rgba[at], 4, p->rgba, 4);
 	g_assert_cmpuint(s->kind[at], ==, p->kind);
 	g_assert_cmpuint(s->degree[at], ==, p->feature);
 }
@@ -233,6 +234,56 @@ static void test_measures(void)
 	}
 }
 
+/* ---- points without colours ---- */
+
+enum { GREYS = 1001 };
+
+static scene *scene_of_intensities(made *m, const uint16_t *intensity)
+{
+	g_autofree struct model_point *p = g_new0(struct model_point, GREYS);
+	struct model_chunk c[17] = { 0 };
+	for (int i = 0; i < GREYS; i++)
+		p[i].intensity = intensity ? intensity[i] : 0;
+	memcpy(p[5].rgba, (uint8_t[4]){ 10, 20, 30, 255 }, 4);
+	for (uint64_t n = 0; n < G_N_ELEMENTS(c); n++) {
+		c[n].first = n * 60;
+		c[n].points = (uint32_t)MIN(60, GREYS - c[n].first);
+	}
+	*m = made_of_tables(p, GREYS, c, G_N_ELEMENTS(c));
+	made_open(m);
+	g_assert_cmpmem(m->scene->rgba[5], 4, ((uint8_t[4]){ 10, 20, 30, 255 }), 4);
+	return m->scene;
+}
+
+/* They are as light as their intensities, whatever units these are in; what shines does not make all else dark. */
+static void test_intensities(void)
+{
+	static const uint16_t least[] = { 0, 3000 }, step[] = { 1, 40 };
+	for (int n = 0; n < 2; n++) {
+		uint16_t intensity[GREYS];
+		g_auto(made) m = { 0 };
+		for (int i = 0; i < GREYS; i++)
+			intensity[i] = (uint16_t)(least[n] + step[n] * i);
+		intensity[1000] = 65535;
+		const scene *s = scene_of_intensities(&m, intensity);
+		g_assert_cmpuint(s->rgba[500][3], ==, 255);
+		g_assert_cmpint(abs(s->rgba[500][0] - 136), <=, 1);
+		g_assert_cmpuint(s->rgba[500][1], ==, s->rgba[500][0]);
+		g_assert_cmpuint(s->rgba[0][0], ==, 48);
+		g_assert_cmpuint(s->rgba[1000][2], ==, 224);
+		for (int i = 7; i < GREYS; i++)
+			g_assert_cmpuint(s->rgba[i][0], >=, s->rgba[i - 1][0]);
+	}
+}
+
+static void test_no_intensities(void)
+{
+	g_auto(made) m = { 0 };
+	const scene *s = scene_of_intensities(&m, NULL);
+	g_assert_cmpuint(s->rgba[500][3], ==, 0);
+	g_assert_cmpuint(s->rgba[500][0], ==, 168);
+}
+
 /* ---- odd models ---- */
 
 static void test_no_points(void)
@@ -328,6 +379,8 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene/cover", test_cover);
 	g_test_add_func("/scene/edges-and-dither", test_edges_and_dither);
 	g_test_add_func("/scene/measures", test_measures);
+	g_test_add_func("/scene/intensities", test_intensities);
+	g_test_add_func("/scene/no-intensities", test_no_intensities);
 	g_test_add_func("/scene/no-points", test_no_points);
 	g_test_add_func("/scene/one-point", test_one_point);
 	g_test_add_func("/scene/chunks-of-one", test_chunks_of_one);
