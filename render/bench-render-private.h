@@ -38,6 +38,7 @@ struct render_scene {
 	const struct render_paper *paper;
 	uint64_t points, points_of_site;
 	double new_s, bytes_resident, bytes_of_scene; /* a point */
+	double mask_rate; /* of the overview, points in view by the mask's seconds */
 	struct bench_camera camera[RENDER_CAMERAS];
 	GArray *rows; /* of struct render_row */
 	char *gles_why_not;
@@ -58,7 +59,7 @@ bool render_strokes_measure(struct render_strokes *ret, const bench_place *p, co
 /* The fastest of so many, or of those that fit into some seconds. */
 bool render_fastest(painter *p, const frame *f, uint32_t repeats, struct picture_buffer *to,
 	struct draw_times *ret, GError **error);
-double render_mask_rate(const struct render_scene *s); /* points a second */
+double render_mask_rate(const struct render_scene *s); /* the same of the three cameras */
 
 void render_print_scene(const struct render_scene *s);
 void render_print_strokes(const struct render_strokes *s);

@@ -139,12 +139,31 @@ static bool draw_all(struct series *s, const bench_place *p, const scene *points
 
 /* ---- a scene ---- */
 
+static struct camera overview_camera(const bench_place *p, const struct bench_render_options *o)
+{
+	g_autoptr(view) all = view_built_in(&p->sources, "overview");
+	return view_camera(all, o->width, o->height);
+}
+
+/* Nearly all points are in view, as in what masks of others were measured with. */
+static bool measure_mask(
+	struct series *s, const bench_place *p, const scene *points, GError **error)
+{
+	struct camera c = overview_camera(p, s->options);
+	struct draw_times t;
+	g_autoptr(drawing) d = bench_place_drawing(p, render_styles[0], error);
+	g_autoptr(frame) f = d ? frame_new(points, d, &c, error) : NULL;
+	if (!f || !render_fastest(s->painter, f, s->options->repeats, s->picture, &t, error))
+		return false;
+	s->to->mask_rate = t.points_in_view / t.mask_s;
+	return true;
+}
+
 static bool find_cameras(struct render_scene *s, const bench_place *p, const scene *points,
 	const struct bench_render_options *o, GError **error)
 {
 	g_autoptr(drawing) d = bench_place_drawing(p, render_styles[0], error);
-	g_autoptr(view) any = view_built_in(&p->sources, "overview");
-	struct camera c = view_camera(any, o->width, o->height);
+	struct camera c = overview_camera(p, o);
 	g_autoptr(frame) f = d ? frame_new(points, d, &c, error) : NULL;
 	return f && bench_cameras_find(p, f, s->paper->in_view, RENDER_CAMERAS, s->camera, error);
 }
@@ -171,7 +190,7 @@ static bool measure_with(struct render_scene *s, struct series *series, const be
 	double before = resident_bytes();
 	g_autoptr(scene) points = scene_new(m, error);
 	if (!points || !find_cameras(s, p, points, series->options, error) ||
-		!draw_all(series, p, points, error))
+		!draw_all(series, p, points, error) || !measure_mask(series, p, points, error))
 		return false;
 	s->points = points->count;
 	s->bytes_resident = (resident_bytes() - before) / points->count;

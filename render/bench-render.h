@@ -11,7 +11,8 @@
  *     Nc      points in chunks that are in view
  *     N1      of these the mask is drawn of: discs by the rank test, in the picture
  *     N2      strokes that are drawn
- *     mask    of all six cameras in figure-7a: points in view by the seconds of the mask
+ *     mask    in figure-7a, points in view by the seconds of the mask: in the overview, with nearly all points in view, as those of
+ *             others that the bar stands beside were measured; and of the three cameras together
  *     strokes 24 x 6 px, textured, of all points, 2 px apart at most, in the third frame of the last scene. Submitted are those that
  *             are dense enough, drawn those of them that are not hidden; by the seconds of choosing, binning and drawing
  *     bytes   a point: how much more memory the process holds after a few frames than before scene_new, without the picture
