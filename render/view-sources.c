@@ -140,8 +140,24 @@ static double points_beyond(const struct view_sources *s, const double *reach_m,
 	return sum;
 }
 
-/* The greatest reach but for a hundredth of the points: what was seen far away through windows and
- * gates must not make the picture small. */
+/* How far all but a part of the points reach at most. */
+static double reach_of_all_but(
+	const struct view_sources *s, const double *reach_m, double low, double high, double part)
+{
+	double allowed = part * points_beyond(s, reach_m, -INFINITY);
+	for (int i = 0; i < 30; i++) {
+		double middle = (low + high) / 2;
+		*(points_beyond(s, reach_m, middle) > allowed ? &low : &high) = middle;
+	}
+	return high;
+}
+
+/* What was seen far away through windows and gates must not make the picture small; but of something small the top, which may be few
+ * points, belongs to it. */
+#define FAR_PART   0.01
+#define STRAY_PART 0.0005
+#define NOT_FAR    1.3
+
 static double reach_of_most(
 	const struct view_sources *s, const double middle_m[3], const double v[3])
 {
@@ -152,12 +168,9 @@ static double reach_of_most(
 		low = fmin(low, reach_m[i]);
 		high = fmax(high, reach_m[i]);
 	}
-	double allowed = 0.01 * points_beyond(s, reach_m, -INFINITY);
-	for (int i = 0; i < 30; i++) {
-		double middle = (low + high) / 2;
-		*(points_beyond(s, reach_m, middle) > allowed ? &low : &high) = middle;
-	}
-	return high;
+	double most = reach_of_all_but(s, reach_m, low, high, FAR_PART),
+	       nearly_all = reach_of_all_but(s, reach_m, low, high, STRAY_PART);
+	return s->boxes->facing && nearly_all < NOT_FAR * most ? nearly_all : most;
 }
 
 /* Both edges along an axis. */

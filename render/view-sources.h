@@ -33,7 +33,7 @@ struct view_box {
 struct view_box view_bulk(const struct view_sources *s);
 
 /* Moves a camera, without turning it, to where nearly all points just fit in its picture, with a
- * margin: behind each edge remains one of a hundred at most. Returns the depth of the middle,
+ * margin: behind each edge remains one of a hundred at most, and only what is far. Returns the depth of the middle,
  * a place amid the site. There must be boxes. */
 double view_frame(const struct view_sources *s, const double middle_m[3], struct camera *c);
 
