@@ -123,7 +123,9 @@ static inline void fuzz_import(const struct import_format *f, const uint8_t *dat
 		}
 	g_assert_true((got == IMPORT_BAD) == (error != NULL));
 	if (error)
-		g_assert_true(g_str_has_prefix(error->message, "x: "));
+		g_assert_true(g_str_has_prefix(error->message, "x: ") &&
+			      g_utf8_validate(error->message, -1, NULL) &&
+			      !strchr(error->message, '\n'));
 	if (r)
 		f->close(r);
 	f->probe(data, MIN(size, IMPORT_PROBE_BYTES));

@@ -283,6 +283,7 @@ static void test_bad_xml(void)
 		{ "</data3D>", "</data4D>", "of its XML: " },
 		{ "<?xml", "?xml", "line 1 of its XML: " },
 		{ "{a&b}", "\xff\xfe", "of its XML: " },
+		{ "</formatName>", "</format\xf0me>", "of its XML: " },
 		{ "fileOffset=\"%0\"", "", "'points' lies at byte -1 of a file of" },
 		{ "fileOffset=\"%0\"", "fileOffset=\"x\"",
 			"fileOffset of 'points' is no whole number" },
