@@ -259,6 +259,9 @@ static const struct named {
 } named[] = {
 	{ "a.obj", square, "newmtl wall\nKd 0.1 0.1 0.1\nmap_Kd pictures\\quarters.png\n" },
 	{ "a.obj", square, "newmtl wall\nmap_Kd C:/Users/elsewhere/quarters.png\n" },
+	{ "a.obj", square,
+		"map_Kd early.png\nnewmtl wall\nKd nan 1 0\nmap_Bump no.png\n"
+		"\tmap_Kd -s 1 1 1 -o 0 0 -mm 0 1 -clamp on quarters.png \r\n" },
 	{ "a.ply", square_ply, NULL },
 };
 
