@@ -254,6 +254,18 @@ static bool offset_of(
 	return true;
 }
 
+/* The first codec that is not of the standard, which has but one; NULL: none. */
+static char *strange_codec(const xmlNode *codecs)
+{
+	for (const xmlNode *some = codecs ? codecs->children : NULL; some; some = some->next)
+		for (const xmlNode *c = some->children; c; c = c->next)
+			if (c->type == XML_ELEMENT_NODE &&
+				(is_extension(c) ||
+					(!is_named(c, "inputs") && !is_named(c, "bitPackCodec"))))
+				return g_strdup((const char *)c->name);
+	return NULL;
+}
+
 static bool read_points(
 	const struct reading *r, const xmlNode *n, struct e57_scan *s, GError **error)
 {
@@ -270,6 +282,7 @@ static bool read_points(
 			xmlGetLineNo(vector), count);
 	s->count = (uint64_t)count;
 	s->has_points = count > 0;
+	s->codec = strange_codec(child(vector, "codecs"));
 	return !s->has_points || offset_of(r, vector, &s->section, error);
 }
 
@@ -278,6 +291,7 @@ static void scan_free(gpointer data)
 	struct e57_scan *s = data;
 	g_free(s->guid);
 	g_free(s->name);
+	g_free(s->codec);
 	g_array_unref(s->fields);
 	g_free(s);
 }
@@ -322,19 +336,22 @@ static const struct representation {
 	{ "pinholeRepresentation", "pinhole" }, { "cylindricalRepresentation", "cylindrical" },
 	{ "visualReferenceRepresentation", "visual reference" } };
 
-/* false: there is none that can be used. All together are not more than the file: else one could stand for thousands. */
-static bool read_blob(const struct reading *r, const xmlNode *of, struct e57_image *i)
+/* NULL, or why there is none that can be used. All together are not more than the file: else one could stand for thousands. */
+static const char *read_blob(const struct reading *r, const xmlNode *of, struct e57_image *i)
 {
 	const xmlNode *jpeg = child(of, "jpegImage"), *blob = jpeg ? jpeg : child(of, "pngImage");
+	uint64_t size = import_source_size(r->file);
 	int64_t bytes = 0;
-	if (!blob || !integer_of(r, blob, "length", 0, &bytes, NULL) || bytes <= 0 ||
-		(uint64_t)bytes > import_source_size(r->file) - *r->pictures ||
-		!offset_of(r, blob, &i->section, NULL))
-		return false;
+	if (!blob || !integer_of(r, blob, "length", 0, &bytes, NULL) || bytes <= 0)
+		return "has no JPEG or PNG";
+	if ((uint64_t)bytes > size || !offset_of(r, blob, &i->section, NULL))
+		return "lies outside the file";
+	if ((uint64_t)bytes > size - *r->pictures)
+		return "was left out: with those before it is more than the file";
 	*r->pictures += (uint64_t)bytes;
 	i->bytes = (uint64_t)bytes;
 	i->extension = jpeg ? "jpg" : "png";
-	return true;
+	return NULL;
 }
 
 static void read_camera(const xmlNode *of, struct e57_image *i)
@@ -353,12 +370,14 @@ static void read_image(const struct reading *r, const xmlNode *n, unsigned numbe
 {
 	struct e57_image *i = g_new0(struct e57_image, 1);
 	g_autofree char *guid = text(child(n, "associatedData3DGuid"));
+	const char *why = "has no JPEG or PNG";
+	i->number = number;
 	i->name = text(child(n, "name"));
 	i->scan = GPOINTER_TO_UINT(guid ? g_hash_table_lookup(r->by_guid, guid) : NULL) - 1;
 	i->has_pose = pose_of(n, &i->has_pose, &i->pose) && i->has_pose;
 	for (size_t k = 0; k < G_N_ELEMENTS(representations) && !i->kind; k++) {
 		const xmlNode *of = child(n, representations[k].element);
-		if (!of || !read_blob(r, of, i))
+		if (!of || (why = read_blob(r, of, i)))
 			continue;
 		i->kind = representations[k].kind;
 		read_camera(of, i);
@@ -368,8 +387,7 @@ static void read_image(const struct reading *r, const xmlNode *n, unsigned numbe
 		return;
 	}
 	image_free(i);
-	g_ptr_array_add(
-		r->tree->passed_over, g_strdup_printf("picture %u has no JPEG or PNG", number));
+	g_ptr_array_add(r->tree->passed_over, g_strdup_printf("picture %u %s", number, why));
 }
 
 /* ---- the whole ---- */

@@ -28,6 +28,7 @@ struct e57_scan {
 	struct e57_limits intensity, colour[3];
 	struct e57_limits rows, columns; /* of its grid; one row alone counts as not given */
 	bool has_points;
+	char *codec;      /* that packs them and is not of the standard; NULL: none */
 	uint64_t section; /* logical offset of the vector */
 	uint64_t count;   /* of records */
 	GArray *fields;   /* of struct e57_field, in the order of the streams */
@@ -37,6 +38,7 @@ struct e57_scan {
 
 /* A picture in the file. */
 struct e57_image {
+	unsigned number;       /* in the file, from 1 */
 	char *name;            /* NULL: none */
 	unsigned scan;         /* that it belongs to, from 0; E57_NO_SCAN: none of these */
 	const char *kind;      /* "spherical", "pinhole", "cylindrical" or "visual reference" */

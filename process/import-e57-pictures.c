@@ -104,7 +104,7 @@ bool e57_save_pictures(import_reader *reader, const char *folder, JsonArray *int
 		if (copy_out(r, image, path, &why))
 			json_array_add_object_element(into, describe(image, file));
 		else if (g_error_matches(why, G_IO_ERROR, G_IO_ERROR_INVALID_DATA))
-			e57_add_note(r, "picture %u was left out: %s", i + 1, why->message);
+			e57_add_note(r, "picture %u was left out: %s", image->number, why->message);
 		else
 			return g_propagate_error(error, g_steal_pointer(&why)), false;
 	}

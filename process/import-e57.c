@@ -54,17 +54,26 @@ static bool is_nothing_at_zero(const struct e57 *r)
 	return r->scan.columns > 0 || r->field[E57_STATE] < 0;
 }
 
-static enum found take(const struct e57 *r, size_t i, struct point_record *p)
+static enum found find(const struct e57 *r, size_t i, double ret_at[3])
 {
-	double state = e57_number(r, E57_STATE, i, 0), at[3];
-	*p = (struct point_record){ .cell = CELL_NO_RETURN, .return_number = 1 };
+	double state = e57_number(r, E57_STATE, i, 0), *at = ret_at;
 	if (state != 0)
 		return state == 1 ? FOUND_NO_RETURN : FOUND_NOTHING;
 	locate(r, i, at);
 	bool zero = at[0] == 0 && at[1] == 0 && at[2] == 0;
-	if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2]) ||
-		(zero && is_nothing_at_zero(r)))
-		return FOUND_NOTHING;
+	return isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]) &&
+			       !(zero && is_nothing_at_zero(r))
+		       ? FOUND_POINT
+		       : FOUND_NOTHING;
+}
+
+static enum found take(const struct e57 *r, size_t i, struct point_record *p)
+{
+	double at[3];
+	enum found found = find(r, i, at);
+	*p = (struct point_record){ .cell = CELL_NO_RETURN, .return_number = 1 };
+	if (found != FOUND_POINT)
+		return found;
 	p->x_m = at[0];
 	p->y_m = at[1];
 	p->z_m = at[2];
@@ -236,7 +245,9 @@ static enum import_result e57_next_scan(
 	}
 	if (r->scans)
 		return IMPORT_END;
-	import_refuse(error, r->file, G_IO_ERROR_INVALID_DATA, "has no scan with points");
+	const GPtrArray *why = r->tree->passed_over;
+	import_refuse(error, r->file, G_IO_ERROR_INVALID_DATA, "has no scan with points%s%s",
+		why->len ? ": " : "", why->len ? (const char *)why->pdata[0] : "");
 	return IMPORT_BAD;
 }
 
@@ -261,11 +272,51 @@ static void e57_close(import_reader *reader)
 	g_free(r);
 }
 
-/* Pictures of a scan without points go with the first that has some. */
-static void pass_over(struct e57 *r, guint scan)
+/* Whether one record at least is a point. What is damaged has some: it is told when it is read. All together no more than the file is
+ * looked through. */
+static bool has_any(struct e57 *r)
 {
-	g_ptr_array_add(r->tree->passed_over,
-		g_strdup_printf("scan %u of the file has no points", scan + 1));
+	bool wanted[E57_ROLES] = { [E57_X] = true,
+		[E57_Y] = true,
+		[E57_Z] = true,
+		[E57_RANGE] = true,
+		[E57_AZIMUTH] = true,
+		[E57_ELEVATION] = true,
+		[E57_STATE] = true };
+	size_t count = 1;
+	double at[3];
+	if (!e57_open_vector(r, wanted, NULL) ||
+		(r->looked += e57_vector_bytes(r->vector)) > e57_pages_size(r->pages))
+		return true;
+	while (count) {
+		if (!e57_next_block(r, E57_BLOCK_RECORDS, &count, NULL))
+			return true;
+		for (size_t i = 0; i < count; i++)
+			if (find(r, i, at) == FOUND_POINT)
+				return true;
+	}
+	return false;
+}
+
+/* NULL, or why the scan has no points for us; caller frees. */
+static char *why_none(struct e57 *r)
+{
+	if (!r->from->has_points)
+		return g_strdup("has no points");
+	if (r->from->codec)
+		return g_strdup_printf("is packed by '%s', which is not read here", r->from->codec);
+	if (!e57_find_fields(r))
+		return g_strdup("has no coordinates");
+	return has_any(r) ? NULL : g_strdup("has no points but such as it marks as none");
+}
+
+/* Pictures of a scan without points go with the first that has some. */
+static void pass_over(struct e57 *r, guint scan, const char *why)
+{
+	struct e57_scan *s = r->tree->scans->pdata[scan];
+	s->has_points = false;
+	g_ptr_array_add(
+		r->tree->passed_over, g_strdup_printf("scan %u of the file %s", scan + 1, why));
 	for (guint i = 0; i < r->tree->images->len; i++) {
 		struct e57_image *image = r->tree->images->pdata[i];
 		if (image->scan == scan)
@@ -277,8 +328,9 @@ static void pass_over_empty(struct e57 *r)
 {
 	for (guint i = 0; i < r->tree->scans->len; i++) {
 		r->from = r->tree->scans->pdata[i];
-		if (!r->from->has_points || !e57_find_fields(r))
-			pass_over(r, i);
+		g_autofree char *why = why_none(r);
+		if (why)
+			pass_over(r, i, why);
 	}
 }
 

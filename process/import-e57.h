@@ -44,6 +44,7 @@ struct e57 {
 	uint8_t *has_point, *filled; /* a bit a cell: some first echo is of it; one was given */
 	uint64_t given;              /* points of the scan so far */
 	uint64_t sections;           /* bytes of those of the scans so far */
+	uint64_t looked;             /* bytes of those that were looked through for one point */
 	uint64_t no_room;            /* points whose cell had another one already */
 	unsigned scans;              /* given so far */
 	GString *notes;

@@ -94,11 +94,12 @@ static struct aiFile *open_material(struct files *f, const char *name)
 			*path = f->folder ? g_build_filename(f->folder, base, NULL) : NULL;
 	size_t length;
 	f->wanted_material = true;
-	char *bytes = path ? files_read(path, MATERIAL_BYTES_MAX, &length, NULL) : NULL;
+	g_autofree char *bytes = path ? files_read(path, MATERIAL_BYTES_MAX, &length, NULL) : NULL;
 	if (!bytes)
 		return NULL;
+	char *of_use = mesh_materials(bytes, length, &length);
 	f->has_material = true;
-	return opened_new((const uint8_t *)bytes, length, bytes);
+	return opened_new((const uint8_t *)of_use, length, of_use);
 }
 
 static struct aiFile *open_file(struct aiFileIO *io, const char *name, const char *mode)
@@ -145,9 +146,10 @@ static uint64_t triangles_of(const struct aiMesh *part)
 	return count;
 }
 
+/* What is no number is black. */
 static uint8_t byte_of(float share)
 {
-	return (uint8_t)(CLAMP((double)share, 0, 1) * 255 + 0.5);
+	return share > 0 ? (uint8_t)(fmin((double)share, 1) * 255 + 0.5) : 0;
 }
 
 /* A vertex's own colour, else its material's. */
@@ -190,15 +192,29 @@ static void textures_clear(struct textures *t)
 	g_clear_pointer(&t->of_material, g_free);
 }
 
-static GHashTable *find_paths(const struct aiScene *scene, const char *folder, char **path_of)
+/* Of each material; NULL: none. */
+static GPtrArray *paths_of(const struct aiScene *scene, const char *folder)
 {
-	GHashTable *paths = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
-	for (unsigned i = 0; i < scene->mNumMaterials; i++) {
-		path_of[i] = texture_path(scene->mMaterials[i], folder);
-		if (path_of[i])
-			g_hash_table_add(paths, g_strdup(path_of[i]));
-	}
+	GPtrArray *paths = g_ptr_array_new_full(scene->mNumMaterials, g_free);
+	for (unsigned i = 0; i < scene->mNumMaterials; i++)
+		g_ptr_array_add(paths, texture_path(scene->mMaterials[i], folder));
 	return paths;
+}
+
+static unsigned count_different(const GPtrArray *paths)
+{
+	g_autoptr(GHashTable) different = g_hash_table_new(g_str_hash, g_str_equal);
+	for (guint i = 0; i < paths->len; i++)
+		if (paths->pdata[i])
+			g_hash_table_add(different, paths->pdata[i]);
+	return g_hash_table_size(different);
+}
+
+static void tell_missing(GString *notes, unsigned missing, unsigned count, const GError *first)
+{
+	g_autofree char *why = g_utf8_make_valid(first->message, -1); /* a name of a file */
+	g_string_append_printf(
+		notes, "%u of its %u textures could not be read (%s)", missing, count, why);
 }
 
 /* What cannot be read is left out, and the first of them told. */
@@ -208,32 +224,30 @@ static struct textures load_textures(
 	unsigned materials = scene->mNumMaterials;
 	struct textures t = { g_ptr_array_new_with_free_func((GDestroyNotify)mesh_texture_free),
 		g_new(int16_t, materials + 1) };
-	g_auto(GStrv) path_of = g_new0(char *, materials + 1);
-	g_autoptr(GHashTable) paths = find_paths(scene, folder, path_of);
+	g_autoptr(GPtrArray) paths = paths_of(scene, folder);
 	g_autoptr(GHashTable) index = g_hash_table_new(g_str_hash, g_str_equal);
-	unsigned missing = 0, count = g_hash_table_size(paths);
+	unsigned missing = 0, count = count_different(paths);
 	g_autoptr(GError) first = NULL;
 	for (unsigned i = 0; i < materials; i++) {
-		gpointer at;
+		gpointer at, path = paths->pdata[i];
 		t.of_material[i] = -1;
-		if (!path_of[i] || t.all->len == TEXTURES_MAX)
+		if (!path || t.all->len == TEXTURES_MAX)
 			continue;
-		if (g_hash_table_lookup_extended(index, path_of[i], NULL, &at)) {
+		if (g_hash_table_lookup_extended(index, path, NULL, &at)) {
 			t.of_material[i] = (int16_t)GPOINTER_TO_INT(at);
 			continue;
 		}
 		mesh_texture *one =
-			mesh_texture_read(path_of[i], TEXELS_MAX / count, first ? NULL : &first);
+			mesh_texture_read(path, TEXELS_MAX / count, first ? NULL : &first);
 		missing += !one;
 		if (one) {
 			t.of_material[i] = (int16_t)t.all->len;
 			g_ptr_array_add(t.all, one);
 		}
-		g_hash_table_insert(index, path_of[i], GINT_TO_POINTER(t.of_material[i]));
+		g_hash_table_insert(index, path, GINT_TO_POINTER(t.of_material[i]));
 	}
 	if (missing)
-		g_string_append_printf(notes, "%u of its %u textures could not be read (%s)",
-			missing, count, first->message);
+		tell_missing(notes, missing, count, first);
 	return t;
 }
 

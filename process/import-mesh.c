@@ -56,6 +56,18 @@ static bool has_area(const mesh *m)
 	return area > 0 && isfinite(area);
 }
 
+static void tell_sampling(struct mesh_reader *r, const struct import_mesh_options *o)
+{
+	double apart_m = mesh_sample_spacing_m(r->sample);
+	g_string_append_printf(r->notes, "%u triangles were sampled ", r->m->triangles);
+	if (o->uniform)
+		g_string_append(r->notes, "by chance");
+	else if (apart_m < 1)
+		g_string_append_printf(r->notes, "%.3g mm apart", apart_m * 1000);
+	else
+		g_string_append_printf(r->notes, "%.3g m apart", apart_m);
+}
+
 static bool make_sample(struct mesh_reader *r, const struct import_mesh_options *o, GError **error)
 {
 	place(r->m, o);
@@ -68,12 +80,7 @@ static bool make_sample(struct mesh_reader *r, const struct import_mesh_options 
 	r->sample = mesh_sample_new(r->m, &how);
 	if (r->notes->len)
 		g_string_append(r->notes, "; ");
-	g_string_append_printf(r->notes, "%u triangles were sampled ", r->m->triangles);
-	if (o->uniform)
-		g_string_append(r->notes, "by chance");
-	else
-		g_string_append_printf(
-			r->notes, "%.3g mm apart", mesh_sample_spacing_m(r->sample) * 1000);
+	tell_sampling(r, o);
 	return true;
 }
 

@@ -117,8 +117,13 @@ bool import_refuse(GError **error, const import_source *s, int code, const char 
 {
 	va_list args;
 	va_start(args, format);
-	g_autofree char *what = g_strdup_vprintf(format, args);
+	g_autofree char *what = g_strdup_vprintf(format, args),
+			*plain = g_utf8_make_valid(what, -1);
 	va_end(args);
-	g_set_error(error, G_IO_ERROR, code, "%s: %s", s->path, what);
+	/* What libraries say has pieces of the file in it, and ends of lines. */
+	for (char *c = plain; *c; c++)
+		if (g_ascii_iscntrl(*c))
+			*c = ' ';
+	g_set_error(error, G_IO_ERROR, code, "%s: %s", s->path, plain);
 	return false;
 }

@@ -10,6 +10,10 @@
 #define LEVELS_MAX     17
 /* While it is read; of what is larger, a JPEG can be read smaller, a PNG not. */
 #define READ_TEXELS_MAX (UINT64_C(1) << 28)
+/* A byte stands for 512 texels of a JPEG at most, or for 8256 of a PNG in black and white; twice that, to be on the safe side. */
+#define TEXELS_A_BYTE_MAX 16384
+/* Of a JPEG of several scans all coefficients are in memory, six bytes a texel, whatever it is read as. */
+#define SCANS_TEXELS_MAX (READ_TEXELS_MAX / 2)
 
 struct mesh_texture {
 	unsigned levels;
@@ -51,6 +55,15 @@ static bool make_room(struct level *l, uint64_t width, uint64_t height)
 	return l->rgb != NULL;
 }
 
+static bool check_size(
+	uint64_t width, uint64_t height, size_t length, const char *path, GError **error)
+{
+	if (!width || !height)
+		return refuse(error, path, "has no picture");
+	return width * height / TEXELS_A_BYTE_MAX <= length ||
+	       refuse(error, path, "is cut short: it has fewer bytes than its size needs");
+}
+
 static bool read_png(
 	struct level *l, const void *bytes, size_t length, const char *path, GError **error)
 {
@@ -59,10 +72,10 @@ static bool read_png(
 	if (!png_image_begin_read_from_memory(&image, bytes, length))
 		return refuse(error, path, image.message);
 	image.format = PNG_FORMAT_RGB;
-	bool good = make_room(l, image.width, image.height);
-	if (!good)
-		refuse(error, path, "is too large a picture");
-	else if (!png_image_finish_read(&image, &behind, l->rgb, 0, NULL))
+	bool good = check_size(image.width, image.height, length, path, error);
+	if (good && !make_room(l, image.width, image.height))
+		good = refuse(error, path, "is too large a picture");
+	if (good && !png_image_finish_read(&image, &behind, l->rgb, 0, NULL))
 		good = refuse(error, path, image.message);
 	png_image_free(&image);
 	return good;
@@ -83,24 +96,53 @@ static tjscalingfactor scale_of(int width, int height, uint64_t texels_most)
 	return best;
 }
 
+/* Whether its first scan is not all of it, as in a progressive one; what cannot be told is so too. */
+static bool has_scans(const uint8_t *bytes, size_t length)
+{
+	uint8_t components = 0;
+	for (size_t at = 2; at + 10 <= length && bytes[at] == 0xff;) {
+		uint8_t kind = bytes[at + 1];
+		if (kind == 0xff) {
+			at++;
+			continue;
+		}
+		if (kind == 0xc0 || kind == 0xc1)
+			components = bytes[at + 9];
+		if (kind == 0xda)
+			return bytes[at + 4] != components;
+		at += 2 + ((size_t)bytes[at + 2] << 8 | bytes[at + 3]);
+	}
+	return true;
+}
+
+static bool make_jpeg_room(struct level *l, const uint8_t *jpeg, size_t length, int width,
+	int height, tjscalingfactor scale, const char *path, GError **error)
+{
+	uint64_t texels = (uint64_t)width * (uint64_t)height;
+	if (!check_size((uint64_t)MAX(width, 0), (uint64_t)MAX(height, 0), length, path, error))
+		return false;
+	if ((texels > SCANS_TEXELS_MAX && has_scans(jpeg, length)) ||
+		!make_room(l, (uint64_t)TJSCALED(width, scale), (uint64_t)TJSCALED(height, scale)))
+		return refuse(error, path, "is too large a picture");
+	return true;
+}
+
 static bool read_jpeg(struct level *l, const char *bytes, size_t length, uint64_t texels_most,
 	const char *path, GError **error)
 {
 	tjhandle reader = tjInitDecompress();
 	const unsigned char *jpeg = (const unsigned char *)bytes;
-	int width, height, sampling, colours;
+	int width = 0, height = 0, sampling, colours; /* of tables alone nothing is said */
 	bool good = reader && tjDecompressHeader3(reader, jpeg, length, &width, &height, &sampling,
 				      &colours) == 0;
 	if (good) {
 		tjscalingfactor scale = scale_of(width, height, texels_most);
-		good = make_room(
-			l, (uint64_t)TJSCALED(width, scale), (uint64_t)TJSCALED(height, scale));
-		if (!good)
-			refuse(error, path, "is too large a picture");
+		good = make_jpeg_room(l, jpeg, length, width, height, scale, path, error);
 		/* What libjpeg only warns of is as good as it gets. */
-		else if (tjDecompress2(reader, jpeg, length, l->rgb, (int)l->width, 0,
-				 (int)l->height, TJPF_RGB, 0) &&
-			 tjGetErrorCode(reader) == TJERR_FATAL)
+		if (good &&
+			tjDecompress2(reader, jpeg, length, l->rgb, (int)l->width, 0,
+				(int)l->height, TJPF_RGB, TJFLAG_LIMITSCANS) &&
+			tjGetErrorCode(reader) == TJERR_FATAL)
 			good = refuse(error, path, tjGetErrorStr2(reader));
 	} else
 		refuse(error, path, tjGetErrorStr2(reader));

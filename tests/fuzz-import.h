@@ -108,9 +108,11 @@ static inline bool fuzz_scan(const struct import_format *f, import_reader *r,
 	return true;
 }
 
-static inline void fuzz_import(const struct import_format *f, const uint8_t *data, size_t size)
+/* Frees the file. */
+static inline void fuzz_import_file(const struct import_format *f, import_source *source)
 {
-	g_autoptr(import_source) file = import_source_from_bytes(data, size, "x");
+	g_autoptr(import_source) file = source;
+	g_autofree char *path = g_strconcat(import_source_path(file), ": ", NULL);
 	struct import_options options = { .mesh.points = 300 };
 	g_autoptr(GError) error = NULL;
 	import_reader *r = f->open(file, &options, &error);
@@ -123,9 +125,16 @@ static inline void fuzz_import(const struct import_format *f, const uint8_t *dat
 		}
 	g_assert_true((got == IMPORT_BAD) == (error != NULL));
 	if (error)
-		g_assert_true(g_str_has_prefix(error->message, "x: "));
+		g_assert_true(g_str_has_prefix(error->message, path) &&
+			      g_utf8_validate(error->message, -1, NULL) &&
+			      !strchr(error->message, '\n'));
 	if (r)
 		f->close(r);
+}
+
+static inline void fuzz_import(const struct import_format *f, const uint8_t *data, size_t size)
+{
+	fuzz_import_file(f, import_source_from_bytes(data, size, "x"));
 	f->probe(data, MIN(size, IMPORT_PROBE_BYTES));
 }
 

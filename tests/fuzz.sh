@@ -23,8 +23,10 @@ for target; do
 	corpus=tests/corpus/${name#fuzz-}
 	echo "fuzz: $name for $seconds s"
 	# shellcheck disable=SC2086
-	clang -std=gnu17 $common -fsanitize=fuzzer -DG_LOG_DOMAIN='"pleinair"' $cflags -o "build-fuzz/$name" "$target" \
-		build-fuzz/product.a $libs || exit 1
+	clang -std=gnu17 $common -DG_LOG_DOMAIN='"pleinair"' $cflags -c -o "build-fuzz/$name.o" "$target" || exit 1
+	# By clang++, which takes new and delete over too: else leaks in C++ libraries end at libstdc++, and no suppression knows them.
+	# shellcheck disable=SC2086
+	clang++ $common -fsanitize=fuzzer -o "build-fuzz/$name" "build-fuzz/$name.o" build-fuzz/product.a $libs || exit 1
 	mkdir -p "build-fuzz/found-$name"
 	LSAN_OPTIONS=suppressions=tests/lsan.supp "build-fuzz/$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
 		-artifact_prefix="build-fuzz/$name-" "build-fuzz/found-$name" "$corpus" 2>"build-fuzz/$name.log" || {

@@ -66,6 +66,8 @@ static inline void place_assert_refused(
 	g_assert_error(error, G_IO_ERROR, code);
 	g_assert_true(g_str_has_prefix(error->message, path));
 	g_assert_nonnull(strstr(error->message, words));
+	g_assert_true(g_utf8_validate(error->message, -1, NULL));
+	g_assert_null(strchr(error->message, '\n'));
 	g_assert_cmpstr(before, ==, after);
 }
 

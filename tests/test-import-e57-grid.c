@@ -284,8 +284,8 @@ static void test_all_invalid(void)
 	const union made_value value[] = { REAL(1), REAL(2), REAL(3), WHOLE(2), WHOLE(0), REAL(1),
 		REAL(2), REAL(3), WHOLE(1), WHOLE(0) };
 	struct made_points made = { cloud_fields, 5, 2, .value = value };
-	taken_assert_refused(
-		made_one(&made, NULL), G_IO_ERROR_INVALID_DATA, "scan 1 has no points but such as");
+	taken_assert_refused(made_one(&made, NULL), G_IO_ERROR_INVALID_DATA,
+		"scan 1 of the file has no points but such as");
 }
 
 static void test_too_far(void)

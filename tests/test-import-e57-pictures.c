@@ -100,7 +100,8 @@ static void test_no_pictures(void)
 			"there is no picture of 6000 bytes here" },
 		{ PICTURE("", "pinhole", "jpeg", "3", "21"),
 			"there is no picture of 21 bytes here" },
-		{ PICTURE("", "pinhole", "png", "9", "10"), "picture 1 has no JPEG or PNG" },
+		{ PICTURE("", "pinhole", "png", "9", "10"), "picture 1 lies outside the file" },
+		{ PICTURE("", "pinhole", "png", "2", "999999"), "picture 1 lies outside the file" },
 	};
 	for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
 		struct taken t = taken_new(file_with_pictures(bad[i].xml, "jpg", 3));
@@ -109,6 +110,24 @@ static void test_no_pictures(void)
 		taken_assert_note(&t, 0, bad[i].note);
 		taken_clear(&t);
 	}
+}
+
+/* One that many name: as often as the file is large, and each is told by its number in the file. */
+static void test_numbers(void)
+{
+	g_autofree char *bytes = g_strnfill(9000, 'j');
+	struct taken t = taken_new(file_with_pictures(
+		PICTURE("", "pinhole", "jpeg", "2", "9000") PICTURE("", "pinhole", "jpeg", "0", "9")
+			PICTURE("", "pinhole", "jpeg", "2", "9000") PICTURE("", "pinhole", "gif",
+				"2", "9") PICTURE("", "pinhole", "png", "3", "30"),
+		bytes, 9000));
+	assert_picture(&t, 1, "picture-01.jpg", bytes, 9000);
+	taken_assert_note(&t, 0,
+		"picture 3 was left out: with those before it is more than the file; picture 4 has "
+		"no JPEG");
+	taken_assert_note(&t, 0, "picture 2 was left out: ");
+	taken_assert_note(&t, 0, "picture 5 was left out: ");
+	taken_clear(&t);
 }
 
 /* One bit of it in the file: the rest is good. */
@@ -136,6 +155,7 @@ int main(int argc, char **argv)
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/import-e57-pictures/of-scans", test_pictures);
 	g_test_add_func("/import-e57-pictures/none", test_no_pictures);
+	g_test_add_func("/import-e57-pictures/numbers", test_numbers);
 	g_test_add_func("/import-e57-pictures/damaged", test_damaged_picture);
 	return g_test_run();
 }

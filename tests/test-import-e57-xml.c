@@ -88,6 +88,10 @@ static void test_no_pose(void)
 
 #define GUID(g) "<guid type=\"String\">" g "</guid>"
 
+#define CODEC(element)                                                                             \
+	"<codecs type=\"Vector\"><vectorChild type=\"Structure\"><inputs "                         \
+	"type=\"Vector\"/>" element "</vectorChild></codecs>"
+
 /* With points, with none, without coordinates, with points again, without any vector. */
 static void test_scans(void)
 {
@@ -110,7 +114,8 @@ static void test_scans(void)
 	g_assert_cmpuint(t.scans->len, ==, 2);
 	g_assert_true(taken_scan(&t, 0)->has_pose && taken_scan(&t, 1)->has_pose);
 	taken_assert_note(&t, 0,
-		"scan 2 of the file has no points; scan 3 of the file has no points; scan 5 of");
+		"scan 2 of the file has no points; scan 3 of the file has no coordinates; scan 5 "
+		"of");
 	taken_assert_note(&t, 1, NULL);
 	manifest_assert_numbers(t.m, "given_pose.translation_m", 1, 0, 0);
 	g_autoptr(points) p = place_points(&t.at, 2);
@@ -126,8 +131,37 @@ static void test_no_scans(void)
 		made_xml(&m, "", NULL), G_IO_ERROR_INVALID_DATA, "has no scan with points");
 	struct made_points none = hundred;
 	none.count = 0;
-	taken_assert_refused(
-		made_one(&none, NULL), G_IO_ERROR_INVALID_DATA, "has no scan with points");
+	taken_assert_refused(made_one(&none, NULL), G_IO_ERROR_INVALID_DATA,
+		"has no scan with points: scan 1 of");
+}
+
+/* A scan whose points are all marked as none, and one packed by what is not of the standard, are told; the others come. */
+static void test_scans_of_no_use(void)
+{
+	static const struct made_field marked[] = { DOUBLES,
+		WHOLES("cartesianInvalidState", 0, 2) };
+	const union made_value none[] = { REAL(1), REAL(2), REAL(3), WHOLE(2), REAL(4), REAL(5),
+		REAL(6), WHOLE(1) };
+	struct made m = made_begin();
+	struct made_points nothing = { marked, 4, 2, .value = none };
+	unsigned of[] = { made_vector(&m, &hundred), made_vector(&m, &nothing),
+		made_vector(&m, &hundred), made_vector(&m, &hundred) };
+	g_autofree char *a = made_scan_xml(&hundred, of[0], NULL),
+			*b = made_scan_xml(&nothing, of[1], NULL),
+			*c = made_scan_xml(&hundred, of[2], NULL),
+			*d = made_scan_xml(&hundred, of[3], NULL);
+	g_autoptr(GString) packed = g_string_new(c), usual = g_string_new(d);
+	g_string_replace(packed, "<codecs type=\"Vector\"/>",
+		CODEC("<ext:zipCodec type=\"Structure\"/>"), 0);
+	g_string_replace(
+		usual, "<codecs type=\"Vector\"/>", CODEC("<bitPackCodec type=\"Structure\"/>"), 0);
+	g_autofree char *all = g_strconcat(a, b, packed->str, usual->str, NULL);
+	struct taken t = taken_new(made_xml(&m, all, NULL));
+	g_assert_cmpuint(t.scans->len, ==, 2);
+	taken_assert_note(&t, 0, "scan 2 of the file has no points but such as it marks as none");
+	taken_assert_note(&t, 0, "scan 3 of the file is packed by 'zipCodec', which is not read");
+	taken_assert_note(&t, 1, NULL);
+	taken_clear(&t);
 }
 
 /* The same points for every scan: a small file must not fill a disk. */
@@ -249,6 +283,7 @@ static void test_bad_xml(void)
 		{ "</data3D>", "</data4D>", "of its XML: " },
 		{ "<?xml", "?xml", "line 1 of its XML: " },
 		{ "{a&b}", "\xff\xfe", "of its XML: " },
+		{ "</formatName>", "</format\xf0me>", "of its XML: " },
 		{ "fileOffset=\"%0\"", "", "'points' lies at byte -1 of a file of" },
 		{ "fileOffset=\"%0\"", "fileOffset=\"x\"",
 			"fileOffset of 'points' is no whole number" },
@@ -322,6 +357,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/import-e57-xml/no-pose", test_no_pose);
 	g_test_add_func("/import-e57-xml/scans", test_scans);
 	g_test_add_func("/import-e57-xml/no-scans", test_no_scans);
+	g_test_add_func("/import-e57-xml/scans-of-no-use", test_scans_of_no_use);
 	g_test_add_func("/import-e57-xml/same-points", test_same_points);
 	g_test_add_func("/import-e57-xml/spellings", test_spellings);
 	g_test_add_func("/import-e57-xml/prefix", test_prefix);

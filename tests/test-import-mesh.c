@@ -252,6 +252,24 @@ static void test_kind(gconstpointer data)
 	g_string_free(text, true);
 }
 
+static void assert_told(const struct import_mesh_options *how, const char *words)
+{
+	g_autoptr(GString) text = off_of(&cylinder, false);
+	struct sampled s = sample_file("made.off", text, how);
+	g_autoptr(manifest) m = place_manifest(&s.p, 1);
+	const char *note = json_node_get_string(manifest_get_node(m, "source.note"));
+	g_assert_true(g_str_has_suffix(note, words));
+	sampled_clear(&s);
+}
+
+static void test_what_is_told(void)
+{
+	assert_told(&(struct import_mesh_options){ .spacing_m = 0.25 }, " sampled 250 mm apart");
+	assert_told(&(struct import_mesh_options){ .spacing_m = 1.25, .metres_a_unit = 10 },
+		" sampled 1.25 m apart");
+	assert_told(&(struct import_mesh_options){ .points = 50, .uniform = true }, " by chance");
+}
+
 /* Curved one way alone. */
 static void test_cylinder(void)
 {
@@ -485,6 +503,7 @@ int main(int argc, char **argv)
 	for (gsize i = 0; i < G_N_ELEMENTS(bads); i++)
 		commands_add("/import-mesh/bad", i, &bads[i], test_bad);
 	g_test_add_func("/import-mesh/cylinder", test_cylinder);
+	g_test_add_func("/import-mesh/what-is-told", test_what_is_told);
 	g_test_add_func("/import-mesh/blue-noise", test_blue_noise);
 	g_test_add_func("/import-mesh/uniform", test_uniform);
 	g_test_add_func("/import-mesh/same", test_same);

@@ -57,6 +57,30 @@ static char *write_jpeg(const char *folder, const char *name, const uint8_t *rgb
 	return path;
 }
 
+/* One that tells of so many texels a side, with zeros behind it. */
+static char *write_lying_jpeg(const char *folder, uint16_t side, int flags, gsize behind)
+{
+	char *path = g_build_filename(folder, "lying.jpg", NULL);
+	static const uint8_t rgb[16 * 16 * 3];
+	tjhandle writer = tjInitCompress();
+	unsigned char *bytes = NULL, *size = NULL;
+	unsigned long length = 0;
+	g_assert_cmpint(tjCompress2(writer, rgb, 16, 0, 16, TJPF_RGB, &bytes, &length, TJSAMP_444,
+				95, flags),
+		==, 0);
+	for (unsigned char *at = bytes; !size; at++)
+		if (at[0] == 0xff && (at[1] == 0xc0 || at[1] == 0xc2))
+			size = at + 5;
+	size[0] = size[2] = (uint8_t)(side >> 8);
+	size[1] = size[3] = (uint8_t)side;
+	g_autofree char *all = g_malloc0(length + behind);
+	memcpy(all, bytes, length);
+	g_assert_true(g_file_set_contents(path, all, (gssize)(length + behind), NULL));
+	tjFree(bytes);
+	tjDestroy(writer);
+	return path;
+}
+
 static int worst_of(const uint8_t a[3], const uint8_t b[3])
 {
 	int worst = 0;
@@ -167,6 +191,30 @@ static void test_damage(void)
 	}
 }
 
+static void refuse_lying(const char *folder, int flags, gsize behind, const char *words)
+{
+	g_autofree char *path = write_lying_jpeg(folder, 12000, flags, behind);
+	g_autoptr(GError) error = NULL;
+	g_assert_null(mesh_texture_read(path, 1u << 22, &error));
+	g_assert_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA);
+	g_assert_true(g_str_has_prefix(error->message, path));
+	g_assert_true(g_str_has_suffix(error->message, words));
+}
+
+/* Of hardly any bytes there are not so many texels; and of several scans all would be in memory at once, however small it is read. */
+static void test_lying(void)
+{
+	g_autofree char *folder = simulated_folder();
+	g_autoptr(GError) error = NULL;
+	refuse_lying(
+		folder, 0, 0, "lying.jpg: is cut short: it has fewer bytes than its size needs");
+	refuse_lying(folder, TJFLAG_PROGRESSIVE, 100000, "lying.jpg: is too large a picture");
+	g_autofree char *path = write_lying_jpeg(folder, 12000, 0, 100000);
+	g_autoptr(mesh_texture) t = mesh_texture_read(path, 1u << 22, &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(mesh_texture_texels(t), ==, 1500 * 1500);
+}
+
 /* ---- meshes ---- */
 
 /* A square of 2 x 2 m that shows the whole picture. */
@@ -211,6 +259,9 @@ static const struct named {
 } named[] = {
 	{ "a.obj", square, "newmtl wall\nKd 0.1 0.1 0.1\nmap_Kd pictures\\quarters.png\n" },
 	{ "a.obj", square, "newmtl wall\nmap_Kd C:/Users/elsewhere/quarters.png\n" },
+	{ "a.obj", square,
+		"map_Kd early.png\nnewmtl wall\nKd nan 1 0\nmap_Bump no.png\n"
+		"\tmap_Kd -s 1 1 1 -o 0 0 -mm 0 1 -clamp on quarters.png \r\n" },
 	{ "a.ply", square_ply, NULL },
 };
 
@@ -272,6 +323,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/mesh-texture/mean", test_mean);
 	g_test_add_func("/mesh-texture/smaller", test_smaller);
 	g_test_add_func("/mesh-texture/damage", test_damage);
+	g_test_add_func("/mesh-texture/lying", test_lying);
 	for (size_t i = 0; i < G_N_ELEMENTS(named); i++)
 		commands_add("/mesh-texture/square", i, &named[i], test_square);
 	g_test_add_func("/mesh-texture/fine", test_fine_texture);
