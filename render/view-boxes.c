@@ -82,6 +82,8 @@ static void add_boxes(const struct model_chunk *c, const struct model_point *poi
 
 view_boxes *view_boxes_new(const model *m)
 {
+	if (!model_count(m))
+		return NULL;
 	view_boxes *b = g_new0(view_boxes, 1);
 	b->box = model_chunks(m, &b->count);
 	b->solid_points = SOLID_CHUNK;

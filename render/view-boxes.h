@@ -13,7 +13,7 @@ struct view_boxes {
 	double solid_points; /* a box with fewer hides nothing */
 	void *memory;
 };
-/* The model must live longer. */
+/* The model must live longer. NULL: it has no points. */
 view_boxes *view_boxes_new(const model *m);
 void view_boxes_free(view_boxes *b); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(view_boxes, view_boxes_free)

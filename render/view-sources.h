@@ -14,7 +14,7 @@ struct view_station {
 
 struct view_sources {
 	const site *site;        /* NULL: no saved views */
-	const view_boxes *boxes; /* NULL: there is no model */
+	const view_boxes *boxes; /* NULL: there is no model, or no point in it */
 	const struct view_station *stations;
 	size_t station_count;
 	double aspect; /* width by height of the picture that is to be framed; 0: 4/3 */
