@@ -24,6 +24,9 @@
  *     warp       mean of |V(t) - V(t-1) at the same place of the site|^2 over pixels that are covered in both frames at depths that
  *                agree to 2 %, which are those of surfaces, not what the mask pushes back, V the luminance in linear light (Lai et al. 2018), by the same of plain coloured points (<= 1.25). It holds single pixels
  *                against each other, so thin ink that moves by half a pixel counts like ink that comes and goes; paper counts too.
+ *                Most of what ink has here is that: of figure-7d's pan over a courtyard, off by 0.073 where plain points are off by
+ *                0.018, 0.021 remain when both frames are drawn four times as fine and means of 4 x 4 pixels are compared. That rest
+ *                is strokes that keep their size while surface is stretched by up to 4 % a frame at the picture's edges
  *                And the same of means of 9 x 9 pixels, which is what remains of strokes too fine to be followed
  *     tone       of layers with the tone of the colour, drawn alone on paper without grain: mean luminance of tiles of 64 px that
  *                are covered whole and that the data do not limit, by the paper's, less what the layer's tone curve makes of the lightness of plain coloured
