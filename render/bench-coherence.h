@@ -29,7 +29,8 @@
  *                is strokes that keep their size while surface is stretched by up to 4 % a frame at the picture's edges
  *                And the same of means of 9 x 9 pixels, which is what remains of strokes too fine to be followed
  *     tone       of layers with the tone of the colour, drawn alone on paper without grain: mean luminance of tiles of 64 px that
- *                are covered whole and that the data do not limit, by the paper's, less what the layer's tone curve makes of the lightness of plain coloured
+ *                are covered whole and that the data do not limit, by the paper's, less what the layer's tone curve makes of the
+ *                lightness of plain coloured
  *                points (it ends at what strokes no closer than spacing_px can reach: frame_wanted_light); root of the mean square
  *                (<= 0.04). And with the limited tiles
  *     static     the same camera gives the same bytes again
