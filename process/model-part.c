@@ -70,7 +70,7 @@ static bool has_patch(const range_grid *g, uint64_t i, const int16_t packed[2], 
 	return found >= BESIDE_LEAST;
 }
 
-/* Beams that stand at most so many columns apart have nothing between them. */
+/* Columns from one beam to the next; what is less or more is not for lines that stand otherwise than columns. */
 #define GAP_LEAST 0.5f
 #define GAP_MOST  2.f
 
@@ -85,7 +85,7 @@ static float gap(const range_grid *g, uint64_t i, int right)
 	float across = fabsf(g->x_m[i] * g->y_m[j] - g->y_m[i] * g->x_m[j]);
 	float both = hypotf(g->x_m[i], g->y_m[i]) * hypotf(g->x_m[j], g->y_m[j]);
 	float columns = both > 0 ? across / (both * (float)g->column_rad) : 1;
-	return columns < GAP_LEAST ? GAP_LEAST : columns < GAP_MOST ? columns : GAP_MOST;
+	return CLAMP(columns, GAP_LEAST, GAP_MOST);
 }
 
 /* A scanner's lines seldom stand as its columns do: where two lines are in one, and became one point or left one out, there is a gap

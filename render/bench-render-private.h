@@ -38,7 +38,7 @@ struct render_scene {
 	const struct render_paper *paper;
 	uint64_t points, points_of_site;
 	double new_s, bytes_resident, bytes_of_scene; /* a point */
-	double mask_rate; /* of the overview, points in view by the mask's seconds */
+	double overview_mask_rate;                    /* points in view by the mask's seconds */
 	struct bench_camera camera[RENDER_CAMERAS];
 	GArray *rows; /* of struct render_row */
 	char *gles_why_not;

@@ -155,7 +155,7 @@ static bool measure_mask(
 	g_autoptr(frame) f = d ? frame_new(points, d, &c, error) : NULL;
 	if (!f || !render_fastest(s->painter, f, s->options->repeats, s->picture, &t, error))
 		return false;
-	s->to->mask_rate = t.points_in_view / t.mask_s;
+	s->to->overview_mask_rate = t.points_in_view / t.mask_s;
 	return true;
 }
 

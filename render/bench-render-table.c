@@ -76,9 +76,9 @@ void render_print_scene(const struct render_scene *s)
 	printf("mask: %.0f million points/s of the overview (>= %.0f)%c, %.0f of the cameras "
 	       "above; "
 	       "scene made in %.2f s; %.1f bytes a point in memory, of these the scene %.1f\n\n",
-		s->mask_rate * 1e-6, MASK_RATE_WANTED * 1e-6,
-		star(s->mask_rate >= MASK_RATE_WANTED), render_mask_rate(s) * 1e-6, s->new_s,
-		s->bytes_resident, s->bytes_of_scene);
+		s->overview_mask_rate * 1e-6, MASK_RATE_WANTED * 1e-6,
+		star(s->overview_mask_rate >= MASK_RATE_WANTED), render_mask_rate(s) * 1e-6,
+		s->new_s, s->bytes_resident, s->bytes_of_scene);
 	fflush(stdout);
 }
 
@@ -154,8 +154,8 @@ JsonObject *render_scene_to_json(const struct render_scene *s)
 	if (s->gles_why_not)
 		json_object_set_string_member(o, "gles_why_not", s->gles_why_not);
 	json_object_set_object_member(o, "vtk", vtk_to_json(&s->vtk));
-	json_object_set_double_member(o, "mask_points_s", s->mask_rate);
-	json_object_set_double_member(o, "mask_points_s_of_cameras", render_mask_rate(s));
+	json_object_set_double_member(o, "mask_points_s_of_overview", s->overview_mask_rate);
+	json_object_set_double_member(o, "mask_points_s", render_mask_rate(s));
 	json_object_set_double_member(o, "scene_new_s", s->new_s);
 	if (isfinite(s->bytes_resident))
 		json_object_set_double_member(o, "bytes_a_point", s->bytes_resident);

@@ -24,7 +24,7 @@ struct disc_pass {
 	float turn[3][3]; /* site to camera */
 	float disc, radius_least;
 	bool backs_hidden;
-	bool is_inside;  /* all discs of the chunk are in the picture as wholes */
+	bool is_inside; /* all points of the chunk are in the picture, and not before the near plane */
 	bool is_crowded; /* points may stand for others */
 	uint32_t end;    /* of the points that may be drawn */
 	float per_rank;  /* 1 / all points of the chunk */
@@ -53,8 +53,7 @@ static inline bool disc_is_inside(const struct camera *c, const struct chunk_vie
 	const float size[2] = { (float)c->width, (float)c->height };
 	bool inside = v->near_m > DISC_SURELY * (float)c->near_m;
 	for (int k = 0; k < 2; k++)
-		inside &= v->low_px[k] > v->margin_px + 1 &&
-			  v->high_px[k] < size[k] - v->margin_px - 1;
+		inside &= v->low_px[k] >= 0 && v->high_px[k] <= size[k];
 	return inside;
 }
 

@@ -1,6 +1,5 @@
 #include "render/view-boxes.h"
 #include <math.h>
-#include <string.h>
 
 /* Chunks that are enough for views. */
 #define CHUNKS_ENOUGH 1024u
@@ -80,36 +79,35 @@ static void add_boxes(const struct model_chunk *c, const struct model_point *poi
 	}
 }
 
-view_boxes *view_boxes_new(const model *m)
+/* Smaller boxes instead of the chunks. */
+static void divide(view_boxes *b, const model *m)
 {
-	if (!model_count(m))
-		return NULL;
-	view_boxes *b = g_new0(view_boxes, 1);
-	b->box = model_chunks(m, &b->count);
-	b->solid_points = SOLID_CHUNK;
-	if (b->count > CHUNKS_ENOUGH)
-		return b;
-	GArray *boxes = g_array_new(FALSE, FALSE, sizeof(struct model_chunk)),
-	       *facing = g_array_new(FALSE, FALSE, 3 * sizeof(float));
+	GArray *boxes = b->own[0] = g_array_new(FALSE, FALSE, sizeof *b->box),
+	       *facing = b->own[1] = g_array_new(FALSE, FALSE, sizeof *b->facing);
 	for (uint64_t n = 0; n < b->count; n++)
 		add_boxes(&b->box[n], model_points(m) + b->box[n].first, boxes, facing);
+	b->box = (const struct model_chunk *)(void *)boxes->data;
+	b->facing = (const float(*)[3])(void *)facing->data;
 	b->count = boxes->len;
 	b->solid_points = (double)MODEL_CHUNK_POINTS / SAMPLE * SOLID_SAMPLES;
-	struct model_chunk *box = g_malloc(boxes->len * (sizeof *box + 3 * sizeof(float)) + 1);
-	b->memory = box;
-	memcpy(box, boxes->data, boxes->len * sizeof *box);
-	memcpy(box + boxes->len, facing->data, facing->len * 3 * sizeof(float));
-	b->box = box;
-	b->facing = (const float(*)[3])(const void *)(box + boxes->len);
-	g_array_unref(boxes);
-	g_array_unref(facing);
-	return b;
+}
+
+view_boxes *view_boxes_new(const model *m)
+{
+	g_autoptr(view_boxes) b = g_new0(view_boxes, 1);
+	b->box = model_chunks(m, &b->count);
+	b->solid_points = SOLID_CHUNK;
+	if (b->count <= CHUNKS_ENOUGH)
+		divide(b, m);
+	return b->count ? g_steal_pointer(&b) : NULL;
 }
 
 void view_boxes_free(view_boxes *b)
 {
 	if (!b)
 		return;
-	g_free(b->memory);
+	for (int n = 0; n < 2; n++)
+		if (b->own[n])
+			g_array_unref(b->own[n]);
 	g_free(b);
 }

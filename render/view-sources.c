@@ -273,18 +273,18 @@ static double elevation_rad(const struct camera *c, const double place_m[3])
 		hypot(place_m[0] - c->eye_m[0], place_m[1] - c->eye_m[1]));
 }
 
-/* 1 before a wall and 0 behind it; leaves face any way. */
-static double faces(const struct view_sources *s, uint64_t i, const struct camera *c)
+/* How much of it faces the camera: 2 before a wall and 0 behind it, 1 of leaves, which face any way. */
+static double facing(const struct view_sources *s, uint64_t i, const struct camera *c)
 {
 	double along = 0, far2 = 0;
 	if (!s->boxes->facing)
-		return 0.5;
+		return 1;
 	for (int k = 0; k < 3; k++) {
 		double to = c->eye_m[k] - s->boxes->box[i].centre_m[k];
 		along += to * (double)s->boxes->facing[i][k];
 		far2 += to * to;
 	}
-	return far2 > 0 ? 0.5 + 0.5 * along / sqrt(far2) : 0.5;
+	return far2 > 0 ? 1 + along / sqrt(far2) : 1;
 }
 
 struct view_sight view_look(
@@ -299,7 +299,7 @@ struct view_sight view_look(
 			is_hidden(c, &seen, depths_m))
 			continue;
 		double aside = 2 * seen.px[0] / c->width - 1;
-		double weight = chunk->points * (1 - aside * aside / 2) * 2 * faces(s, i, c);
+		double weight = chunk->points * (1 - aside * aside / 2) * facing(s, i, c);
 		sight.points += weight;
 		sight.distance_m += weight * seen.depth_m;
 		sight.elevation_rad += weight * elevation_rad(c, chunk->centre_m);
