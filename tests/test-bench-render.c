@@ -82,6 +82,25 @@ static void test_error(void)
 		reprojection_error(r, is, was, &pixels) / (double)pixels, 0.25, 1e-5);
 }
 
+/* What a mask pushes back is where it was. */
+static void test_pushed_back(void)
+{
+	struct pipeline pushed[2] = { { .mask = { .offset_m = 0.1f } },
+		{ .mask = { .offset_m = 0.05f, .offset_relative = 0.004f } } };
+	g_autoptr(GArray) pipelines = g_array_new(FALSE, FALSE, sizeof *pushed);
+	g_array_append_vals(pipelines, pushed, 2);
+	drawing d = { .pipelines = pipelines };
+	frame f = { .drawing = &d };
+	union {
+		float depth_m;
+		int32_t bits;
+	} u = { 5.07f };
+	int32_t key = u.bits & ~((1 << MASK_PIPELINE_BITS) - 1);
+	g_assert_cmpfloat_with_epsilon(reproject_depth(NULL, key), 5.07, 1e-3);
+	g_assert_cmpfloat_with_epsilon(reproject_depth(&f, key), 4.97, 1e-3);
+	g_assert_cmpfloat_with_epsilon(reproject_depth(&f, key | 1), 5, 1e-3);
+}
+
 static void test_variation(void)
 {
 	const double value[] = { 2, 4, 4, 4, 5, 5, 7, 9 };
@@ -147,6 +166,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/bench-render/there-and-back", test_there_and_back);
 	g_test_add_func("/bench-render/shows", test_shows);
 	g_test_add_func("/bench-render/error", test_error);
+	g_test_add_func("/bench-render/pushed-back", test_pushed_back);
 	g_test_add_func("/bench-render/variation", test_variation);
 	g_test_add_func("/bench-render/subset", test_subset);
 	return g_test_run();

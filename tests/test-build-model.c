@@ -1,5 +1,7 @@
 /* Models of simulated sites: what is in them, that they do not depend on how they came about, and what stops or damages them. */
+#include "process/model-part.h"
 #include "tests/built-model.h"
+#include <glib/gstdio.h>
 
 /* ---- what is in it ---- */
 
@@ -266,6 +268,48 @@ static void test_earlier(void)
 	free_graph(g);
 }
 
+/* The second scan's part as an earlier version may have made it: the same sections, but that its points stand for other surface. */
+static void write_earlier_part(const char *path)
+{
+	static const struct {
+		const char *name;
+		uint32_t bytes;
+	} sections[] = { { "points", sizeof(struct part_point) }, { "run_end", sizeof(uint64_t) },
+		{ "cell", sizeof(uint32_t) }, { "sum", sizeof(struct part_sum) } };
+	g_autofree char *file = g_build_filename(path, "model/parts/0002.part", NULL);
+	g_autoptr(product) was = product_open(file, MODEL_PART_KIND, MODEL_PART_VERSION, NULL);
+	g_autoptr(product_writer) w = product_writer_new(file, NULL);
+	JsonObject *made = json_object_new(), *from = product_manifest(was);
+	json_object_set_string_member(made, "key", json_object_get_string_member(from, "key"));
+	json_object_set_int_member(
+		made, "level_needed", json_object_get_int_member(from, "level_needed"));
+	for (size_t i = 0; i < G_N_ELEMENTS(sections); i++) {
+		uint64_t count;
+		const void *all =
+			product_section(was, sections[i].name, sections[i].bytes, &count, NULL);
+		g_autofree struct part_point *copy = g_memdup2(all, count * sections[i].bytes);
+		for (uint64_t k = 0; i == 0 && k < count; k++)
+			copy[k].spacing /= 2;
+		write_section(w, sections[i].name, sections[i].bytes, copy, count);
+	}
+	g_assert_true(
+		product_writer_finish(w, MODEL_PART_KIND, MODEL_PART_VERSION - 1, made, NULL));
+}
+
+static void test_earlier_part(void)
+{
+	g_autofree char *path = fresh_site(), *file = model_path(path);
+	scan_graph *g = graph_of(SCANS);
+	build(path, g, NULL);
+	g_assert_cmpint(g_unlink(file), ==, 0);
+	g_assert_cmpuint(build(path, g, NULL).scans_rebuilt, ==, 0);
+	write_earlier_part(path);
+	g_assert_cmpint(g_unlink(file), ==, 0);
+	g_assert_cmpuint(build(path, g, NULL).scans_rebuilt, ==, 1);
+	assert_same(path, whole_sum());
+	free_graph(g);
+}
+
 /* ---- which scans ---- */
 
 static void test_due(void)
@@ -418,6 +462,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/build-model/taken-over", test_taken_over);
 	g_test_add_func("/build-model/threads-and-memory", test_threads_and_memory);
 	g_test_add_func("/build-model/earlier", test_earlier);
+	g_test_add_func("/build-model/earlier-part", test_earlier_part);
 	g_test_add_func("/build-model/stopped-anywhere", test_stopped_anywhere);
 	g_test_add_func("/build-model/damaged", test_damaged);
 	g_test_add_func("/build-model/due", test_due);

@@ -11,32 +11,37 @@
 #define HIGH_M 1.f
 #define AT_M   7.0
 
-/* facing: +1, -1, or 0 for no normals. */
-static model *plate_of(const char *folder, float facing)
+static model *model_of(const char *folder, const struct model_point *point, uint32_t count)
 {
 	g_autoptr(GError) error = NULL;
 	g_autofree char *path = g_build_filename(folder, "plate.model", NULL);
-	g_autofree struct model_point *point = g_new0(struct model_point, POINTS);
 	struct model_chunk chunk = { .centre_m = { AT_M, 0, 0 },
 		.half_size_m = { 0, WIDE_M / 2, HIGH_M / 2 },
-		.points = POINTS };
-	for (uint32_t i = 0; i < POINTS; i++) {
-		point[i].position_m[1] = (float)g_test_rand_double_range(-0.5, 0.5) * WIDE_M;
-		point[i].position_m[2] = (float)g_test_rand_double_range(-0.5, 0.5) * HIGH_M;
-		model_pack_normal((float[3]){ facing, 0, 0 }, point[i].normal);
-	}
-	chunk.crc32c = crc32c(0, point, POINTS * sizeof *point);
+		.points = count,
+		.crc32c = crc32c(0, point, count * sizeof *point) };
 	g_autoptr(product_writer) w = product_writer_new(path, &error);
 	g_assert_no_error(error);
 	g_assert_true(
 		product_writer_begin(w, "points", sizeof *point, &error) &&
-		product_writer_append(w, point, POINTS, &error) &&
+		product_writer_append(w, point, count, &error) &&
 		product_writer_begin(w, "chunks", sizeof chunk, &error) &&
 		product_writer_append(w, &chunk, 1, &error) &&
 		product_writer_finish(w, MODEL_KIND, MODEL_VERSION, json_object_new(), &error));
 	model *m = model_open_file(path, &error);
 	g_assert_no_error(error);
 	return m;
+}
+
+/* facing: +1, -1, or 0 for no normals. */
+static model *plate_of(const char *folder, float facing)
+{
+	g_autofree struct model_point *point = g_new0(struct model_point, POINTS);
+	for (uint32_t i = 0; i < POINTS; i++) {
+		point[i].position_m[1] = (float)g_test_rand_double_range(-0.5, 0.5) * WIDE_M;
+		point[i].position_m[2] = (float)g_test_rand_double_range(-0.5, 0.5) * HIGH_M;
+		model_pack_normal((float[3]){ facing, 0, 0 }, point[i].normal);
+	}
+	return model_of(folder, point, POINTS);
 }
 
 struct place {
@@ -74,6 +79,16 @@ static void test_boxes(struct place *p, gconstpointer data)
 	}
 	g_assert_cmpuint(points, >, POINTS - 20);
 	g_assert_cmpuint(points, <=, POINTS);
+}
+
+/* Points that are nowhere are in no box. */
+static void test_nowhere(struct place *p, gconstpointer data)
+{
+	struct model_point nowhere[3] = { { .position_m = { NAN, 0, 0 } },
+		{ .position_m = { 0, INFINITY, 0 } }, { .position_m = { 0, 0, -INFINITY } } };
+	g_autoptr(model) m = model_of(p->folder, nowhere, 3);
+	(void)data;
+	g_assert_null(view_boxes_new(m));
 }
 
 /* How much of the picture's width and height its corners are apart. */
@@ -125,6 +140,7 @@ int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add("/view-boxes/boxes", struct place, NULL, set_up, test_boxes, tear_down);
+	g_test_add("/view-boxes/nowhere", struct place, NULL, set_up, test_nowhere, tear_down);
 	g_test_add("/view-boxes/seen-from-its-face", struct place, NULL, set_up,
 		test_seen_from_its_face, tear_down);
 	g_test_add(
