@@ -4,7 +4,7 @@ static enum kernel kernel_of(const struct frame_layer *l)
 {
 	if (l->texture)
 		return KERNEL_TEXTURE;
-	return l->step->kind == step_kind_find("sprites") ? KERNEL_SPRITE : KERNEL_LINE;
+	return step_is_dots(l->step) ? KERNEL_SPRITE : KERNEL_LINE;
 }
 
 enum band_blend band_blend_of(const struct frame_layer *l)

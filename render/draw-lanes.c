@@ -235,7 +235,8 @@ INLINE void draw_layer(
 	if (lists->end[band] == first)
 		return;
 	clear_ink(l, b, d);
-	band_draw(b, j->f, l, lists->which + first, lists->end[band] - first, j->mask, &d->ink);
+	band_draw(b, j->f, l, lists->which + first, lists->end[band] - first,
+		l->stipple ? NULL : j->mask, &d->ink);
 	add_layer(l, b, d);
 }
 

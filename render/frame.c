@@ -109,8 +109,7 @@ static float area_of(const struct frame_layer *l)
 {
 	const struct ink_step *ink = &l->ink;
 	float opacity = ink->opacity * (1 - ink->opacity_variation / 2), mean = 0;
-	if (l->step->kind ==
-		step_kind_find("sprites")) /* 2 pi sigma^2, the diameter being 5 sigma */
+	if (step_is_dots(l->step)) /* 2 pi sigma^2, the diameter being 5 sigma */
 		return opacity * (float)(2 * G_PI) * ink->length_px * ink->length_px / 25;
 	if (!l->texture)
 		return opacity * ink->length_px * ink->width_px;
@@ -179,10 +178,12 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 		return false;
 	}
 	*l = (struct frame_layer){ step, pipeline, kinds_of(&step->ink), step->ink };
+	if (step->kind == step_kind_find("stipple"))
+		l->stipple = &step->stipple;
 	l->ink.spacing_px *= f->ink_px;
 	l->ink.length_px *= f->ink_px;
 	l->ink.width_px *= f->ink_px;
-	if (step->kind == step_kind_find("sprites"))
+	if (step_is_dots(step))
 		l->ink.width_px = l->ink.length_px;
 	for (int k = 0; k < 3; k++)
 		l->ink_linear[k] = light_of_srgb((float)l->ink.ink[k] / 255);

@@ -42,7 +42,8 @@ struct frame_layer {
 	uint8_t pipeline;
 	uint32_t kinds; /* a bit for each enum feature_kind that it draws */
 	struct ink_step ink;
-	stroke_texture *texture; /* NULL: none; of about the size on the screen */
+	const struct stipple_step *stipple; /* NULL: density chooses; else stipple.h */
+	stroke_texture *texture;            /* NULL: none; of about the size on the screen */
 	/* The texture, four neighbouring texels in one, with nothing beyond its borders: rows of 2^texel_shift, variants below each other. */
 	uint32_t *texels, texel_shift;
 	float stroke_area_px; /* integral of a mean stroke's alpha */

@@ -19,11 +19,14 @@ struct choice {
 	uint32_t layer, capacity;
 	guint run, run_end;
 	uint32_t view, count;
+	bool is_stipple;
 };
 
 static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t layer)
 {
-	struct choice c = { .layer = layer, .capacity = capacity_of(&d->strokes[layer]) };
+	struct choice c = { .layer = layer,
+		.capacity = capacity_of(&d->strokes[layer]),
+		.is_stipple = f->layer[layer].stipple };
 	const GArray *runs = d->views.runs;
 	while (c.run < runs->len && gles_draw_run(d, c.run)->pipeline != f->layer[layer].pipeline)
 		c.run++;
@@ -40,14 +43,16 @@ static void go_through(gles_draw *d, const struct choice *c, enum gles_use use)
 	const struct gles_functions *gl = &d->c->gl;
 	gl->UseProgram(d->program[use]);
 	gl->Uniform1ui(1, c->view);
-	if (use == GLES_WRITE)
+	if (use == GLES_WRITE || use == GLES_STIPPLE_WRITE)
 		gl->Uniform1ui(2, c->capacity);
 	for (guint k = c->run; k < c->run_end; k++) {
 		const struct gles_run *r = gles_draw_run(d, k);
 		const struct gles_slab *slab = &d->scene.slab[r->slab];
 		gles_draw_bind_storage(d, 0, slab->points);
-		gles_draw_bind_storage(d, 3, slab->looks);
-		gles_draw_bind_storage(d, 4, slab->lists);
+		if (!c->is_stipple) {
+			gles_draw_bind_storage(d, 3, slab->looks);
+			gles_draw_bind_storage(d, 4, slab->lists);
+		}
 		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
 			gl->Uniform1ui(0, r->first + n);
 			gl->DispatchCompute(MIN(r->count - n, GLES_GROUPS_MAX), 1, 1);
@@ -72,10 +77,10 @@ static void choose_layer(gles_draw *d, const struct choice *c)
 {
 	gles_draw_bind_storage(d, 1, d->views.buffer.name);
 	gles_draw_bind_storage(d, 5, d->marks.name);
-	go_through(d, c, GLES_COUNT);
+	go_through(d, c, c->is_stipple ? GLES_STIPPLE_COUNT : GLES_COUNT);
 	number(d, c);
 	gles_draw_bind_storage(d, 6, d->strokes[c->layer].name);
-	go_through(d, c, GLES_WRITE);
+	go_through(d, c, c->is_stipple ? GLES_STIPPLE_WRITE : GLES_WRITE);
 }
 
 bool gles_draw_choose(gles_draw *d, const frame *f, GError **error)
@@ -90,6 +95,8 @@ bool gles_draw_choose(gles_draw *d, const frame *f, GError **error)
 			return false;
 		struct choice c = choice_of(d, f, n);
 		gles_layers_bind(d->c, &d->layers, n);
+		if (c.is_stipple && !gles_draw_stipple(d, f, n, error))
+			return false;
 		choose_layer(d, &c);
 	}
 	d->c->gl.MemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |

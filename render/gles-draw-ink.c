@@ -5,7 +5,7 @@ static enum gles_use program_of(const struct frame_layer *l)
 {
 	if (l->texture)
 		return GLES_STROKES;
-	return l->step->kind == step_kind_find("sprites") ? GLES_SPRITES : GLES_LINES;
+	return step_is_dots(l->step) ? GLES_SPRITES : GLES_LINES;
 }
 
 static void set_attribute(const struct gles_functions *gl, GLuint n, GLint numbers, size_t word)

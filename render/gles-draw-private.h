@@ -6,6 +6,7 @@
 #include "render/gles-layers.h"
 #include "render/gles-programs.h"
 #include "render/gles-scene.h"
+#include "render/gles-stipple.h"
 #include "render/gles-targets.h"
 #include "render/gles-views.h"
 
@@ -30,6 +31,7 @@ struct gles_draw {
 	gles_targets targets;
 	struct gles_buffer keys, sums, marks, commands, strokes[FRAME_LAYERS_MAX];
 	GLuint camera, vertices, srgb;
+	struct gles_stipple stipple;
 };
 
 static inline const struct gles_run *gles_draw_run(const gles_draw *d, guint n)
@@ -43,6 +45,8 @@ void gles_draw_bind_texture(const gles_draw *d, GLuint unit, GLenum target, GLui
 
 bool gles_draw_mask(gles_draw *d, GError **error);
 bool gles_draw_choose(gles_draw *d, const frame *f, GError **error);
+/* Which points of a layer of stippling are drawn (stipple.h); then what GLES_STIPPLE_COUNT and _WRITE read of it is bound. */
+bool gles_draw_stipple(gles_draw *d, const frame *f, uint32_t layer, GError **error);
 /* Draws the canvas's paper, points and shading; ink over it; and the picture of it. */
 bool gles_draw_ground(gles_draw *d, GError **error);
 void gles_draw_ink(gles_draw *d, const frame *f);

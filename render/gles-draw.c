@@ -46,6 +46,7 @@ void gles_draw_free(gles_draw *d)
 		gles_buffer_clear(d->c, buffers[n]);
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
 		gles_buffer_clear(d->c, &d->strokes[n]);
+	gles_stipple_clear(d->c, &d->stipple);
 	gles_programs_clear(d->c, d->program);
 	gles_scene_clear(d->c, &d->scene);
 	gles_layers_clear(d->c, &d->layers);

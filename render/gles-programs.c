@@ -28,6 +28,20 @@ static const struct row {
 	[GLES_COMBINE] = { "combine", { "common", "layer", "relief" }, "picture.vert",
 		"combine.frag" },
 	[GLES_OUT] = { "out", { "common" }, "picture.vert", "out.frag" },
+	[GLES_STIPPLE_PUT] = { "stipple-put", { "common", "chunks", ".stipple" },
+		.compute = "stipple-put" },
+	[GLES_STIPPLE_SPREAD] = { "stipple-spread", { NULL }, .compute = "stipple-spread" },
+	[GLES_STIPPLE_ASK] = { "stipple-ask", { "common", "chunks", ".stipple" },
+		.compute = "stipple-ask" },
+	[GLES_STIPPLE_TREE] = { "stipple-tree", { NULL }, .compute = "stipple-tree" },
+	[GLES_STIPPLE_DECIDE] = { "stipple-decide", { "common", "chunks", ".stipple" },
+		.compute = "stipple-decide" },
+	[GLES_STIPPLE_COUNT] = { "stipple-count",
+		{ "common", "chunks", "layer", ".stipple", "stipple-dot" },
+		.compute = "stipple-count" },
+	[GLES_STIPPLE_WRITE] = { "stipple-write",
+		{ "common", "chunks", "layer", ".stipple", "stipple-dot", "prefix" },
+		.compute = "stipple-write" },
 };
 
 static const char *name_of(const char *part)

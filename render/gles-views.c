@@ -5,11 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-/* chunk_view of chunks.glsl. */
-struct view_block {
-	float base[4], axis[3][4], mask[4], splat[4], spacing_most_m[4];
-	uint32_t kind_end[4], at[4], pipeline[4];
-};
 _Static_assert(FEATURE_KINDS == 4, "one in each place of a vector");
 
 struct place {
@@ -36,17 +31,17 @@ static struct place *sort(
 }
 
 static void describe(const frame *f, const struct gles_slab *slab, const struct chunk_view *v,
-	struct view_block *ret)
+	struct gles_view *ret)
 {
 	const struct scene_chunk *c = v->chunk;
 	const struct mask_step *mask = &frame_pipeline(f, v->pipeline)->mask;
 	const struct points_step *points = splat_step(f, v->pipeline);
-	*ret = (struct view_block){ .mask = { mask->disc, mask->offset_m, mask->offset_relative,
-					    mask->backs == BACKS_HIDDEN },
+	*ret = (struct gles_view){ .mask = { mask->disc, mask->offset_m, mask->offset_relative,
+					   mask->backs == BACKS_HIDDEN },
 		.splat = { 0, 0, c->spacing_most_m, c->disc_most_m },
 		.at = { c->first - slab->first, c->first, c->count,
 			disc_prefix((float)f->camera.focal_px, v) },
-		.pipeline = { v->pipeline } };
+		.pipeline = { v->pipeline, (uint32_t)(c - f->scene->chunk) } };
 	memcpy(ret->base, v->base, sizeof v->base);
 	ret->base[3] = v->near_m;
 	for (int k = 0; k < 3; k++)
@@ -78,7 +73,7 @@ bool gles_views_fill(
 {
 	g_autofree struct chunk_view *views = chunk_views_new(f, &v->count);
 	g_autofree struct place *place = sort(f, g, views, v->count);
-	g_autofree struct view_block *block = g_new(struct view_block, v->count + 1);
+	g_autofree struct gles_view *block = g_new(struct gles_view, v->count + 1);
 	if (!v->runs)
 		v->runs = g_array_new(FALSE, FALSE, sizeof(struct gles_run));
 	g_array_set_size(v->runs, 0);

@@ -12,6 +12,12 @@ struct gles_run {
 	bool has_points; /* its pipeline shows coloured points */
 };
 
+/* chunk_view of chunks.glsl. */
+struct gles_view {
+	float base[4], axis[3][4], mask[4], splat[4], spacing_most_m[4];
+	uint32_t kind_end[4], at[4], pipeline[4];
+};
+
 typedef struct gles_views gles_views;
 struct gles_views {
 	struct gles_buffer buffer;

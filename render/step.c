@@ -177,6 +177,36 @@ static const struct step_parameter stroke_parameters[] = {
 	{ NULL },
 };
 
+static const struct step_parameter stipple_parameters[] = {
+	NUMBER(stipple_step, level, RANGE(0, 10, 5, 10), 9, "",
+		"seen from the light, a point is left out in each cell of a grid that has 2^level "
+		"cells a side"),
+	NUMBER(stipple_step, epsilon, RANGE(0, 1, 0, 0.6), 0.3, "",
+		"a highlight is where surface faces the light so much more than the eye; less "
+		"leaves more out, 0 nothing"),
+	NUMBER(stipple_step, passes, RANGE(0, 16, 0, 8), 0, "",
+		"how often depths spread to what is beside them, to hide what is behind; 0: as "
+		"points are far apart"),
+	NUMBER(stipple_step, behind_px, RANGE(0.5, 200, 5, 60), 25.6, "px",
+		"so much deeper do depths become each time, in widths of a pixel there"),
+	NUMBER(stipple_step, light_distance, RANGE(0, 100, 0, 10), 0, "",
+		"of the light from the middle of the site, in its radii; 0: far away"),
+	NUMBER(stipple_step, most_points, RANGE(1, 8000, 50, 2000), 600, "",
+		"in thousands: of more points a uniform part is drawn"),
+	DIAMETER(2.6),
+	NUMBER(ink_step, grow, RANGE(1, 8, 1, 4), 1, "",
+		"how much larger dots may be where points are farther apart than dots are wide"),
+	{ .name = "ink",
+		.type = PARAMETER_COLOUR,
+		.offset = offsetof(struct ink_step, ink),
+		.fallback = 0x161616,
+		.unit = "",
+		.help = "the colour of the ink" },
+	OPACITY(0.95),
+	NUMBER(ink_step, tooth, PART, 0, "", "how much the paper's grain shows in it"),
+	{ NULL },
+};
+
 /* A dot is as wide as it is long. */
 static float ink_radius_px(const void *step)
 {
@@ -256,6 +286,10 @@ const struct step_kind step_kinds[] = {
 		stroke_parameters, ink_radius_px, "strokes" },
 	{ "edl", "Eye-dome lighting", "darkens what lies deeper than what is beside it",
 		STEP_FILTER, sizeof(struct edl_step), edl_parameters, edl_radius_px, "edl" },
+	{ "stipple", "Stippling without normals",
+		"dots where points are, fewer in the light; asks for nothing but their places",
+		STEP_LAYER, sizeof(struct stipple_step), stipple_parameters, ink_radius_px,
+		"stipple" },
 	{ NULL },
 };
 
@@ -316,5 +350,10 @@ struct step step_defaults(const struct step_kind *kind)
 bool step_is_ink(const struct step *s)
 {
 	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
-	       s->kind == step_kind_find("strokes");
+	       s->kind == step_kind_find("strokes") || s->kind == step_kind_find("stipple");
+}
+
+bool step_is_dots(const struct step *s)
+{
+	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("stipple");
 }

@@ -114,6 +114,17 @@ struct edl_step {
 	float strength, radius_px;
 };
 
+/* Stippling without normals (Awano et al. 2010): points as they are, of which some are left out (stipple.h). */
+struct stipple_step {
+	struct ink_step ink; /* dots: length_px, grow, ink, opacity, tooth; else 0 */
+	float level;         /* of the quadtree: a point of each texel is left out */
+	float epsilon;       /* difference of shares; 0: there are no highlights */
+	float passes; /* of the hidden-points textures; 0: as many as the points' spacing asks for */
+	float behind_px;      /* so many texels deeper is what a pass writes around a point */
+	float light_distance; /* from the middle of the site, in its radii; 0: far away */
+	float most_points;    /* thousands; a uniform part of more points */
+};
+
 struct step_kind {
 	const char *name, *title, *help;
 	enum step_stage stage;
@@ -125,7 +136,7 @@ struct step_kind {
 		glsl; /* what runs it on gles: shaders/GLSL.glsl; on cpu it is what draw.h leads to */
 };
 extern const struct step_kind step_kinds
-	[]; /* "mask", "points", "sprites", "lines", "strokes", "edl"; ends with a row without a name */
+	[]; /* "mask", "points", "sprites", "lines", "strokes", "edl", "stipple"; ends with a row without a name */
 const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
 /* In a table of parameters: that of a kind, or of a section (style.h). NULL: there is none. */
 const struct step_parameter *step_parameter_find(
@@ -133,7 +144,7 @@ const struct step_parameter *step_parameter_find(
 /* Sets the fallback of every parameter of the table; what else is in the struct stays. */
 void step_parameters_fill(const struct step_parameter *parameters, void *into);
 
-#define STEP_SIZE_MAX 128
+#define STEP_SIZE_MAX 160
 struct step {
 	const struct step_kind *kind;
 	const char *id; /* interned; what overrides name it by */
@@ -142,12 +153,14 @@ struct step {
 		struct ink_step ink;
 		struct points_step points;
 		struct edl_step edl;
+		struct stipple_step stipple;
 		uint8_t bytes[STEP_SIZE_MAX]; /* unused ones are 0, so steps can be compared */
 	};
 };
-_Static_assert(sizeof(struct ink_step) <= STEP_SIZE_MAX, "the union's size");
+_Static_assert(sizeof(struct stipple_step) <= STEP_SIZE_MAX, "the union's size");
 /* With the kind's name as id; parameters that the kind does not have, and padding, are 0. */
-bool step_is_ink(const struct step *s); /* sprites, lines or strokes */
+bool step_is_ink(const struct step *s);  /* sprites, lines, strokes or stipple */
+bool step_is_dots(const struct step *s); /* sprites or stipple: round */
 struct step step_defaults(const struct step_kind *kind);
 
 #endif

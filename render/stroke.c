@@ -1,4 +1,5 @@
 #include "render/large.h"
+#include "render/stipple.h"
 #include "render/stroke-brush.h"
 #include <string.h>
 
@@ -25,6 +26,7 @@ struct stroke_room {
 	GPtrArray *slabs;
 	guint taken; /* blocks of them */
 	struct stroke_blocks of_layer[FRAME_LAYERS_MAX];
+	stipple *stipple[FRAME_LAYERS_MAX]; /* of layers that had one */
 };
 
 stroke_room *stroke_room_new(void)
@@ -39,8 +41,10 @@ void stroke_room_free(stroke_room *r)
 {
 	if (!r)
 		return;
-	for (uint32_t l = 0; l < FRAME_LAYERS_MAX; l++)
+	for (uint32_t l = 0; l < FRAME_LAYERS_MAX; l++) {
 		g_free(r->of_layer[l].block);
+		stipple_free(r->stipple[l]);
+	}
 	g_ptr_array_unref(r->slabs);
 	g_mutex_clear(&r->lock);
 	g_free(r);
@@ -108,14 +112,17 @@ struct task {
 	struct stroke_chain of_layer[FRAME_LAYERS_MAX];
 };
 
-static void run_task(const frame *f, const visibility_mask *m, const struct chunk_view *views,
-	uint32_t count, struct task *t)
+static void run_task(const stroke_room *r, const frame *f, const visibility_mask *m,
+	const struct chunk_view *views, uint32_t count, struct task *t)
 {
 	for (uint32_t n = 0; n < count; n++) {
-		if (m && mask_hides(m, &views[n], HIDDEN_BEHIND))
-			continue;
+		bool is_hidden = m && mask_hides(m, &views[n], HIDDEN_BEHIND);
 		for (uint32_t l = 0; l < f->layers; l++) {
 			if (f->layer[l].pipeline != views[n].pipeline)
+				continue;
+			if (f->layer[l].stipple)
+				stipple_draw(r->stipple[l], f, &views[n], &t->of_layer[l]);
+			if (is_hidden || f->layer[l].stipple)
 				continue;
 			struct brush b = brush_of(f, m, &views[n], &f->layer[l]);
 			choose_kinds(&b, &t->of_layer[l]);
@@ -139,19 +146,32 @@ static void join(const struct task *task, uint32_t tasks, uint32_t layer, struct
 	to->block = (struct stroke_block **)g_ptr_array_steal(all, NULL);
 }
 
+static void look_for_stipple(
+	stroke_room *r, const frame *f, const struct chunk_view *views, uint32_t count)
+{
+	for (uint32_t l = 0; l < f->layers; l++) {
+		if (!f->layer[l].stipple)
+			continue;
+		if (!r->stipple[l])
+			r->stipple[l] = stipple_new();
+		stipple_look(r->stipple[l], f, l, views, count);
+	}
+}
+
 const struct stroke_blocks *stroke_room_fill(stroke_room *r, const frame *f,
 	const visibility_mask *m, const struct chunk_view *views, uint32_t count)
 {
 	uint32_t tasks = (count + TASK_CHUNKS - 1) / TASK_CHUNKS;
 	g_autofree struct task *task = g_new0(struct task, tasks + 1);
 	r->taken = 0;
+	look_for_stipple(r, f, views, count);
 	for (uint32_t n = 0; n < tasks; n++)
 		for (uint32_t l = 0; l < f->layers; l++)
 			task[n].of_layer[l].room = r;
 #pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
 	for (uint32_t n = 0; n < tasks; n++)
-		run_task(f, m, views + n * TASK_CHUNKS, MIN(TASK_CHUNKS, count - n * TASK_CHUNKS),
-			&task[n]);
+		run_task(r, f, m, views + n * TASK_CHUNKS,
+			MIN(TASK_CHUNKS, count - n * TASK_CHUNKS), &task[n]);
 	for (uint32_t l = 0; l < f->layers; l++)
 		join(task, tasks, l, &r->of_layer[l]);
 	return r->of_layer;

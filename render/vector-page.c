@@ -262,7 +262,8 @@ static void add_layers(
 	for (uint32_t n = 0; n < f->layers; n++) {
 		const struct frame_layer *from = &f->layer[n];
 		struct hand h = { .f = f, .from = from, .tree = tree, .coats = coats };
-		h.shaper = vector_shaper_of(from, chosen->mask, c->width, c->height);
+		h.shaper = vector_shaper_of(
+			from, from->stipple ? NULL : chosen->mask, c->width, c->height);
 		h.to = layer_new(from, h.shaper.form);
 		h.mm_per_px = (float)(p->width_mm / c->width);
 		vector_coats_clear(coats);

@@ -59,9 +59,7 @@ struct vector_shaper vector_shaper_of(
 	const struct frame_layer *l, const visibility_mask *m, uint32_t width, uint32_t height)
 {
 	struct vector_shaper v = { .layer = l, .mask = m, .width = width, .height = height };
-	v.form = l->texture                                   ? VECTOR_AREAS
-		 : l->step->kind == step_kind_find("sprites") ? VECTOR_DOTS
-							      : VECTOR_LINES;
+	v.form = l->texture ? VECTOR_AREAS : step_is_dots(l->step) ? VECTOR_DOTS : VECTOR_LINES;
 	for (uint32_t n = 0; l->texture && n < MIN(l->texture->variants, STROKE_TEXTURE_VARIANTS);
 		n++)
 		v.profile[n] = profile_of(l->texture, n);

@@ -211,6 +211,17 @@ static const struct look {
 		"{\"step\":\"sprites\",\"points\":\"all\",\"tone\":\"colour\",\"spacing_px\":2,"
 		"\"length_px\":4}",
 		LIGHT FOCUS },
+	{ "stipple-lit", "{\"step\":\"stipple\",\"length_px\":5,\"level\":7,\"epsilon\":0.1}",
+		LIGHT },
+	{ "stipple-lamp",
+		"{\"step\":\"stipple\",\"length_px\":6,\"level\":6,\"light_distance\":1.5,"
+		"\"ink\":\"#a02010\",\"tooth\":0.6,\"grow\":3},{\"step\":\"stipple\",\"id\":\"b\","
+		"\"passes\":1,\"most_points\":12,\"opacity\":0.4}",
+		LIGHT FOCUS },
+	{ "stipple-over",
+		"{\"step\":\"points\"},{\"step\":\"stipple\",\"passes\":3,"
+		"\"level\":8,\"epsilon\":0},{\"step\":\"lines\"}",
+		LIGHT },
 };
 
 static void test_look(gconstpointer data)

@@ -26,8 +26,8 @@ static void check_row(const struct step_kind *k, const struct step_parameter *p)
 
 static void test_table(void)
 {
-	static const char *const names[] = { "mask", "points", "sprites", "lines", "strokes",
-		"edl" };
+	static const char *const names[] = { "mask", "points", "sprites", "lines", "strokes", "edl",
+		"stipple" };
 	for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
 		const struct step_kind *k = &step_kinds[i];
 		g_assert_cmpstr(k->name, ==, names[i]);
@@ -148,8 +148,8 @@ static const struct wrong {
 		AT_STEP ".texture: a texture is the path of a .png" },
 	{ STEPS("{\"step\":\"storkes\"}"),
 		AT_STEP ".step: there is no step 'storkes'; did you mean 'strokes'?" },
-	{ STEPS("{\"id\":\"x\"}"), AT_STEP
-		": 'step' is missing; it is one of mask, points, sprites, lines, strokes, edl" },
+	{ STEPS("{\"id\":\"x\"}"), AT_STEP ": 'step' is missing; it is one of mask, points, "
+					   "sprites, lines, strokes, edl, stipple" },
 	{ STEPS("{\"step\":null}"), AT_STEP ".step: this is null; it must be the name of a step" },
 	{ STEPS("\"points\""), AT_STEP ": this is a text; it must be a step {\"step\": ...}" },
 	{ STEPS("{\"step\":\"points\",\"id\":\"\"}"), AT_STEP

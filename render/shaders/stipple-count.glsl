@@ -1,0 +1,28 @@
+#version 310 es
+/* Marks the points of each view that are drawn, and counts them. A group: a view. */
+layout(local_size_x = 256) in;
+shared uint total;
+
+void main()
+{
+	uint n = first_view + gl_WorkGroupID.x, row = (n - layer_view) * MARKS;
+	uint thread = gl_LocalInvocationIndex, mark = 0u, own = 0u, count = views[n].at.z;
+	if (thread == 0u)
+		total = 0u;
+	memoryBarrierShared();
+	barrier();
+	for (uint slice = 0u; slice * THREADS < count; slice++) {
+		vec3 at;
+		if (alpha_of(n, slice * THREADS + thread, at) > 0.0) {
+			mark |= 1u << slice;
+			own++;
+		}
+	}
+	marks[row + thread] = mark | own << 16;
+	if (own != 0u)
+		atomicAdd(total, own);
+	memoryBarrierShared();
+	barrier();
+	if (thread == 0u)
+		marks[row + THREADS] = total;
+}

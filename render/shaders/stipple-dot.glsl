@@ -1,0 +1,21 @@
+/* A point as a dot. */
+layout(std430, binding = 5) buffer Marks {
+	uint marks[]; /* as choose.glsl has them */
+};
+layout(location = 1) uniform uint layer_view;
+
+const uint THREADS = 256u, MARKS = 257u;
+const float ALPHA_LEAST = 1.0 / 255.0;
+
+/* at: as the camera sees it. 0: nothing is drawn. */
+float alpha_of(uint n, uint i, out vec3 at)
+{
+	uint spot;
+	at = vec3(0.0);
+	if (!spot_of(n, i, spot) || spots[spot + ANSWER] == NOT_DRAWN)
+		return 0.0;
+	at = place_of(n, points[views[n].at.x + i]);
+	float light_left = spots[spot + ANSWER] == LEFT_OUT ? 1.0 - light_from.w : 1.0;
+	float alpha = opacity.x * light_left * (1.0 - focus.w * away_of(at));
+	return alpha < ALPHA_LEAST ? 0.0 : alpha;
+}

@@ -1,0 +1,35 @@
+#version 310 es
+/* Puts points on a plane: the least key at each texel. Groups: slices of 256 points x views. */
+layout(local_size_x = 256) in;
+layout(std430, binding = 6) buffer Keys {
+	uint texels[];
+};
+
+uint key_of(float depth_m, uint point)
+{
+	int steps = clamp((floatBitsToInt(depth_m) - keys.x) >> keys.y, 0, DEPTH_MOST);
+	return uint(steps) << TIE_BITS | (point * 0x9E3779B9u) >> (32 - TIE_BITS);
+}
+
+uint place_on_plane(vec3 at)
+{
+	vec2 there = plane.yz + at.xy * (grid.w != 0 ? plane.x : plane.x / at.z);
+	if (!(at.z >= plane.w) || any(lessThan(there, vec2(EDGE))) ||
+		any(greaterThanEqual(there, vec2(grid.xy) - EDGE)))
+		return OUTSIDE;
+	return uint(int(there.y) * grid.z + int(there.x));
+}
+
+void main()
+{
+	uint n = first_view + gl_WorkGroupID.y;
+	uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex, at;
+	if (!spot_of(n, i, at))
+		return;
+	vec3 seen = place_of(n, points[views[n].at.x + i]);
+	uint place = place_on_plane(seen), key = key_of(seen.z, views[n].at.y + i);
+	spots[at + PLACE] = place;
+	spots[at + KEY] = key;
+	if (place != OUTSIDE && key < texels[place])
+		atomicMin(texels[place], key);
+}
