@@ -10,6 +10,8 @@
 /* Gaps among so many of the points are closed; points that lie by chance have gaps so much wider than their mean distance. */
 #define CLOSED_PART 0.9
 #define GAP         2.f
+/* Of the eye's plane. */
+#define COLUMNS_MOST 8192
 /* Points of a chunk that tell how far they are apart. */
 #define ASKED 64u
 
@@ -251,18 +253,25 @@ void stipple_plan_free(stipple_plan *p)
 	g_free(p);
 }
 
+/* Pixels of the picture to a texel: as many as strokes are larger, and more where the picture is very wide. */
+static float texel_px(const frame *f)
+{
+	return fmaxf(f->ink_px, (float)f->camera.width / COLUMNS_MOST);
+}
+
 struct stipple_plane stipple_plan_eye(
 	const stipple_plan *p, const frame *f, const struct chunk_view *views, uint32_t count)
 {
 	const struct camera *c = &f->camera;
-	struct stipple_plane eye = { .scale = (float)c->focal_px / f->ink_px };
+	float px = texel_px(f);
+	struct stipple_plane eye = { .scale = (float)c->focal_px / px };
 	float far_m = (float)c->near_m, near_m = INFINITY;
-	int32_t columns = (int32_t)ceilf((float)c->width / f->ink_px),
-		rows = (int32_t)ceilf((float)c->height / f->ink_px);
+	int32_t columns = (int32_t)ceilf((float)c->width / px),
+		rows = (int32_t)ceilf((float)c->height / px);
 	g_autofree struct width *w = g_new(struct width, count + 1);
 	stipple_plane_set_size(&eye, columns, rows);
-	eye.middle[0] = STIPPLE_BORDER + (float)c->width / 2 / f->ink_px;
-	eye.middle[1] = STIPPLE_BORDER + (float)c->height / 2 / f->ink_px;
+	eye.middle[0] = STIPPLE_BORDER + (float)c->width / 2 / px;
+	eye.middle[1] = STIPPLE_BORDER + (float)c->height / 2 / px;
 	for (uint32_t n = 0; n < count; n++) {
 		const struct chunk_view *v = &views[n];
 		uint32_t chunk = (uint32_t)(v->chunk - f->scene->chunk);

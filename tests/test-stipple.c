@@ -413,6 +413,15 @@ static void test_same_bytes(void)
 	picture_buffer_clear(&a);
 }
 
+/* A picture of a single row is no reason for a plane as wide as the world. */
+static void test_wide(void)
+{
+	struct camera c = camera_look_at(eye, origin, 1, CAMERA_SIDE_MAX, 1);
+	g_auto(looked) l = look_at(ball(), STIPPLE(""), &from_right, &c);
+	for (uint32_t n = 0; n < l.list->count; n++)
+		g_assert_cmpfloat(fabsf(l.list->stroke[n].y_px - 0.5f), <, 40);
+}
+
 /* As dark at any size. */
 static void test_sizes(void)
 {
@@ -483,6 +492,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/stipple/most-points", test_most_points);
 	g_test_add_func("/stipple/grow", test_grow);
 	g_test_add_func("/stipple/same-bytes", test_same_bytes);
+	g_test_add_func("/stipple/wide", test_wide);
 	g_test_add_func("/stipple/sizes", test_sizes);
 	g_test_add_func("/stipple/orbit", test_orbit);
 	g_test_add_func("/stipple/page", test_page);
