@@ -1,5 +1,9 @@
 #include "process/chunk-order.h"
 #include <glib.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
 
 #define BITS  12
 #define COUNT (1u << BITS)
@@ -42,4 +46,152 @@ void chunk_order(uint64_t seed, uint32_t count, uint16_t ret_place[4096])
 			ret_place[found++] = (uint16_t)place;
 	}
 	g_assert(found == count);
+}
+
+/* ---- even in space ---- */
+
+/* Discs of which so many cover a surface, when no more fit between them: points to the square of their diameter. */
+#define PACKED 0.7f
+/* From this many points on they are looked for in cells. */
+#define FEW 64u
+/* Spacings are taken for no more different from the median than so. */
+#define UNEVEN 3.f
+/* Discs smaller than this part of the spacing keep nothing apart. */
+#define LAST_DISC 1.1f
+
+struct darts {
+	const float (*at)[3];
+	const float *spacing;
+	uint32_t count, taken, lefts;
+	float spacing_most;
+	uint16_t *left; /* places that are not taken yet, in the order of before */
+	uint16_t *ret;
+	float cell;
+	uint16_t head[COUNT], next[COUNT]; /* + 1; of the taken ones in cells */
+};
+
+static float distance2(const float a[3], const float b[3])
+{
+	float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+	return x * x + y * y + z * z;
+}
+
+static uint32_t cell_of(int32_t x, int32_t y, int32_t z)
+{
+	return ((uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^ (uint32_t)z * 83492791u) %
+	       COUNT;
+}
+
+static void find_cell(const struct darts *d, const float at[3], int32_t ret[3])
+{
+	for (int k = 0; k < 3; k++)
+		ret[k] = (int32_t)floorf(at[k] / d->cell);
+}
+
+static void put(struct darts *d, uint32_t place)
+{
+	int32_t c[3];
+	find_cell(d, d->at[place], c);
+	uint32_t cell = cell_of(c[0], c[1], c[2]);
+	d->next[place] = d->head[cell];
+	d->head[cell] = (uint16_t)(place + 1);
+}
+
+static bool is_near_in(const struct darts *d, uint32_t cell, const float at[3], float radius2)
+{
+	for (uint16_t n = d->head[cell]; n; n = d->next[n - 1])
+		if (distance2(at, d->at[n - 1]) < radius2)
+			return true;
+	return false;
+}
+
+/* Whether one that is taken already is that near; the radius is no larger than a cell. */
+static bool is_near(const struct darts *d, const float at[3], float radius)
+{
+	int32_t low[3], high[3];
+	float radius2 = radius * radius;
+	for (int k = 0; k < 3; k++) {
+		low[k] = (int32_t)floorf((at[k] - radius) / d->cell);
+		high[k] = (int32_t)floorf((at[k] + radius) / d->cell);
+	}
+	for (int32_t z = low[2]; z <= high[2]; z++)
+		for (int32_t y = low[1]; y <= high[1]; y++)
+			for (int32_t x = low[0]; x <= high[0]; x++)
+				if (is_near_in(d, cell_of(x, y, z), at, radius2))
+					return true;
+	return false;
+}
+
+static bool is_near_few(const struct darts *d, const float at[3], float radius)
+{
+	float radius2 = radius * radius;
+	for (uint32_t n = 0; n < d->taken; n++)
+		if (distance2(at, d->at[d->ret[n]]) < radius2)
+			return true;
+	return false;
+}
+
+/* One round: all that are left, with discs of so many spacings. */
+static void throw_all(struct darts *d, float discs)
+{
+	uint32_t still_left = 0;
+	bool few = PACKED / (discs * discs) * (float)d->count < FEW;
+	d->cell = discs * d->spacing_most;
+	memset(d->head, 0, sizeof d->head);
+	for (uint32_t n = 0; !few && n < d->taken; n++)
+		put(d, d->ret[n]);
+	for (uint32_t n = 0; n < d->lefts; n++) {
+		uint32_t place = d->left[n];
+		const float *at = d->at[place];
+		float radius = discs * d->spacing[place];
+		if (few ? is_near_few(d, at, radius) : is_near(d, at, radius)) {
+			d->left[still_left++] = (uint16_t)place;
+			continue;
+		}
+		d->ret[d->taken++] = (uint16_t)place;
+		if (!few)
+			put(d, place);
+	}
+	d->lefts = still_left;
+}
+
+static int by_value(const void *a, const void *b)
+{
+	const float *x = a, *y = b;
+	return (*x > *y) - (*x < *y);
+}
+
+/* Near the median, so that cells are of a size for all. */
+static float even_spacings(const float *spacing_m, uint32_t count, float ret[COUNT])
+{
+	float sorted[COUNT];
+	memcpy(sorted, spacing_m, count * sizeof *sorted);
+	qsort(sorted, count, sizeof *sorted, by_value);
+	float middle = sorted[count / 2];
+	for (uint32_t n = 0; n < count; n++)
+		ret[n] = fminf(fmaxf(spacing_m[n], middle / UNEVEN), middle * UNEVEN);
+	return fminf(sorted[count - 1], middle * UNEVEN);
+}
+
+void chunk_order_even(
+	const double (*at_m)[3], const float *spacing_m, uint32_t count, uint16_t place[4096])
+{
+	float at[COUNT][3], spacing[COUNT];
+	uint16_t left[COUNT];
+	g_assert(count >= 1 && count <= COUNT);
+	for (uint32_t n = 0; n < count; n++)
+		for (int k = 0; k < 3; k++)
+			at[n][k] = (float)(at_m[n][k] - at_m[0][k]);
+	struct darts d = { .at = (const float(*)[3])at,
+		.spacing = spacing,
+		.spacing_most = even_spacings(spacing_m, count, spacing),
+		.count = count,
+		.lefts = count,
+		.left = left,
+		.ret = place };
+	memcpy(left, place, count * sizeof *left);
+	for (float discs = sqrtf(PACKED * (float)count); discs > LAST_DISC && d.lefts;
+		discs *= (float)G_SQRT2 / 2)
+		throw_all(&d, discs);
+	memcpy(place + d.taken, left, d.lefts * sizeof *place);
 }

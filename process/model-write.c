@@ -112,11 +112,15 @@ static void finish_chunk(const struct waiting *waiting, double cell_m, struct mo
 	struct model_point *ret)
 {
 	double at_m[MODEL_CHUNK_POINTS][3];
+	float spacing_m[MODEL_CHUNK_POINTS];
 	uint16_t place[MODEL_CHUNK_POINTS];
 	place_points(waiting, c->points, cell_m, at_m);
 	find_box(at_m, c);
 	/* The first point's place is the seed: a chunk whose points are the same is shuffled the same. */
 	chunk_order(waiting[0].point.code, c->points, place);
+	for (uint32_t i = 0; i < c->points; i++)
+		spacing_m[i] = (float)MAX(waiting[i].point.spacing, 1) * 1e-4f;
+	chunk_order_even((const double(*)[3])at_m, spacing_m, c->points, place);
 	for (uint32_t i = 0; i < c->points; i++)
 		ret[i] = point_of(&waiting[place[i]], at_m[place[i]], c->centre_m);
 	c->crc32c = crc32c(0, ret, c->points * sizeof *ret);

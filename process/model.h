@@ -3,8 +3,8 @@
 /* The unified, non-redundant point model of a site: SITE/model/points.model, a product file (product.h) that is mapped into
  * memory (pleinair-model(5)). Points stand in chunks of 4096 along a Morton curve through the site, leaf after leaf of the
  * segment tree. Inside a chunk they are shuffled, so that every prefix of a chunk is a uniform subset of it (DESIGN,
- * "Process" 5; the continuous resolution queue of Xu & Chen 2004, section 6): of the first 2^k points, one comes from each of
- * 2^k equal parts of the chunk's piece of the curve (chunk-order.h). Positions are relative to the chunk's centre, so that
+ * "Process" 5; the continuous resolution queue of Xu & Chen 2004, section 6), whose points keep apart from each other: blue noise
+ * (chunk-order.h). Positions are relative to the chunk's centre, so that
  * they stay exact anywhere.
  *
  * The curve is cut into pieces at places that the points around them decide alone (model-piece.h), so that a model with one more
@@ -15,7 +15,7 @@
 #include "process/product.h"
 
 #define MODEL_KIND         "model"
-#define MODEL_VERSION      5
+#define MODEL_VERSION      6
 #define MODEL_CHUNK_POINTS 4096u
 #define MODEL_NORMAL_NONE  INT16_MIN
 #define MODEL_ERROR_NONE   UINT16_MAX /* of the plane error */

@@ -164,6 +164,64 @@ static void test_order_is_uniform(void)
 
 /* ---- the curve ---- */
 
+/* How far the nearest of the first so many is from each of them, in the mean. */
+static double mean_gap_m(const double (*at_m)[3], const uint16_t place[4096], uint32_t count)
+{
+	double sum = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		double nearest = INFINITY;
+		for (uint32_t j = 0; j < count; j++) {
+			const double *a = at_m[place[i]], *b = at_m[place[j]];
+			double away = hypot(a[0] - b[0], a[1] - b[1]);
+			nearest = i != j ? fmin(nearest, away) : nearest;
+		}
+		sum += nearest;
+	}
+	return sum / count;
+}
+
+/* A square, in whose right half points are twice as dense each way. */
+static void make_square(double (*at_m)[3], float *spacing_m)
+{
+	GRand *r = g_rand_new_with_seed(3);
+	for (uint32_t n = 0; n < 4096; n++) {
+		bool dense = n % 5 != 0;
+		at_m[n][0] = g_rand_double(r) * 0.5 + (dense ? 0.5 : 0);
+		at_m[n][1] = g_rand_double(r);
+		at_m[n][2] = 7;
+		spacing_m[n] = sqrtf(0.5f / (dense ? 3276 : 820));
+	}
+	g_rand_free(r);
+}
+
+/* Every prefix keeps its points apart, and is as dense as all are. */
+static void test_even_order(void)
+{
+	static double at_m[4096][3];
+	static float spacing_m[4096];
+	uint16_t plain[4096], even[4096];
+	bool seen[4096] = { false };
+	make_square(at_m, spacing_m);
+	chunk_order(11, 4096, plain);
+	memcpy(even, plain, sizeof even);
+	chunk_order_even((const double(*)[3])at_m, spacing_m, 4096, even);
+	for (uint32_t n = 0; n < 4096; n++) {
+		g_assert_false(seen[even[n]]);
+		seen[even[n]] = true;
+	}
+	for (uint32_t count = 64; count <= 1024; count *= 2) {
+		double gap = mean_gap_m((const double(*)[3])at_m, even, count),
+		       before = mean_gap_m((const double(*)[3])at_m, plain, count);
+		uint32_t dense = 0;
+		for (uint32_t n = 0; n < count; n++)
+			dense += at_m[even[n]][0] > 0.5;
+		g_test_message("%u: %.4f m apart instead of %.4f, %.3f in the dense half", count,
+			gap, before, (double)dense / count);
+		g_assert_cmpfloat(gap, >, 1.3 * before);
+		g_assert_cmpfloat_with_epsilon((double)dense / count, 0.8, 0.08);
+	}
+}
+
 static void test_morton(void)
 {
 	g_autoptr(GRand) r = g_rand_new_with_seed(2);
@@ -331,6 +389,7 @@ static void test_contradictions(void)
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/model/even-order", test_even_order);
 	g_test_add_func("/model/normals", test_normals);
 	g_test_add_func("/model/no-normal", test_no_normal);
 	g_test_add_func("/model/halves", test_halves);
