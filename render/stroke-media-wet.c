@@ -18,6 +18,12 @@ float stroke_line(const struct stroke_place *at, uint32_t seed)
 	return grain_step(0.95f, 0.45f, fabsf(at->across)) * grain_step(0.004f, 0.05f, end);
 }
 
+float stroke_dot(const struct stroke_place *at, uint32_t seed)
+{
+	(void)seed;
+	return grain_step(0.97f, 0.8f, hypotf(2 * at->along - 1, at->across));
+}
+
 /* ---- ink pen ---- */
 
 /* Rises from 0 to 1 as a circle does. */

@@ -10,6 +10,7 @@
 
 float stroke_gaussian(const struct stroke_place *at, uint32_t seed);
 float stroke_line(const struct stroke_place *at, uint32_t seed);
+float stroke_dot(const struct stroke_place *at, uint32_t seed);
 float stroke_pencil(const struct stroke_place *at, uint32_t seed);
 float stroke_ink_pen(const struct stroke_place *at, uint32_t seed);
 float stroke_charcoal(const struct stroke_place *at, uint32_t seed);

@@ -7,6 +7,7 @@
 const struct stroke_texture_kind stroke_texture_kinds[STROKE_KINDS] = {
 	[STROKE_GAUSSIAN] = { "gaussian", "Soft dot", stroke_gaussian },
 	[STROKE_LINE] = { "line", "Line", stroke_line },
+	[STROKE_DOT] = { "dot", "Round dot", stroke_dot },
 	[STROKE_PENCIL] = { "pencil", "Pencil", stroke_pencil },
 	[STROKE_INK_PEN] = { "ink-pen", "Ink pen", stroke_ink_pen },
 	[STROKE_CHARCOAL] = { "charcoal", "Charcoal", stroke_charcoal },

@@ -19,10 +19,11 @@ enum {
 	STROKE_TEXTURE_VARIANTS = 4,
 };
 
-/* The first two are not of a hand: their variants are all the same. */
+/* The first three are not of a hand: their variants are all the same. */
 enum stroke_kind {
 	STROKE_GAUSSIAN, /* a point sprite's kernel (figure 4a): lay it over a square */
 	STROKE_LINE,     /* even, with soft edges */
+	STROKE_DOT,      /* as round as its quad */
 	STROKE_PENCIL,   /* grain of the paper's tooth, pressure, tapered ends, graphite streaks */
 	STROKE_INK_PEN,  /* crisp and nearly opaque; swells a little, tapers fast */
 	STROKE_CHARCOAL, /* broad, granular, over its own dust; broken edges and streaks */

@@ -98,26 +98,42 @@ static uint8_t as_texel(const uint8_t grey_alpha[2], enum texels_of what)
 	return (uint8_t)(what == TEXELS_INK ? ink : 255 - ink);
 }
 
-uint8_t *texels_read_png(
-	const char *path, enum texels_of what, uint32_t *width, uint32_t *height, GError **error)
+/* Caller frees; of a format of libpng. */
+static uint8_t *read_pixels(
+	const char *path, unsigned format, uint32_t *width, uint32_t *height, GError **error)
 {
 	g_auto(png_image) image = { .version = PNG_IMAGE_VERSION };
 	if (!begin_png(&image, path, error))
 		return NULL;
-	image.format = PNG_FORMAT_GA;
+	image.format = format;
 	/* libpng takes 16 bits without a colour space for linear light; nobody draws so. */
 	image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
 	size_t n = (size_t)image.width * image.height;
-	g_autofree uint8_t *pixel = g_malloc(2 * n);
+	g_autofree uint8_t *pixel = g_malloc(PNG_IMAGE_PIXEL_SIZE(format) * n);
 	if (!png_image_finish_read(&image, NULL, pixel, 0, NULL)) {
 		g_set_error(error, G_FILE_ERROR, G_FILE_ERROR_FAILED,
 			"%s: cannot be read as a PNG: %s", path, image.message);
 		return NULL;
 	}
-	g_autofree uint8_t *texel = g_malloc(n);
-	for (size_t i = 0; i < n; i++)
-		texel[i] = as_texel(pixel + 2 * i, what);
 	*width = image.width;
 	*height = image.height;
-	return g_steal_pointer(&texel);
+	return g_steal_pointer(&pixel);
+}
+
+uint8_t *texels_read_png(
+	const char *path, enum texels_of what, uint32_t *width, uint32_t *height, GError **error)
+{
+	g_autofree uint8_t *pixel = read_pixels(path, PNG_FORMAT_GA, width, height, error);
+	if (!pixel)
+		return NULL;
+	size_t n = (size_t)*width * *height;
+	uint8_t *texel = g_malloc(n);
+	for (size_t i = 0; i < n; i++)
+		texel[i] = as_texel(pixel + 2 * i, what);
+	return texel;
+}
+
+uint8_t *texels_read_png_rgba(const char *path, uint32_t *width, uint32_t *height, GError **error)
+{
+	return read_pixels(path, PNG_FORMAT_RGBA, width, height, error);
 }

@@ -29,5 +29,7 @@ enum texels_of {
  * side is above TEXELS_SIDE_MAX. */
 uint8_t *texels_read_png(
 	const char *path, enum texels_of what, uint32_t *width, uint32_t *height, GError **error);
+/* All of it, four bytes a pixel: red, green, blue in sRGB, opacity; not multiplied. The same errors. */
+uint8_t *texels_read_png_rgba(const char *path, uint32_t *width, uint32_t *height, GError **error);
 
 #endif

@@ -39,6 +39,7 @@ static const struct look {
 } looks[STROKE_KINDS] = {
 	[STROKE_GAUSSIAN] = { 0.15, 0.22, 0.3, 0.8 },
 	[STROKE_LINE] = { 0.6, 0.72, 0.1, 0.5 },
+	[STROKE_DOT] = { 0.55, 0.7, 0.05, 0.3 },
 	[STROKE_PENCIL] = { 0.12, 0.25, 0.3, 0.6 },
 	[STROKE_INK_PEN] = { 0.35, 0.5, 0, 0.15 },
 	[STROKE_CHARCOAL] = { 0.35, 0.5, 0.2, 0.5 },
