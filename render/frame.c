@@ -1,6 +1,7 @@
 #include "render/frame.h"
 #include "process/vector3.h"
 #include "render/light.h"
+#include "render/scene-bend.h"
 #include "render/stroke.h"
 #include <math.h>
 #ifdef _OPENMP
@@ -8,11 +9,9 @@
 #endif
 #include <string.h>
 
-#define DENSEST_PER_PX 4.f
+#define FRAME_DENSEST_PER_PX 4.f
 /* How suddenly tones that are too dark for a layer's strokes become the darkest that these can be. */
 #define BEND 6.f
-/* So much more do strokes cover than if they fell by chance: they stand more evenly, so fewer lie on others (measured). */
-#define EVENLY 1.04f
 
 static uint32_t kinds_of(const struct ink_step *ink)
 {
@@ -35,15 +34,15 @@ static uint32_t kinds_of(const struct ink_step *ink)
 
 /* ---- tone ---- */
 
-static float most_per_px(const struct frame_layer *l)
+float frame_most_per_px(const struct frame_layer *l)
 {
-	return fminf(1 / (l->ink.spacing_px * l->ink.spacing_px), DENSEST_PER_PX);
+	return fminf(1 / (l->ink.spacing_px * l->ink.spacing_px), FRAME_DENSEST_PER_PX);
 }
 
 float frame_light_of(const struct frame_layer *l, float strokes_per_px)
 {
 	float ink = light_luminance(l->ink_linear);
-	return ink + (1 - ink) * expf(-EVENLY * strokes_per_px * l->stroke_area_px);
+	return ink + (1 - ink) * expf(-FRAME_EVENLY * strokes_per_px * l->stroke_area_px);
 }
 
 /* As good as wanted where that is well below most, and never above it: all that is more becomes more. */
@@ -55,7 +54,7 @@ static float within(float wanted, float most)
 float frame_wanted_light(const struct frame_layer *l, const scene *s, float lightness)
 {
 	const struct ink_step *ink = &l->ink;
-	float most = fmaxf(1 - light_to_srgb(frame_light_of(l, most_per_px(l))), 1e-3f);
+	float most = fmaxf(1 - light_to_srgb(frame_light_of(l, frame_most_per_px(l))), 1e-3f);
 	float stretched = (lightness - s->darkest) / (s->lightest - s->darkest);
 	lightness += ink->tone_levels * (CLAMP(stretched, 0, 1) - lightness);
 	float dark = fmaxf(ink->tone_white - lightness, 0) / fmaxf(ink->tone_white, 1e-3f);
@@ -68,8 +67,9 @@ static float per_px(const struct frame_layer *l, float light)
 {
 	float ink = light_luminance(l->ink_linear);
 	float bare = (light - ink) / fmaxf(1 - ink, 1e-3f);
-	float number = -logf(CLAMP(bare, 1e-4f, 1)) / fmaxf(EVENLY * l->stroke_area_px, 1e-3f);
-	return fminf(number, most_per_px(l));
+	float number =
+		-logf(CLAMP(bare, 1e-4f, 1)) / fmaxf(FRAME_EVENLY * l->stroke_area_px, 1e-3f);
+	return fminf(number, frame_most_per_px(l));
 }
 
 static void want(struct frame_layer *l, const scene *s)
@@ -77,7 +77,7 @@ static void want(struct frame_layer *l, const scene *s)
 	for (int n = 0; n < 256; n++) {
 		float number = l->ink.tone == TONE_COLOUR
 				       ? per_px(l, frame_wanted_light(l, s, (float)n / 255))
-				       : most_per_px(l);
+				       : frame_most_per_px(l);
 		l->dithering_per_m2[n] =
 			fmaxf(s->dither_per_m2 * powf(1 - (float)n / 255, s->tone_exponent), 1e-3f);
 		l->wanted_per_px[n] = number / STROKE_FADE_MEAN;
@@ -88,6 +88,11 @@ static void want(struct frame_layer *l, const scene *s)
 static void want_at_most(struct frame_layer *l, const scene *s, float lit)
 {
 	memset(l->wanted_most, 0, sizeof l->wanted_most);
+	if (frame_layer_is_whole(l)) {
+		l->wanted_most[FEATURE_NONE] =
+			l->hatch ? frame_hatch_wanted_most(l->hatch) : l->wanted_per_px[0];
+		return;
+	}
 	for (int n = 0; n < 256; n++)
 		for (int kind = 0; kind < FEATURE_KINDS; kind++) {
 			float here = l->wanted_per_px[(int)((1 - lit) * (float)n)];
@@ -101,7 +106,7 @@ static void want_at_most(struct frame_layer *l, const scene *s, float lit)
 
 uint32_t frame_copies(const struct frame_layer *l)
 {
-	bool has_surface = l->kinds & (1 << FEATURE_NONE | 1 << FEATURE_DITHER);
+	bool has_surface = l->hatch || l->kinds & (1 << FEATURE_NONE | 1 << FEATURE_DITHER);
 	return has_surface && l->ink.scatter > 0 ? (uint32_t)l->ink.copies : 1;
 }
 
@@ -141,9 +146,17 @@ static void pack_texels(struct frame_layer *l)
 							 texel_at(t, v, x, y) << 24;
 }
 
+/* Thin lines of hatching are drawn as lines are, which is faster. */
+static bool has_texture(const struct step *s)
+{
+	return s->kind == step_kind_find("strokes") ||
+	       ((step_is_hatching(s) || step_is_contours(s)) &&
+		       strcmp(s->ink.texture, "line") != 0);
+}
+
 static bool load_texture(struct frame_layer *l, GError **error)
 {
-	if (!l->ink.texture || l->step->kind != step_kind_find("strokes"))
+	if (!has_texture(l->step))
 		return true;
 	g_autoptr(stroke_texture) whole = stroke_texture_new(l->ink.texture, error);
 	if (whole)
@@ -168,6 +181,42 @@ static void set_ways(struct frame_layer *l)
 	}
 }
 
+static void set_ink(struct frame_layer *l, const uint8_t rgb[3])
+{
+	memcpy(l->ink.ink, rgb, 3);
+	for (int k = 0; k < 3; k++)
+		l->ink_linear[k] = light_of_srgb((float)rgb[k] / 255);
+}
+
+/* Unless all its strokes are of one ink they have colours of their own. */
+static bool add_hatch(struct frame_layer *l, const scene *s, GError **error)
+{
+	const struct hatching_step *step = &l->step->hatching;
+	l->hatch = frame_hatch_new(l, s, error);
+	if (!l->hatch)
+		return false;
+	if (step->curvature > 0 || step->follows == FOLLOWS_CURVATURE)
+		l->bend = scene_bend(s);
+	if (l->hatch->step.colouring != COLOURING_INK || l->hatch->pencils.count)
+		l->ink.colour = COLOUR_POINT;
+	else
+		set_ink(l, l->hatch->rgba[0]);
+	return true;
+}
+
+/* In all of the band as many as make a line of it: of its mean strength, a half. */
+static void add_contours(struct frame_layer *l, const scene *s, float px)
+{
+	float band_px = l->step->contours.band_px * px;
+	l->is_contours = true;
+	l->bend = scene_bend(s);
+	l->ink.grow = 1;
+	for (int n = 0; n < 256; n++)
+		l->wanted_per_px[n] =
+			fminf(1 / (0.5f * band_px * l->ink.spacing_px), FRAME_DENSEST_PER_PX) /
+			STROKE_FADE_MEAN;
+}
+
 static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GError **error)
 {
 	struct frame_layer *l = &f->layer[f->layers];
@@ -185,14 +234,17 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	l->ink.width_px *= f->ink_px;
 	if (step_is_dots(step))
 		l->ink.width_px = l->ink.length_px;
-	for (int k = 0; k < 3; k++)
-		l->ink_linear[k] = light_of_srgb((float)l->ink.ink[k] / 255);
+	set_ink(l, step->ink.ink);
 	f->layers++; /* with what is freed later */
 	if (!load_texture(l, error))
 		return false;
 	set_ways(l);
 	l->stroke_area_px = area_of(l);
 	want(l, f->scene);
+	if (step_is_hatching(step) && !add_hatch(l, f->scene, error))
+		return false;
+	if (step_is_contours(step))
+		add_contours(l, f->scene, f->ink_px);
 	l->is_queue = l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
 	return true;
 }
@@ -217,6 +269,8 @@ static enum frame_lit lit_of(const struct frame_layer *l, float amount)
 {
 	if (amount <= 0)
 		return LIT_NOT;
+	if (l->hatch) /* its X-Toon takes on the light */
+		return LIT_NOT;
 	if (l->ink.tone == TONE_COLOUR)
 		return LIT_TONE;
 	return l->ink.colour == COLOUR_POINT ? LIT_COLOUR : LIT_OMITTED;
@@ -235,6 +289,9 @@ static void see_accents(frame *f)
 	for (int k = 0; k < 3; k++)
 		away_m[k] = f->focus.site_m[k] - f->camera.eye_m[k];
 	turn_to_camera(f, f->light.site_from, f->light.from);
+	for (uint32_t n = 0; n < f->layers; n++)
+		if (f->layer[n].hatch)
+			turn_to_camera(f, f->layer[n].hatch->site_way, f->layer[n].hatch->way);
 	turn_to_camera(f, away_m, f->focus.at_m);
 }
 
@@ -375,6 +432,7 @@ void frame_free(frame *f)
 	for (uint32_t l = 0; l < f->layers; l++) {
 		stroke_texture_free(f->layer[l].texture);
 		g_free(f->layer[l].texels);
+		frame_hatch_free(f->layer[l].hatch);
 	}
 	g_free(f->relief);
 	g_free(f->layer);

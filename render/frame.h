@@ -4,6 +4,7 @@
  * from the same snapshot, on either backend. */
 #include "process/segments.h"
 #include "render/camera.h"
+#include "render/frame-hatch.h"
 #include "render/lanes-path.h"
 #include "render/paper-texture.h"
 #include "render/scene.h"
@@ -54,9 +55,18 @@ struct frame_layer {
 	float wanted_per_px[256];    /* strokes to a square pixel, by lightness of the points */
 	float dithering_per_m2[256]; /* points that there are, by their lightness; more than 0 */
 	float ink_linear[3];
+	struct frame_hatch *hatch; /* NULL: it is no hatching */
+	bool is_contours;
+	const uint8_t (*bend)[2]; /* scene-bend.h; NULL: nothing is bent, as far as it matters */
 	/* Directions on the screen, x right and y down: the layer's own, and 256 turns within its variation, as cosine and sine. */
 	float own_way[2], turn[256][2];
 };
+
+/* All points are surface to it, whatever kind they are of. */
+static inline bool frame_layer_is_whole(const struct frame_layer *l)
+{
+	return l->hatch || l->is_contours;
+}
 
 /* In one variant: a row more than there are between texels, and a column. */
 static inline size_t frame_texels(const struct frame_layer *l)
@@ -130,6 +140,10 @@ static inline float frame_away(const struct frame_focus *focus, const float at_m
 /* Threads that cpu draws it with. */
 uint32_t frame_threads(const frame *f);
 
+/* So much more do strokes cover than if they fell by chance: they stand more evenly, so fewer lie on others (measured). */
+#define FRAME_EVENLY 1.04f
+/* Strokes of a layer to a square pixel that there ever are. */
+float frame_most_per_px(const struct frame_layer *l);
 /* What so many strokes of a layer let through of the paper's light: about exp(-number * area) of it stays bare. */
 float frame_light_of(const struct frame_layer *l, float strokes_per_px);
 /* What a layer of TONE_COLOUR should let through where points have this lightness (0..1). Tones that are too dark for its strokes, which

@@ -52,6 +52,7 @@ static void go_through(gles_draw *d, const struct choice *c, enum gles_use use)
 		if (!c->is_stipple) {
 			gles_draw_bind_storage(d, 3, slab->looks);
 			gles_draw_bind_storage(d, 4, slab->lists);
+			gles_draw_bind_storage(d, 7, slab->bends ? slab->bends : slab->lists);
 		}
 		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
 			gl->Uniform1ui(0, r->first + n);
@@ -95,6 +96,8 @@ bool gles_draw_choose(gles_draw *d, const frame *f, GError **error)
 			return false;
 		struct choice c = choice_of(d, f, n);
 		gles_layers_bind(d->c, &d->layers, n);
+		gles_draw_bind_texture(d, 6, GL_TEXTURE_2D, d->layers.xtoon_colours[n]);
+		gles_draw_bind_texture(d, 7, GL_TEXTURE_2D, d->layers.xtoon_wanted[n]);
 		if (c.is_stipple && !gles_draw_stipple(d, f, n, error))
 			return false;
 		choose_layer(d, &c);

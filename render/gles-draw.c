@@ -139,6 +139,9 @@ static bool hold(gles_draw *d, const frame *f, GError **error)
 		gles_targets_hold(d->c, &d->targets, f->camera.width, f->camera.height, error) &&
 		gles_layers_hold(d->c, &d->layers, f, error);
 	for (uint32_t n = 0; good && n < f->layers; n++)
+		if (f->layer[n].bend)
+			good = gles_scene_hold_bends(d->c, &d->scene, f->scene, error);
+	for (uint32_t n = 0; good && n < f->layers; n++)
 		if (!gles_layer_is_direct(&f->layer[n]))
 			good = gles_targets_hold_ink(
 				d->c, &d->targets, band_blend_of(&f->layer[n]), error);

@@ -8,8 +8,14 @@ struct layer_block {
 	float wanted_per_px[256], dithering_per_m2[256];
 	float shape[4], look[4], opacity[4], wanted_most[4], ink_linear[4], own_way[4],
 		turn[256][2], texels[4];
-	uint32_t which[4], colour[4];
+	uint32_t which[4];
+	float hatch_way[4], hatch_tone[4], hatch_light[4], hatch_shape[4], hatch_line[4],
+		pencils[PENCIL_BOX_MOST][4];
+	uint32_t hatch_which[4];
+	float contour[4], contour_least[4];
+	uint32_t colour[4];
 };
+_Static_assert(PENCIL_BOX_MOST == 48, "as layer.glsl has it");
 /* Pipelines of ground.frag.glsl. */
 struct pipelines_block {
 	float points[256][4], edl[256][4];
@@ -28,13 +34,46 @@ bool gles_layer_is_direct(const struct frame_layer *l)
 static uint32_t kinds_along(const struct ink_step *ink)
 {
 	switch (ink->direction) {
-	case DIRECTION_LINE: return ~0u;
+	case DIRECTION_LINE: return 1u << FEATURE_UNDIRECTED | 1u << FEATURE_DIRECTED;
 	case DIRECTION_EDGE: return 1u << FEATURE_DIRECTED;
 	default: return 0;
 	}
 }
 
-static void describe(const struct frame_layer *l, struct layer_block *ret)
+static void describe_hatch(
+	const struct frame_hatch *h, const scene *s, bool bent, struct layer_block *ret)
+{
+	const struct hatching_step *step = &h->step;
+	float own = step->line_angle_deg * (float)(G_PI / 180);
+	struct layer_block b = {
+		.hatch_way = { (float)h->site_way[0], (float)h->site_way[1], (float)h->site_way[2],
+			bent ? 2 : 1 },
+		.hatch_tone = { step->own_tone, step->ink.tone_levels, s->darkest,
+			1 / (s->lightest - s->darkest) },
+		.hatch_light = { step->shine, step->shine_exponent, h->near_m, h->per_m },
+		.hatch_shape = { step->cross, step->pressure, step->curvature, step->abstraction },
+		.hatch_line = { cosf(own), sinf(own), step->mix, step->hue_shift_deg / 60 },
+		.hatch_which = { h->rows, (uint32_t)step->follows, (uint32_t)step->colouring,
+			h->pencils.count },
+	};
+	size_t from = offsetof(struct layer_block, hatch_way);
+	memcpy((char *)ret + from, (char *)&b + from, offsetof(struct layer_block, colour) - from);
+	memcpy(ret->pencils, h->pencils.pencil, sizeof ret->pencils);
+}
+
+static void describe_contours(const struct frame_layer *l, float px, struct layer_block *ret)
+{
+	const struct contours_step *step = &l->step->contours;
+	memcpy(ret->contour, (float[4]){ 1, step->band_px * px, step->outlines, step->suggestive },
+		sizeof ret->contour);
+	ret->contour_least[0] = step->slant_least;
+	ret->contour_least[1] = step->bent_least_per_m;
+	ret->contour_least[2] = step->steps;
+	ret->contour_least[3] = l->bend != NULL;
+}
+
+/* px: of the picture, to one of strokes. */
+static void describe(const struct frame_layer *l, const scene *s, float px, struct layer_block *ret)
 {
 	const struct ink_step *ink = &l->ink;
 	*ret = (struct layer_block){
@@ -53,6 +92,10 @@ static void describe(const struct frame_layer *l, struct layer_block *ret)
 	memcpy(ret->colour, ink->ink, sizeof ink->ink);
 	for (int kind = 0; kind < FEATURE_KINDS; kind++)
 		ret->wanted_most[kind] = l->wanted_most[kind];
+	if (l->hatch)
+		describe_hatch(l->hatch, s, l->bend, ret);
+	if (l->is_contours)
+		describe_contours(l, px, ret);
 	if (l->texture) {
 		ret->texels[0] = (float)l->texture->length;
 		ret->texels[1] = (float)l->texture->width;
@@ -89,7 +132,7 @@ static void upload_numbers(const gles_context *c, gles_layers *g, const frame *f
 	g_autofree char *all = g_malloc0(bytes);
 	for (uint32_t n = 0; n < f->layers; n++) {
 		struct layer_block block;
-		describe(&f->layer[n], &block);
+		describe(&f->layer[n], f->scene, f->ink_px, &block);
 		memcpy(all + (size_t)g->layer_bytes * n, &block, sizeof block);
 	}
 	g_autofree struct pipelines_block *pipelines = g_new(struct pipelines_block, 1);
@@ -125,6 +168,27 @@ static GLuint upload_texture(const struct gles_functions *gl, const stroke_textu
 	return name;
 }
 
+static GLuint upload_shades(const struct gles_functions *gl, const struct frame_hatch *h,
+	GLenum kind, GLenum format, GLenum type, const void *texels)
+{
+	GLuint name;
+	gl->GenTextures(1, &name);
+	gl->BindTexture(GL_TEXTURE_2D, name);
+	gl->TexStorage2D(GL_TEXTURE_2D, 1, kind, XTOON_COLUMNS, (GLsizei)h->rows);
+	gl->TexSubImage2D(
+		GL_TEXTURE_2D, 0, 0, 0, XTOON_COLUMNS, (GLsizei)h->rows, format, type, texels);
+	gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+	gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+	return name;
+}
+
+static void upload_hatch(
+	const struct gles_functions *gl, gles_layers *g, uint32_t n, const struct frame_hatch *h)
+{
+	g->xtoon_colours[n] = upload_shades(gl, h, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, h->rgba);
+	g->xtoon_wanted[n] = upload_shades(gl, h, GL_R32F, GL_RED, GL_FLOAT, h->wanted_per_px);
+}
+
 /* A texel to a pixel. */
 static GLuint upload_relief(const struct gles_functions *gl, const frame *f)
 {
@@ -146,6 +210,8 @@ void gles_layers_clear(const gles_context *c, gles_layers *g)
 {
 	c->gl.DeleteBuffers(1, &g->numbers);
 	c->gl.DeleteTextures(FRAME_LAYERS_MAX, g->texture);
+	c->gl.DeleteTextures(FRAME_LAYERS_MAX, g->xtoon_colours);
+	c->gl.DeleteTextures(FRAME_LAYERS_MAX, g->xtoon_wanted);
 	c->gl.DeleteTextures(1, &g->relief);
 	memset(g, 0, sizeof *g);
 }
@@ -157,9 +223,12 @@ bool gles_layers_hold(const gles_context *c, gles_layers *g, const frame *f, GEr
 	gles_layers_clear(c, g);
 	c->gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	upload_numbers(c, g, f);
-	for (uint32_t n = 0; n < f->layers; n++)
+	for (uint32_t n = 0; n < f->layers; n++) {
 		if (f->layer[n].texture)
 			g->texture[n] = upload_texture(&c->gl, f->layer[n].texture);
+		if (f->layer[n].hatch)
+			upload_hatch(&c->gl, g, n, f->layer[n].hatch);
+	}
 	g->relief = upload_relief(&c->gl, f);
 	g->layers = f->layers;
 	if (!gles_context_check(c, "copying the style to the GPU", error))

@@ -10,7 +10,9 @@ struct gles_layers {
 	GLuint numbers; /* the blocks Layer of layer.glsl, and last the block Pipelines of ground.frag.glsl */
 	GLintptr layer_bytes;             /* from one to the next */
 	GLuint texture[FRAME_LAYERS_MAX]; /* 0: none */
-	GLuint relief;                    /* of the paper */
+	/* Of hatching: colours and chances, and strokes wanted, by shade (frame-hatch.h). 0: none. */
+	GLuint xtoon_colours[FRAME_LAYERS_MAX], xtoon_wanted[FRAME_LAYERS_MAX];
+	GLuint relief; /* of the paper */
 	uint32_t layers;
 	bool has_points; /* any of the pipelines */
 };

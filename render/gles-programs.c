@@ -7,17 +7,20 @@
 /* What a program is put together of. A part that begins with a dot is the shader of the step of that name. */
 static const struct row {
 	const char *name;
-	const char *common[6];
+	const char *common[10];
 	const char *vertex, *fragment, *compute;
 } rows[GLES_USES] = {
 	[GLES_CLEAR] = { "clear", { NULL }, .compute = "clear" },
 	[GLES_MASK] = { "mask", { "common", "chunks", "discs" }, .compute = ".mask" },
 	[GLES_HOLES] = { "holes", { "common" }, "picture.vert", "holes.frag" },
 	[GLES_POINTS] = { "points", { "common", "chunks", "discs" }, .compute = ".points" },
-	[GLES_COUNT] = { "choose-count", { "common", "chunks", "layer", "choose" },
+	[GLES_COUNT] = { "choose-count",
+		{ "common", "chunks", "layer", "choose", "hatch", "contour", "givers" },
 		.compute = "choose-count" },
 	[GLES_SCAN] = { "choose-scan", { "prefix" }, .compute = "choose-scan" },
-	[GLES_WRITE] = { "choose-write", { "common", "chunks", "layer", "choose", "prefix" },
+	[GLES_WRITE] = { "choose-write",
+		{ "common", "chunks", "layer", "choose", "hatch", "contour", "givers",
+			"hatch-write", "prefix" },
 		.compute = "choose-write" },
 	[GLES_SPRITES] = { "sprites", { "common", "layer", ".sprites" }, "stroke.vert",
 		"stroke.frag" },

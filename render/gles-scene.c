@@ -1,7 +1,8 @@
 #include "render/gles-scene.h"
+#include "render/scene-bend.h"
 #include <string.h>
 
-enum { POINT_BYTES = 16, LOOK_BYTES = 8, LIST_BYTES = 4 };
+enum { POINT_BYTES = 16, LOOK_BYTES = 8, LIST_BYTES = 4, BEND_BYTES = 2 };
 /* Points that are copied at once. */
 #define PIECE (1u << 18)
 
@@ -82,14 +83,20 @@ static void take_lists(const scene *s, uint32_t from, uint32_t count, void *to)
 		out[n] = pair(s->list[from + n], s->list_spacing[from + n]);
 }
 
+static void take_bends(const scene *s, uint32_t from, uint32_t count, void *to)
+{
+	memcpy(to, scene_bend(s)[from], (size_t)count * BEND_BYTES);
+}
+
 static GLuint upload(const struct gles_functions *gl, const scene *s, const struct gles_slab *slab,
 	uint32_t bytes, void (*take)(const scene *, uint32_t, uint32_t, void *), void *piece)
 {
 	GLuint name;
 	gl->GenBuffers(1, &name);
 	gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, name);
-	gl->BufferData(
-		GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)slab->count * bytes, NULL, GL_STATIC_DRAW);
+	/* Whole words. */
+	gl->BufferData(GL_SHADER_STORAGE_BUFFER, ((GLsizeiptr)slab->count * bytes + 3) / 4 * 4,
+		NULL, GL_STATIC_DRAW);
 	for (uint32_t at = 0; at < slab->count; at += PIECE) {
 		uint32_t count = MIN(PIECE, slab->count - at);
 		take(s, slab->first + at, count, piece);
@@ -104,7 +111,8 @@ static GLuint upload(const struct gles_functions *gl, const scene *s, const stru
 void gles_scene_clear(const gles_context *c, gles_scene *g)
 {
 	for (uint32_t n = 0; n < g->slabs; n++) {
-		GLuint names[] = { g->slab[n].points, g->slab[n].looks, g->slab[n].lists };
+		GLuint names[] = { g->slab[n].points, g->slab[n].looks, g->slab[n].lists,
+			g->slab[n].bends };
 		c->gl.DeleteBuffers(G_N_ELEMENTS(names), names);
 	}
 	g_free(g->slab);
@@ -128,4 +136,14 @@ bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GErro
 	}
 	g->serial = s->serial;
 	return true;
+}
+
+bool gles_scene_hold_bends(const gles_context *c, gles_scene *g, const scene *s, GError **error)
+{
+	if (!g->slabs || g->slab[0].bends)
+		return true;
+	g_autofree void *piece = g_malloc((size_t)PIECE * BEND_BYTES);
+	for (uint32_t n = 0; n < g->slabs; n++)
+		g->slab[n].bends = upload(&c->gl, s, &g->slab[n], BEND_BYTES, take_bends, piece);
+	return gles_context_check(c, "copying curvatures to the GPU", error);
 }

@@ -11,6 +11,7 @@ struct gles_slab {
 	GLuint points; /* 16 bytes each: q0 q1, q2 spacing, disc degree kind, normal */
 	GLuint looks;  /* 8: rgba, direction */
 	GLuint lists;  /* 4: list, list_spacing */
+	GLuint bends;  /* 2: k1, k2 (scene-bend.h); 0 until they are asked for */
 	uint32_t first_chunk, chunks, first, count; /* of chunks, of points */
 };
 
@@ -22,6 +23,8 @@ struct gles_scene {
 };
 /* Nothing is done when it is there already. */
 bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GError **error);
+/* Of the scene that is held; nothing is done when they are there already. */
+bool gles_scene_hold_bends(const gles_context *c, gles_scene *g, const scene *s, GError **error);
 void gles_scene_clear(const gles_context *c, gles_scene *g);
 /* Of a chunk. */
 uint32_t gles_scene_slab(const gles_scene *g, uint32_t chunk);

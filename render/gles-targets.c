@@ -85,8 +85,13 @@ bool gles_targets_hold_ink(
 	const gles_context *c, gles_targets *t, enum band_blend blend, GError **error)
 {
 	bool has_half = c->about.has_half_float_colour, has_float = c->about.has_float_blend;
-	GLenum first[] = { [BAND_INKED] = has_half ? GL_R16F : GL_SRGB8_ALPHA8,
-		[BAND_COLOURED] = has_half ? GL_RGBA16F : GL_SRGB8_ALPHA8,
+	/* Dense strokes wear half floats out: each one rounds what those before have left. */
+	GLenum first[] = { [BAND_INKED] = has_float  ? GL_R32F
+					  : has_half ? GL_R16F
+						     : GL_SRGB8_ALPHA8,
+		[BAND_COLOURED] = has_float  ? GL_RGBA32F
+				  : has_half ? GL_RGBA16F
+					     : GL_SRGB8_ALPHA8,
 		[BAND_PAINTED] = has_float ? GL_RGBA32F : GL_RGBA16F };
 	GLenum second = blend != BAND_PAINTED ? 0 : has_float ? GL_R32F : GL_R16F;
 	if (t->ink[blend].frame)

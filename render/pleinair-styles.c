@@ -150,6 +150,8 @@ static void print_parameter(const struct step_parameter *p)
 		break;
 	case PARAMETER_COLOUR: printf("\"#rrggbb\", else #%06x", (unsigned)p->fallback); break;
 	case PARAMETER_TEXTURE: printf("name or PNG, else %s", p->fallback_name); break;
+	case PARAMETER_XTOON: printf("stops or PNG, else %s", p->fallback_name); break;
+	case PARAMETER_PENCILS: printf("colours, else %s", p->fallback_name); break;
 	}
 	printf("\n    %-20s   %s\n", "", p->help);
 }

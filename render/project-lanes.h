@@ -31,6 +31,13 @@ INLINE vi load_u16_whole(const uint16_t *at)
 	return __builtin_convertvector(*(const vs_loose *)at, vi);
 }
 
+typedef uint8_t vb_row __attribute__((vector_size(8), aligned(1), may_alias));
+
+INLINE vi load_u8_whole(const uint8_t *at)
+{
+	return __builtin_convertvector(*(const vb_row *)at, vi);
+}
+
 INLINE vf load_u16(const uint16_t *at)
 {
 	return __builtin_convertvector(load_u16_whole(at), vf);

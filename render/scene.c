@@ -1,4 +1,5 @@
 #include "render/large.h"
+#include "render/scene-bend.h"
 #include "render/scene-cover.h"
 #include "render/scene-grey.h"
 #include <math.h>
@@ -29,6 +30,7 @@ void scene_free(scene *s)
 	if (!s)
 		return;
 	large_free(s->memory);
+	scene_bend_free(s->bend);
 	g_free(s->chunk);
 	g_free(s);
 }
@@ -39,6 +41,7 @@ scene *scene_alloc(uint32_t count, uint32_t chunks)
 	s->serial = scene_serial();
 	s->count = count;
 	s->chunks = chunks;
+	s->lightest = 1;
 	size_t n = (size_t)s->count + 16; /* vectors read beyond the end */
 	struct {
 		void *plane;
@@ -113,7 +116,8 @@ static void copy_point(scene *s, struct scene_chunk *c, uint32_t at, const struc
 	}
 	measure(s, at, p);
 	memcpy(s->normal[at], p->normal, sizeof p->normal);
-	memcpy(s->direction[at], p->direction, sizeof p->direction);
+	memcpy(s->direction[at], p->kind < FEATURE_UNDIRECTED ? p->principal : p->direction,
+		sizeof p->direction);
 	if (p->rgba[3])
 		memcpy(s->rgba[at], p->rgba, sizeof p->rgba);
 	else
@@ -297,6 +301,8 @@ scene *scene_new(const model *m, GError **error)
 	struct features_options defaults = features_defaults(NULL);
 	s->dither_per_m2 = (float)number_in(m, "dither_per_m2", defaults.dither_per_m2);
 	s->tone_exponent = (float)number_in(m, "tone_exponent", defaults.tone_exponent);
+	s->bend = g_new0(struct scene_bend_plane, 1);
+	s->bend->model = m;
 	const struct scene_grey grey = scene_grey_of(m);
 	find_origin(s, chunk);
 #pragma omp parallel

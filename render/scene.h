@@ -29,14 +29,16 @@ struct scene {
 	double origin_m[3];
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
-	void *memory; /* of all that follows */
+	struct scene_bend_plane *bend; /* scene-bend.h */
+	void *memory;                  /* of all that follows */
 	/* Of each point. */
 	uint16_t *q[3];
 	uint16_t *spacing; /* edge of the square of surface that it stands for, 0.1 mm */
 	uint16_t *
 		disc; /* diameter that covers its patch, the long way where it is slanted, 0.1 mm */
-	int16_t (*normal)[2];    /* packed (model.h) */
-	int16_t (*direction)[2]; /* of its line; none: MODEL_NORMAL_NONE */
+	int16_t (*normal)[2]; /* packed (model.h) */
+	/* Of its line; of other points than feature points the one in which the surface is bent most. None: MODEL_NORMAL_NONE. */
+	int16_t (*direction)[2];
 	uint8_t (*rgba)
 		[4]; /* sRGB; of intensities where there is no colour (scene-grey.h); a 0: has neither */
 	uint8_t *kind, *degree;
@@ -46,7 +48,8 @@ struct scene {
 	float darkest, lightest;
 	float dither_per_m2, tone_exponent; /* that the dithering points were chosen with */
 };
-/* Reads all of the model once, and gives its memory back behind itself. G_IO_ERROR_NO_SPACE when it is too large: 2^31 points. */
+/* Reads all of the model once, and gives its memory back behind itself; the model must stay as long as the scene, for what is read of it
+ * later (scene-bend.h). G_IO_ERROR_NO_SPACE when it is too large: 2^31 points. */
 scene *scene_new(const model *m, GError **error);
 /* Room for so many points and chunks, to be filled by whoever made it; chunks and lists are 0, all else is not yet written. */
 scene *scene_alloc(uint32_t count, uint32_t chunks);

@@ -49,6 +49,10 @@ JsonNode *step_parameter_to_json(const struct step_parameter *p, const void *fro
 	case PARAMETER_TEXTURE:
 		memcpy(&name, at, sizeof name);
 		return string_node(name ? name : "");
+	case PARAMETER_XTOON:
+	case PARAMETER_PENCILS:
+		memcpy(&name, at, sizeof name);
+		return *name == '[' ? json_from_string(name, NULL) : string_node(name);
 	}
 	return json_node_init_null(json_node_alloc());
 }

@@ -1,118 +1,22 @@
-#include "render/step.h"
+#include "render/step-private.h"
 #include <math.h>
 #include <string.h>
 
-/* A row is one macro, so that what kinds share has one spelling, one range and one help. */
-#define RANGE(a, b, c, d) .least = (a), .most = (b), .slider_least = (c), .slider_most = (d)
-#define NUMBER(kind, field, range, start, in, text)                                                \
-	{                                                                                          \
-		.name = #field, .type = PARAMETER_NUMBER, .offset = offsetof(struct kind, field),  \
-		range, .fallback = (start), .unit = (in), .help = (text)                           \
-	}
-#define INK_CHOICE(field, names, start, text)                                                      \
-	{                                                                                          \
-		.name = #field, .type = PARAMETER_CHOICE,                                          \
-		.offset = offsetof(struct ink_step, field), .fallback = (start),                   \
-		.choices = (names), .unit = "", .help = (text)                                     \
-	}
-#define PART RANGE(0, 1, 0, 1)
-
-static const char *const point_names[] = { [INK_ALL] = "all",
+const char *const step_point_names[] = { [INK_ALL] = "all",
 	[INK_SURFACE] = "surface",
 	[INK_FEATURES] = "features",
 	[INK_DIRECTIONAL] = "directional",
 	[INK_NON_DIRECTIONAL] = "non-directional",
 	[INK_DITHERING] = "dithering",
 	NULL };
-static const char *const tone_names[] = { [TONE_EVEN] = "even", [TONE_COLOUR] = "colour", NULL };
-static const char *const direction_names[] = {
+const char *const step_tone_names[] = { [TONE_EVEN] = "even", [TONE_COLOUR] = "colour", NULL };
+const char *const step_direction_names[] = {
 	[DIRECTION_EDGE] = "edge", [DIRECTION_SCREEN] = "screen", [DIRECTION_LINE] = "line", NULL
 };
-static const char *const colour_names[] = { [COLOUR_INK] = "ink", [COLOUR_POINT] = "point", NULL };
-static const char *const blend_names[] = {
+const char *const step_colour_names[] = { [COLOUR_INK] = "ink", [COLOUR_POINT] = "point", NULL };
+const char *const step_blend_names[] = {
 	[BLEND_MULTIPLY] = "multiply", [BLEND_PAINT] = "paint", NULL
 };
-
-/* ---- ink ---- */
-
-#define WHICH(start)                                                                               \
-	INK_CHOICE(points, point_names, start,                                                     \
-		"which points: surface is all but features, features are directional or not, "     \
-		"dithering are those that show tones")
-#define TONE(start)                                                                                \
-	INK_CHOICE(tone, tone_names, start, "as dense everywhere, or as dense as points are dark")
-#define SPACING(start)                                                                             \
-	NUMBER(ink_step, spacing_px, RANGE(0.5, 200, 2, 40), start, "px",                          \
-		"mean distance of neighbours; with the tone of the colour, the least there is")
-#define DIAMETER(start)                                                                            \
-	NUMBER(ink_step, length_px, RANGE(0.5, 100, 1, 12), start, "px", "diameter of a dot")
-#define LENGTH(start)                                                                              \
-	NUMBER(ink_step, length_px, RANGE(1, 400, 4, 80), start, "px", "along the stroke")
-#define WIDTH(start, high)                                                                         \
-	NUMBER(ink_step, width_px, RANGE(0.2, 100, 0.5, high), start, "px", "across the stroke")
-#define LENGTH_VARIATION(start)                                                                    \
-	NUMBER(ink_step, length_variation, PART, start, "",                                        \
-		"how much lengths differ from each other")
-#define OPACITY_VARIATION(start)                                                                   \
-	NUMBER(ink_step, opacity_variation, PART, start, "",                                       \
-		"how much opacities differ from each other")
-#define DIRECTION(start)                                                                           \
-	INK_CHOICE(direction, direction_names, start,                                              \
-		"along the edge that a point is of, or as angle_deg tells; line: along an edge "   \
-		"even if "                                                                         \
-		"it is not sure")
-#define ANGLE(start)                                                                               \
-	NUMBER(ink_step, angle_deg, RANGE(-360, 360, -90, 90), start, "degrees",                   \
-		"on the screen, counterclockwise from the right")
-#define ANGLE_VARIATION(start)                                                                     \
-	NUMBER(ink_step, angle_variation_deg, RANGE(0, 180, 0, 45), start, "degrees",              \
-		"how much directions differ from each other")
-#define TEXTURE(start)                                                                             \
-	{                                                                                          \
-		.name = "texture", .type = PARAMETER_TEXTURE,                                      \
-		.offset = offsetof(struct ink_step, texture), .fallback_name = (start),            \
-		.unit = "", .help = "of the stroke: a name, or the path of a PNG"                  \
-	}
-#define INK(start)                                                                                 \
-	INK_CHOICE(colour, colour_names, COLOUR_INK, "that of ink, or each point's own"),          \
-		{ .name = "ink",                                                                   \
-			.type = PARAMETER_COLOUR,                                                  \
-			.offset = offsetof(struct ink_step, ink),                                  \
-			.fallback = (start),                                                       \
-			.unit = "",                                                                \
-			.help = "the colour of the ink" },                                         \
-		INK_CHOICE(blend, blend_names, BLEND_MULTIPLY,                                     \
-			"ink darkens what is below, paint covers it"),                             \
-		NUMBER(ink_step, saturation, RANGE(0, 4, 0, 2), 1, "",                             \
-			"of points' own colours: 0 is grey, 1 as they are")
-#define OPACITY(start) NUMBER(ink_step, opacity, PART, start, "", "of the ink")
-#define GROW                                                                                       \
-	NUMBER(ink_step, grow, RANGE(1, 8, 1, 4), 2, "",                                           \
-		"how much larger they may be where points are too few")
-#define SCATTER                                                                                    \
-	NUMBER(ink_step, scatter, PART, 1, "",                                                     \
-		"how far points of surface are moved, so that rows of beams do not show")
-#define COPIES                                                                                     \
-	NUMBER(ink_step, copies, RANGE(1, 64, 1, 32), 16, "",                                      \
-		"strokes that a point of surface may give, in its patch, where points are too "    \
-		"few")
-#define DEGREE(start)                                                                              \
-	NUMBER(ink_step, degree, PART, start, "",                                                  \
-		"how much fainter weak features are than strong ones")
-#define TONE_CURVE                                                                                 \
-	NUMBER(ink_step, tone_strength, PART, 0.8, "",                                             \
-		"with the tone of the colour: how much of the paper's lightness black takes"),     \
-		NUMBER(ink_step, tone_white, RANGE(0, 1, 0.5, 1), 0.95, "",                        \
-			"with the tone of the colour: nothing is drawn from this lightness on"),   \
-		NUMBER(ink_step, tone_gamma, RANGE(0.1, 10, 0.4, 3), 1, "",                        \
-			"with the tone of the colour: above 1 middle tones stay lighter"),         \
-		NUMBER(ink_step, tone_levels, PART, 0, "",                                         \
-			"with the tone of the colour: how much lightness is stretched to all "     \
-			"that the site has")
-#define SURROUNDINGS(grain)                                                                        \
-	NUMBER(ink_step, fade_m, RANGE(0, 100000, 0, 200), 0, "m",                                 \
-		"distance in which ink fades to half; 0: it does not"),                            \
-		NUMBER(ink_step, tooth, PART, grain, "", "how much the paper's grain shows in it")
 
 static const struct step_parameter sprite_parameters[] = {
 	WHICH(INK_FEATURES),
@@ -284,6 +188,13 @@ const struct step_kind step_kinds[] = {
 		line_parameters, ink_radius_px, "lines" },
 	{ "strokes", "Strokes", "strokes with a texture", STEP_LAYER, sizeof(struct ink_step),
 		stroke_parameters, ink_radius_px, "strokes" },
+	{ "hatching", "Hatching",
+		"strokes that lie on surfaces, one or two to a point, left out where it is light",
+		STEP_LAYER, sizeof(struct hatching_step), hatching_parameters, ink_radius_px,
+		"strokes" },
+	{ "contours", "Contours", "strokes where smooth surfaces turn away, or nearly do",
+		STEP_LAYER, sizeof(struct contours_step), contours_parameters, ink_radius_px,
+		"strokes" },
 	{ "edl", "Eye-dome lighting", "darkens what lies deeper than what is beside it",
 		STEP_FILTER, sizeof(struct edl_step), edl_parameters, edl_radius_px, "edl" },
 	{ "stipple", "Stippling without normals",
@@ -326,6 +237,8 @@ static void fill(const struct step_parameter *p, void *at)
 			4);
 		break;
 	case PARAMETER_TEXTURE:
+	case PARAMETER_XTOON:
+	case PARAMETER_PENCILS:
 		*(const char **)at = g_intern_static_string(p->fallback_name);
 		break;
 	}
@@ -347,10 +260,21 @@ struct step step_defaults(const struct step_kind *kind)
 	return s;
 }
 
+bool step_is_hatching(const struct step *s)
+{
+	return s->kind->parameters == hatching_parameters;
+}
+
+bool step_is_contours(const struct step *s)
+{
+	return s->kind->parameters == contours_parameters;
+}
+
 bool step_is_ink(const struct step *s)
 {
 	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
-	       s->kind == step_kind_find("strokes") || s->kind == step_kind_find("stipple");
+	       s->kind == step_kind_find("strokes") || s->kind == step_kind_find("stipple") ||
+	       step_is_hatching(s) || step_is_contours(s);
 }
 
 bool step_is_dots(const struct step *s)

@@ -23,6 +23,8 @@ enum parameter_type {
 	PARAMETER_BOOLEAN, /* int32_t: 0 or 1 */
 	PARAMETER_COLOUR,  /* uint8_t[4], sRGB, the last 255; in files "#rrggbb" */
 	PARAMETER_TEXTURE, /* const char *, interned: a name of stroke-texture.h, or the path of a PNG */
+	PARAMETER_XTOON, /* const char *, interned: stops as JSON, or the path of a PNG (xtoon.h) */
+	PARAMETER_PENCILS, /* const char *, interned: a list of colours as JSON (pencil-box.h); "[]": none */
 };
 
 struct step_parameter {
@@ -102,6 +104,59 @@ struct ink_step {
 	float tooth;  /* 0..1: how much the paper's grain shows in it */
 };
 
+/* What a stroke of hatching lies along, in the plane of its point. */
+enum hatching_follows {
+	FOLLOWS_UNIFORM, /* one direction of the site, projected into the plane */
+	FOLLOWS_CURVATURE, /* the one in which the surface is bent most; where it is not bent, as above */
+	FOLLOWS_SCREEN, /* one direction of the picture, and as long there on any surface: dots are round */
+};
+enum hatching_colouring {
+	COLOURING_INK,
+	COLOURING_XTOON,
+	COLOURING_POINT,
+	COLOURING_BLEND, /* the point's with the X-Toon's */
+};
+enum hatching_tone {
+	TONE_CHANCE, /* alpha of the X-Toon is the part of the strokes that are drawn, as the paper has it */
+	TONE_TRUE, /* it is how dark the surface becomes, 1 being as dark as ink */
+};
+
+/* Art-directed hatching (Wagner et al. 2022): every point becomes a stroke in its plane, or two that cross each other, if chance lets it.
+ * What chance, and in what colour, an X-Toon texture tells by how light the point is and how far away. Of ink, points, texture and what
+ * is random mean what they mean of strokes; tone, direction, colour and angle_deg are not used. */
+struct hatching_step {
+	struct ink_step ink; /* first, so that all inks begin alike */
+	const char *xtoon;
+	const char *pencils;
+	int32_t follows, colouring, tone_by;
+	float line_azimuth_deg, line_elevation_deg; /* of the uniform direction: as a light's */
+	float line_angle_deg;                       /* turned so much in the plane */
+	float density;                              /* 0..1: part of all strokes */
+	float cross;                                /* 0..1: h of section 3.5 */
+	float pressure;  /* 0..1: how much fainter strokes of a low chance are */
+	float curvature; /* 0..: how much shorter strokes are where surface is bent along them */
+	float own_tone;  /* 0..1: how much of its own lightness a point keeps */
+	float shine, shine_exponent; /* Phong's highlight */
+	float near_m,
+		far_m;     /* depths 0 and 1 of the X-Toon; far_m 0: as far as the site is large */
+	float abstraction; /* so much larger, and fewer, strokes are at depth 1 */
+	float mix;         /* COLOURING_BLEND: 0 the point's, 1 the X-Toon's */
+	float hue_shift_deg;
+};
+
+/* Lines where smooth surface turns away from the eye, and where it nearly does (DeCarlo et al. 2003, "Suggestive Contours for Conveying
+ * Shape"): strokes of the points that are near, told by curvatures (Wagner et al. 2022, section 5). Edges are no matter of this: they are
+ * feature points. Of ink it uses what hatching does, but for points, grow and scatter; spacing_px is along the line. */
+struct contours_step {
+	struct ink_step ink; /* first */
+	float band_px;       /* how far from the line points still give strokes */
+	float outlines;      /* 0..1: how strong they are */
+	float steps; /* the same of lines where what is seen beside a point lies far behind it, smooth or not */
+	float suggestive;  /* the same of suggestive contours */
+	float slant_least; /* cosine of the angle to the eye from which on no contour is suggested */
+	float bent_least_per_m; /* what is bent less has no contours: the more the more abstract */
+};
+
 /* Points as they are: the colours of all points, blended where surfaces are the same. */
 struct points_step {
 	float size;                             /* factor on the diameter of a point's patch */
@@ -136,7 +191,7 @@ struct step_kind {
 		glsl; /* what runs it on gles: shaders/GLSL.glsl; on cpu it is what draw.h leads to */
 };
 extern const struct step_kind step_kinds
-	[]; /* "mask", "points", "sprites", "lines", "strokes", "edl", "stipple"; ends with a row without a name */
+	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "edl", "stipple"; ends with a row without a name */
 const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
 /* In a table of parameters: that of a kind, or of a section (style.h). NULL: there is none. */
 const struct step_parameter *step_parameter_find(
@@ -144,22 +199,26 @@ const struct step_parameter *step_parameter_find(
 /* Sets the fallback of every parameter of the table; what else is in the struct stays. */
 void step_parameters_fill(const struct step_parameter *parameters, void *into);
 
-#define STEP_SIZE_MAX 160
+#define STEP_SIZE_MAX 256
 struct step {
 	const struct step_kind *kind;
 	const char *id; /* interned; what overrides name it by */
 	union {
 		struct mask_step mask;
 		struct ink_step ink;
+		struct hatching_step hatching;
+		struct contours_step contours;
 		struct points_step points;
 		struct edl_step edl;
 		struct stipple_step stipple;
 		uint8_t bytes[STEP_SIZE_MAX]; /* unused ones are 0, so steps can be compared */
 	};
 };
-_Static_assert(sizeof(struct stipple_step) <= STEP_SIZE_MAX, "the union's size");
+_Static_assert(sizeof(struct hatching_step) <= STEP_SIZE_MAX, "the union's size");
 /* With the kind's name as id; parameters that the kind does not have, and padding, are 0. */
-bool step_is_ink(const struct step *s);  /* sprites, lines, strokes or stipple */
+bool step_is_ink(const struct step *s); /* all but points */
+bool step_is_hatching(const struct step *s);
+bool step_is_contours(const struct step *s);
 bool step_is_dots(const struct step *s); /* sprites or stipple: round */
 struct step step_defaults(const struct step_kind *kind);
 

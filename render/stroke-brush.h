@@ -44,6 +44,10 @@ struct candidate {
 #define HIDDEN_BEHIND 0.03f
 /* Of the kind of the brush, in its chunk. */
 LANES_DECLARE(void, stroke_choose, (const struct brush *b, struct stroke_chain *to));
+/* The same of hatching, of all kinds of points. */
+LANES_DECLARE(void, stroke_hatch, (const struct brush *b, struct stroke_chain *to));
+/* And of contours. */
+LANES_DECLARE(void, stroke_contours, (const struct brush *b, struct stroke_chain *to));
 
 /* -1 .. 1 */
 INLINE float around_zero(uint32_t point, uint32_t salt)

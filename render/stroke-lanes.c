@@ -1,68 +1,8 @@
-#include "render/stroke-need.h"
+#include "render/stroke-shows.h"
 #include <string.h>
 
 /* Strokes along an edge that comes towards the camera are shorter, down to this part. */
 #define FORESHORTENED 0.25f
-#define ALPHA_LEAST   (1 / 255.f)
-
-/* Surface whose back is hidden begins to fade at this cosine. */
-#define TURNED_AWAY 0.1f
-
-/* ---- hidden or not ---- */
-
-INLINE vf shows(const struct brush *b, vf x, vf y, vf depth_m)
-{
-	const visibility_mask *m = b->mask;
-	vi column = __builtin_convertvector(least(most(x, all(0)), all((float)m->width - 1)), vi),
-	   row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
-	vi key = gather(m->key, row * (int32_t)m->pitch + column, 4);
-	vf behind = depth_m / (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1)) - 1;
-	return clamp01(1 - behind * (1 / HIDDEN_BEHIND));
-}
-
-/* How far it is not hidden in the four pixels around. */
-INLINE vf visibility(const struct brush *b, const struct lane_candidates *c)
-{
-	if (!b->mask)
-		return all(1);
-	vf x = c->x_px - 0.5f, y = c->y_px - 0.5f, x0 = floor_of(x), y0 = floor_of(y);
-	vf u = x - x0, v = y - y0;
-	vf upper = (1 - u) * shows(b, x0, y0, c->depth_m) + u * shows(b, x0 + 1, y0, c->depth_m),
-	   lower = (1 - u) * shows(b, x0, y0 + 1, c->depth_m) +
-		   u * shows(b, x0 + 1, y0 + 1, c->depth_m);
-	return (1 - v) * upper + v * lower;
-}
-
-INLINE bool hides_backs(const struct brush *b)
-{
-	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN;
-}
-
-/* How far it is drawn where backs are hidden: surface that turns away fades, but what has no normal. */
-INLINE vf facing(const struct brush *b, const struct lane_candidates *c)
-{
-	if (!hides_backs(b))
-		return all(1);
-	return choose(has_no_normal(c), all(1), clamp01(along_of(b, c) * (-1 / TURNED_AWAY)));
-}
-
-/* Of what is drawn whole. */
-INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
-{
-	const struct ink_step *ink = &b->layer->ink;
-	vf alpha = visibility(b, c) * facing(b, c) * ink->opacity;
-	if (b->f->focus.is_there)
-		alpha *= 1 - b->f->focus.amount * c->away;
-	if (ink->opacity_variation > 0)
-		alpha *= 1 - ink->opacity_variation *
-				     lanes_chance(c->point, stroke_salt(c->copy, SALT_OPACITY));
-	if (ink->degree > 0)
-		alpha *= 1 -
-			 ink->degree * (1 - gather_u8(b->f->scene->degree, c->point) * (1 / 255.f));
-	for (int k = 0; k < LANES && ink->fade_m > 0; k++)
-		alpha[k] *= exp2f(-c->depth_m[k] / ink->fade_m);
-	return alpha;
-}
 
 /* ---- the stroke ---- */
 
@@ -124,31 +64,16 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 INLINE bool goes_along(const struct brush *b)
 {
 	int32_t direction = b->layer->ink.direction;
-	return direction == DIRECTION_LINE ||
+	return (direction == DIRECTION_LINE && b->kind >= FEATURE_UNDIRECTED) ||
 	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
-}
-
-INLINE struct candidate candidate_of(const struct lane_candidates *l, int k)
-{
-	return (struct candidate){ (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
-		l->x_px[k], l->y_px[k], l->depth_m[k],
-		{ l->normal[0][k], l->normal[1][k], l->normal[2][k] } };
-}
-
-/* A block with room for eight. */
-INLINE struct stroke_block *block_of(struct stroke_chain *to)
-{
-	if (!to->last || to->last->count + LANES > STROKE_BLOCK)
-		stroke_chain_grow(to);
-	return to->last;
 }
 
 INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struct stroke_chain *to)
 {
-	find_normals(b, l);
+	find_normals(b, gather(b->f->scene->normal, l->point, 4), l);
 	l->away = away_of(b, l);
 	vf whole = opacity_of(b, l), larger = enlarged(b, l);
-	struct stroke_block *block = block_of(to);
+	struct stroke_block *block = block_of(to, LANES);
 	for (unsigned left = l->left & bits(whole >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
 		struct candidate c = candidate_of(l, k);
@@ -175,7 +100,7 @@ INLINE void try_on_surface(
 	vf alpha = opacity_of(b, l) * fade_of(l->rank, need, l->octaves);
 	vf larger = enlarged(b, l);
 	vf short_of = l->need / (l->last * choose(l->is_flat, all((float)b->copies), all(1)));
-	struct stroke_block *block = block_of(to);
+	struct stroke_block *block = block_of(to, LANES);
 	for (unsigned left = l->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
 		struct candidate c = candidate_of(l, k);
@@ -200,35 +125,6 @@ static float need_most(const struct brush *b)
 	if (is_on_edge(b))
 		return more * scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
 	return more * b->wanted_most * scale * scale;
-}
-
-/* Those of eight that may be drawn, by what is quickly told. */
-INLINE unsigned promising(
-	const struct brush *b, const struct lane_points *l, const struct lane_candidates *c)
-{
-	vf nearest_m = nearest_of(b, l->depth_m), octaves = octaves_of(nearest_m);
-	vf px_per_m = b->focal_px / nearest_m, scale = c->spacing_m * px_per_m;
-	vf reach = b->layer->ink.length_px / 2 + b->moved_m * px_per_m;
-	vf need = is_on_edge(b)
-			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
-			  : scale * scale * b->wanted_most;
-	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
-		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
-		    (c->rank < need * STROKE_FADE_MORE(octaves)));
-}
-
-/* The nearest pixels of the mask are far away. */
-INLINE void fetch(const struct brush *b, const struct lane_candidates *c)
-{
-	const visibility_mask *m = b->mask;
-	for (unsigned left = m ? c->left : 0; left; left &= left - 1) {
-		int k = __builtin_ctz(left);
-		int x = CLAMP((int)(c->x_px[k] - 0.5f), 0, (int)m->width - 1),
-		    y = CLAMP((int)(c->y_px[k] - 0.5f), 0, (int)m->height - 1);
-		const int32_t *at = &m->key[(ptrdiff_t)y * m->pitch + x];
-		__builtin_prefetch(at);
-		__builtin_prefetch(at + m->pitch);
-	}
 }
 
 /* Those from i on of the list. */

@@ -1,7 +1,7 @@
 #ifndef RENDER_STROKE_NEED_H
 #define RENDER_STROKE_NEED_H
 /* How many strokes are wanted where a point is, and its place among the points that there are (stroke.h): on surface for eight points
- * at a time, along edges for one. Internal to stroke-lanes.c; all is inlined. */
+ * at a time, along edges for one. Internal to stroke-lanes.c and hatch-lanes.c; all is inlined. */
 #include "render/project-lanes.h"
 #include "render/stroke-brush.h"
 
@@ -138,17 +138,22 @@ INLINE vf turn_lanes(const struct brush *b, int k, const vf v[3])
 	return b->turn[k][0] * v[0] + b->turn[k][1] * v[1] + b->turn[k][2] * v[2];
 }
 
-INLINE void find_normals(const struct brush *b, struct lane_candidates *c)
+/* Of length 1; 0 0 0 where there is none, which is not among those that are returned. */
+INLINE vi unit_lanes(vi packed, vf n[3])
 {
-	vi packed = gather(b->f->scene->normal, c->point, 4);
-	vf *n = c->site_normal;
 	unpack_lanes(packed, n);
 	vi some = (packed << 16 >> 16) != INT16_MIN;
 	vf unit = where(some, 1 / root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
 	for (int k = 0; k < 3; k++)
 		n[k] *= unit;
+	return some;
+}
+
+INLINE void find_normals(const struct brush *b, vi packed, struct lane_candidates *c)
+{
+	vi some = unit_lanes(packed, c->site_normal);
 	for (int k = 0; k < 3; k++)
-		c->normal[k] = turn_lanes(b, k, n);
+		c->normal[k] = turn_lanes(b, k, c->site_normal);
 	c->is_flat = b->kind < FEATURE_UNDIRECTED ? some : (vi){ 0 };
 }
 
@@ -164,6 +169,14 @@ INLINE void rays_of(const struct brush *b, const struct lane_candidates *c, vf r
 	ret[1] = (c->y_px - b->middle_y) * (1 / b->focal_px);
 }
 
+/* -1 .. 1: where a copy lies in the patch of each point, along one of its axes; itself anywhere. */
+INLINE vf place_in_patch(const struct lane_candidates *c, uint32_t salt, float step)
+{
+	float steps = (float)c->copy * step;
+	vf at = lanes_chance(c->point, salt) + (steps - (float)(int)steps);
+	return 2 * (at - where(at >= 1, all(1))) - 1;
+}
+
 /* Moves points in their planes, inside the patches that they stand for. */
 INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 {
@@ -174,8 +187,8 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 		{ t, sign + n[1] * n[1] * s, -n[1] } };
 	vf reach_m = gather_u16(b->f->scene->disc, c->point) *
 		     (stroke_reach(b->layer->ink.scatter, c->copy) * SCENE_UNIT_M);
-	vf by[2] = { reach_m * lanes_around_zero(c->point, stroke_salt(c->copy, SALT_ACROSS)),
-		reach_m * lanes_around_zero(c->point, stroke_salt(c->copy, SALT_DOWN)) };
+	vf by[2] = { reach_m * place_in_patch(c, SALT_ACROSS, COPY_ACROSS),
+		reach_m * place_in_patch(c, SALT_DOWN, COPY_DOWN) };
 	vf ray[2], moved[3], at[3];
 	rays_of(b, c, ray);
 	for (int k = 0; k < 3; k++)
@@ -238,8 +251,10 @@ INLINE vf cosine_of(const struct brush *b, const struct lane_candidates *c, vf a
 {
 	if (b->kind == FEATURE_UNDIRECTED && !b->layer->is_queue)
 		return all(COSINE_UNKNOWN);
-	return choose(
-		has_no_normal(c), all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
+	vi unknown = has_no_normal(c);
+	if (frame_layer_is_whole(b->layer)) /* leaves have normals, but are no surface */
+		unknown |= ~c->is_flat;
+	return choose(unknown, all(COSINE_UNKNOWN), most(magnitude(along), all(COSINE_LEAST)));
 }
 
 INLINE vf along_of(const struct brush *b, const struct lane_candidates *c)
@@ -256,7 +271,7 @@ INLINE void find_wanted(const struct brush *b, struct lane_candidates *c)
 	vf nearest_m = nearest_of(b, c->depth_m), px_per_m = b->focal_px / nearest_m;
 	bool lit = b->layer->lit == LIT_TONE || b->layer->lit == LIT_OMITTED;
 	if (lit)
-		find_normals(b, c);
+		find_normals(b, gather(b->f->scene->normal, c->point, 4), c);
 	c->wanted = wanted_of(b, c, lightness);
 	find_place(b, lightness, c);
 	c->most = c->wanted * px_per_m * px_per_m * STROKE_FADE_MORE(octaves_of(nearest_m));
@@ -264,7 +279,7 @@ INLINE void find_wanted(const struct brush *b, struct lane_candidates *c)
 	if (!c->left)
 		return;
 	if (!lit)
-		find_normals(b, c);
+		find_normals(b, gather(b->f->scene->normal, c->point, 4), c);
 	/* Moved they are seen at another angle. */
 	vf turned = b->moved_m * b->ray_most / nearest_m;
 	c->most *= least(cosine_of(b, c, magnitude(along_of(b, c)) + turned), all(b->ray_most));

@@ -89,6 +89,20 @@ static struct brush brush_of(const frame *f, const visibility_mask *m, const str
 	return b;
 }
 
+/* All its points as surface. */
+static void choose_whole(struct brush *b, struct stroke_chain *to)
+{
+	b->kind = FEATURE_NONE;
+	b->list_count = b->view->chunk->count;
+	b->wanted_most = b->layer->wanted_most[FEATURE_NONE] * b->ray_most;
+	b->copies = frame_copies(b->layer);
+	b->moved_m = stroke_moved_most_m(b->view->chunk, b->layer->ink.scatter, b->copies > 1);
+	if (b->layer->hatch)
+		LANES_OF(b->f->lanes, stroke_hatch)(b, to);
+	else
+		LANES_OF(b->f->lanes, stroke_contours)(b, to);
+}
+
 static void choose_kinds(struct brush *b, struct stroke_chain *to)
 {
 	for (b->kind = 0; b->kind < FEATURE_KINDS; b->kind++) {
@@ -125,7 +139,10 @@ static void run_task(const stroke_room *r, const frame *f, const visibility_mask
 			if (is_hidden || f->layer[l].stipple)
 				continue;
 			struct brush b = brush_of(f, m, &views[n], &f->layer[l]);
-			choose_kinds(&b, &t->of_layer[l]);
+			if (frame_layer_is_whole(&f->layer[l]))
+				choose_whole(&b, &t->of_layer[l]);
+			else
+				choose_kinds(&b, &t->of_layer[l]);
 		}
 	}
 }

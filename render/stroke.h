@@ -18,7 +18,7 @@ struct stroke {
 	/* 1/depth at a pixel is q + (x - x_px) slope[0] + (y - y_px) slope[1]. */
 	float q, slope[2];
 	uint8_t rgb[3];
-	uint8_t copy;   /* 0: the point itself; else one of its patch's surface */
+	uint8_t copy; /* 0: the point itself; else one of its patch's surface. Of hatching twice that, and 1 more of the stroke across */
 	uint32_t point; /* of the scene */
 };
 
@@ -56,6 +56,10 @@ void stroke_lists_free(stroke_list *lists, uint32_t layers); /* NULL is fine */
 
 /* Copies lie so much farther away than points are moved: their rows are farther apart than patches are long where beams graze. */
 #define COPY_REACH 1.3f
+/* Parts of the patch that each copy lies farther than the one before, across and down, beginning again at its border: so they keep apart
+ * from each other (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences"). */
+#define COPY_ACROSS 0.7548777f
+#define COPY_DOWN   0.5698403f
 /* Along each of two axes, in diameters of the patch. */
 static inline float stroke_reach(float scatter, uint32_t copy)
 {
@@ -76,7 +80,10 @@ enum {
 	SALT_ACROSS,
 	SALT_DOWN,
 	SALT_SHADE,
-	SALTS = 8
+	SALTS = 8,
+	/* Of points alone. */
+	SALT_CROSS = 1 << 16,
+	SALT_PENCIL
 };
 static inline uint32_t stroke_salt(uint32_t copy, uint32_t salt)
 {

@@ -1,6 +1,8 @@
 /* Values of parameters. */
 #include "render/nearest-name.h"
+#include "render/pencil-box.h"
 #include "render/style-reader.h"
+#include "render/xtoon.h"
 #include <math.h>
 #include <string.h>
 
@@ -118,6 +120,94 @@ static bool read_texture(style_reader *r, JsonNode *node, const char **ret)
 	return true;
 }
 
+/* ---- lists ---- */
+
+/* Kept as JSON, each once, so that steps can be compared. */
+static const char *intern_json(JsonNode *node)
+{
+	g_autofree char *text = json_to_string(node, FALSE);
+	return g_intern_string(text);
+}
+
+static const char *const stop_fields[] = { "brightness", "depth", "colour", "chance", NULL };
+
+static bool read_stop_field(style_reader *r, const char *key, JsonNode *value, void *user_data)
+{
+	static const struct step_parameter part = { .least = 0, .most = 1, .unit = "" };
+	uint8_t colour[4];
+	float number;
+	bool *has_brightness = user_data;
+	if (strcmp(key, "colour") == 0)
+		return read_colour(r, value, colour);
+	*has_brightness |= strcmp(key, "brightness") == 0;
+	for (const char *const *known = stop_fields; *known; known++)
+		if (strcmp(key, *known) == 0)
+			return read_number(r, &part, value, &number);
+	return style_reader_unknown(r, key, value, "a stop", stop_fields);
+}
+
+static bool read_stop(style_reader *r, JsonNode *node)
+{
+	bool has_brightness = false;
+	if (!style_reader_object(r, node, "a stop, with \"brightness\" and more") ||
+		!style_reader_each(r, node, read_stop_field, &has_brightness))
+		return false;
+	return has_brightness || style_reader_refuse(r, node, "\"brightness\" is missing");
+}
+
+static bool read_each(style_reader *r, JsonNode *node, guint least, guint most,
+	bool (*read)(style_reader *r, JsonNode *node))
+{
+	JsonArray *list = style_reader_list(r, node, "a list");
+	guint count = list ? json_array_get_length(list) : 0;
+	if (!list)
+		return false;
+	if (count < least || count > most)
+		return style_reader_refuse(
+			r, node, "it has %u to %u elements; these are %u", least, most, count);
+	for (guint i = 0; i < count; i++) {
+		gsize was = style_reader_enter_element(r, i);
+		if (!read(r, json_array_get_element(list, i)))
+			return false;
+		style_reader_leave(r, was);
+	}
+	return true;
+}
+
+static bool read_xtoon(style_reader *r, JsonNode *node, const char **ret)
+{
+	if (JSON_NODE_HOLDS_VALUE(node)) {
+		const char *path = NULL;
+		if (!read_texture(r, node, &path))
+			return false;
+		if (!is_path(path))
+			return style_reader_refuse(
+				r, node, "it is a list of stops, or the path of a .png");
+		*ret = path;
+		return true;
+	}
+	if (!read_each(r, node, 1, XTOON_STOPS_MAX, read_stop))
+		return false;
+	*ret = intern_json(node);
+	return true;
+}
+
+static bool read_pencil(style_reader *r, JsonNode *node)
+{
+	uint8_t colour[4];
+	return read_colour(r, node, colour);
+}
+
+static bool read_pencils(style_reader *r, JsonNode *node, const char **ret)
+{
+	if (!read_each(r, node, 0, PENCIL_BOX_MOST, read_pencil))
+		return false;
+	*ret = intern_json(node);
+	return true;
+}
+
+/* ---- all ---- */
+
 bool style_reader_parameter(
 	style_reader *r, const struct step_parameter *p, JsonNode *value, void *into)
 {
@@ -127,6 +217,8 @@ bool style_reader_parameter(
 	case PARAMETER_CHOICE: return read_choice(r, p, value, at);
 	case PARAMETER_BOOLEAN: return read_boolean(r, value, at);
 	case PARAMETER_COLOUR: return read_colour(r, value, at);
+	case PARAMETER_XTOON: return read_xtoon(r, value, at);
+	case PARAMETER_PENCILS: return read_pencils(r, value, at);
 	default: return read_texture(r, value, at);
 	}
 }

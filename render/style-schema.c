@@ -1,6 +1,8 @@
 /* The JSON Schema of styles, for editors: what there is, its ranges, and what it means. */
 #include "acquire/strict-json.h"
+#include "render/pencil-box.h"
 #include "render/style.h"
+#include "render/xtoon.h"
 #include <math.h>
 
 static JsonObject *text_schema(const char *type, const char *description)
@@ -60,13 +62,71 @@ static void set_choices(JsonObject *o, const struct step_parameter *p)
 	json_object_set_string_member(o, "default", p->choices[(size_t)p->fallback]);
 }
 
+/* "#rrggbb" */
+static JsonObject *colour_schema(const char *text)
+{
+	return pattern_schema("^#[0-9a-fA-F]{6}$", text);
+}
+
+static JsonObject *part_schema(const char *text)
+{
+	JsonObject *o = text_schema("number", text);
+	json_object_set_int_member(o, "minimum", 0);
+	json_object_set_int_member(o, "maximum", 1);
+	return o;
+}
+
+static JsonObject *stop_schema(void)
+{
+	JsonObject *o = text_schema("object", NULL), *p = json_object_new();
+	JsonArray *required = json_array_new();
+	json_object_set_object_member(p, "brightness", part_schema("how light points are"));
+	json_object_set_object_member(p, "depth",
+		part_schema("how far away they are, from near_m to far_m; without it, at any"));
+	json_object_set_object_member(p, "colour", colour_schema("without it, that of ink"));
+	json_object_set_object_member(
+		p, "chance", part_schema("that strokes have to be drawn; without it 1"));
+	json_array_add_string_element(required, "brightness");
+	json_object_set_object_member(o, "properties", p);
+	json_object_set_array_member(o, "required", required);
+	json_object_set_boolean_member(o, "additionalProperties", FALSE);
+	return o;
+}
+
+/* A list of so many, beside what else it may be. */
+static void set_list(JsonObject *o, JsonObject *each, guint least, guint most)
+{
+	json_object_set_object_member(o, "items", each);
+	json_object_set_int_member(o, "minItems", least);
+	json_object_set_int_member(o, "maxItems", most);
+}
+
+static void set_default_list(JsonObject *o, const struct step_parameter *p)
+{
+	json_object_set_member(o, "default", json_from_string(p->fallback_name, NULL));
+}
+
+/* A list, or the path of a PNG. */
+static void set_xtoon(JsonObject *o, const struct step_parameter *p)
+{
+	JsonArray *types = json_array_new();
+	json_array_add_string_element(types, "array");
+	json_array_add_string_element(types, "string");
+	json_object_set_array_member(o, "type", types);
+	set_list(o, stop_schema(), 1, XTOON_STOPS_MAX);
+	json_object_set_string_member(o, "pattern", "^.*\\.png$");
+	set_default_list(o, p);
+}
+
 static JsonObject *parameter_schema(const struct step_parameter *p)
 {
 	static const char *const types[] = { [PARAMETER_NUMBER] = "number",
 		[PARAMETER_CHOICE] = "string",
 		[PARAMETER_BOOLEAN] = "boolean",
 		[PARAMETER_COLOUR] = "string",
-		[PARAMETER_TEXTURE] = "string" };
+		[PARAMETER_TEXTURE] = "string",
+		[PARAMETER_XTOON] = "array",
+		[PARAMETER_PENCILS] = "array" };
 	g_autofree char *help =
 		*p->unit ? g_strdup_printf("%s (%s)", p->help, p->unit) : g_strdup(p->help);
 	g_autofree char *colour = g_strdup_printf("#%06x", (unsigned)p->fallback);
@@ -88,6 +148,11 @@ static JsonObject *parameter_schema(const struct step_parameter *p)
 	case PARAMETER_TEXTURE:
 		json_object_set_string_member(o, "pattern", "^([A-Za-z0-9_-]{1,64}|.*\\.png)$");
 		json_object_set_string_member(o, "default", p->fallback_name);
+		break;
+	case PARAMETER_XTOON: set_xtoon(o, p); break;
+	case PARAMETER_PENCILS:
+		set_list(o, colour_schema(NULL), 0, PENCIL_BOX_MOST);
+		set_default_list(o, p);
 		break;
 	}
 	return o;

@@ -3,7 +3,7 @@
 /* A small scene to draw, made of points of chance with a seed: ground, a wall with edges, a tree, a lamp; some points without normals,
  * directions, colours. Each thing is a segment's class. */
 #include "process/segments.h"
-#include "render/scene.h"
+#include "render/scene-bend.h"
 #include <math.h>
 
 #define CHUNK 4096u
@@ -110,6 +110,22 @@ static void make_chunk(scene *s, GRand *r, int thing, uint32_t count)
 	s->count += count;
 }
 
+/* Bent in all ways, and not at all; principal directions are those of lines. */
+static void bend_points(scene *s, GRand *r)
+{
+	s->bend = g_new0(struct scene_bend_plane, 1);
+	s->bend->k = g_malloc(((size_t)s->count + 16) * sizeof *s->bend->k);
+	for (uint32_t n = 0; n < s->count; n++) {
+		float k1 = (float)g_rand_double_range(r, -6, 6);
+		s->bend->k[n][0] = scene_bend_pack(k1);
+		s->bend->k[n][1] = scene_bend_pack(k1 * (float)g_rand_double_range(r, -1, 1));
+		float way[3] = { (float)g_rand_double(r), (float)g_rand_double(r), 0.3f };
+		if (s->kind[n] < FEATURE_UNDIRECTED && n % 5)
+			model_pack_normal(way, s->direction[n]);
+	}
+	s->bend->made = 1;
+}
+
 static inline scene *make_scene(void)
 {
 	scene *s = scene_alloc(16 * CHUNK, 16);
@@ -121,6 +137,7 @@ static inline scene *make_scene(void)
 	for (int thing = 0; thing < THINGS; thing++)
 		for (uint32_t done = 0; done < things[thing].points; done += CHUNK)
 			make_chunk(s, r, thing, MIN(CHUNK, things[thing].points - done));
+	bend_points(s, r);
 	g_rand_free(r);
 	return s;
 }

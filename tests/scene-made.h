@@ -17,7 +17,8 @@ struct made_point {
 	uint8_t kind, degree;
 	uint16_t leaf;
 	float apart_m;
-	float claimed_m; /* spacing that its beam claims; 0: apart_m */
+	float claimed_m;          /* spacing that its beam claims; 0: apart_m */
+	float k[2], principal[3]; /* curvatures, 1/m, and the way of the first; all 0: none */
 };
 
 typedef struct made made;
@@ -195,6 +196,27 @@ static inline void made_add_ball(
 	}
 }
 
+/* So many points on a ball, as even as a spiral; bent as it is. rgba all 0: without a colour. */
+static inline void made_add_sphere(
+	made *m, const double middle_m[3], double radius_m, uint32_t count, const uint8_t rgba[4])
+{
+	struct made_point p = { .leaf = MADE_LEAF,
+		.apart_m = (float)(radius_m * sqrt(4 * G_PI / count)),
+		.k = { (float)(1 / radius_m), (float)(1 / radius_m) } };
+	memcpy(p.rgba, rgba, 4);
+	for (uint32_t i = 0; i < count; i++) {
+		double z = 1 - (2 * i + 1.0) / count, turn = i * G_PI * (3 - sqrt(5));
+		double r = sqrt(1 - z * z), out[3] = { r * cos(turn), r * sin(turn), z };
+		for (int k = 0; k < 3; k++) {
+			p.at_m[k] = middle_m[k] + radius_m * out[k];
+			p.normal[k] = (float)out[k];
+		}
+		p.principal[0] = (float)-sin(turn);
+		p.principal[1] = (float)cos(turn);
+		g_array_append_val(m->points, p);
+	}
+}
+
 /* Ground of 6 x 6 m, dithered; a wall 3 m behind with its upper edge; a ball of leaves before it, which is another leaf of the tree. */
 static inline made made_court(void)
 {
@@ -243,7 +265,11 @@ static inline struct part_point made_pack(const struct made_point *p)
 	memcpy(q.rgba, p->rgba, sizeof q.rgba);
 	model_pack_normal(p->normal, q.normal);
 	model_pack_normal(p->direction, q.direction);
-	q.principal[0] = q.principal[1] = MODEL_NORMAL_NONE;
+	model_pack_normal(p->principal, q.principal);
+	if (p->k[0] != 0) {
+		q.k1 = model_pack_half(p->k[0]);
+		q.k2 = model_pack_half(p->k[1]);
+	}
 	return q;
 }
 

@@ -211,6 +211,30 @@ static const struct look {
 		"{\"step\":\"sprites\",\"points\":\"all\",\"tone\":\"colour\",\"spacing_px\":2,"
 		"\"length_px\":4}",
 		LIGHT FOCUS },
+	{ "hatching-bent",
+		"{\"step\":\"mask\",\"backs\":\"hidden\"},{\"step\":\"hatching\",\"cross\":0.7,"
+		"\"follows\":\"curvature\",\"curvature\":2,\"shine\":0.7,\"spacing_px\":7}",
+		LIGHT },
+	{ "hatching-pencils",
+		"{\"step\":\"hatching\",\"colouring\":\"blend\",\"hue_shift_deg\":70,"
+		"\"pencils\":[\"#e02020\",\"#f0e020\",\"#2030c0\"],\"length_px\":30,"
+		"\"width_px\":5,\"texture\":\"charcoal\",\"cross\":0.3,\"spacing_px\":9}",
+		LIGHT },
+	{ "hatching-deep",
+		"{\"step\":\"hatching\",\"xtoon\":[{\"brightness\":0.2,\"depth\":0,"
+		"\"colour\":\"#104080\"},{\"brightness\":0.9,\"chance\":0},{\"brightness\":0.4,"
+		"\"depth\":1,\"colour\":\"#c06010\",\"chance\":0.6}],\"colouring\":\"xtoon\","
+		"\"near_m\":2,\"far_m\":12,\"abstraction\":1.5,\"tone_by\":\"darkness\","
+		"\"blend\":\"paint\",\"spacing_px\":5}",
+		LIGHT FOCUS },
+	{ "hatching-dots",
+		"{\"step\":\"hatching\",\"follows\":\"screen\",\"texture\":\"dot\","
+		"\"length_px\":6,\"width_px\":6,\"spacing_px\":4,\"copies\":40,\"points\":"
+		"\"surface\",\"tooth\":0}" },
+	{ "contours-all",
+		"{\"step\":\"points\"},{\"step\":\"contours\",\"band_px\":8,\"slant_least\":1,"
+		"\"ink\":\"#802010\"}",
+		FOCUS },
 	{ "stipple-lit", "{\"step\":\"stipple\",\"length_px\":5,\"level\":7,\"epsilon\":0.1}",
 		LIGHT },
 	{ "stipple-lamp",

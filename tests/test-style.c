@@ -26,8 +26,8 @@ static void check_row(const struct step_kind *k, const struct step_parameter *p)
 
 static void test_table(void)
 {
-	static const char *const names[] = { "mask", "points", "sprites", "lines", "strokes", "edl",
-		"stipple" };
+	static const char *const names[] = { "mask", "points", "sprites", "lines", "strokes",
+		"hatching", "contours", "edl", "stipple" };
 	for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
 		const struct step_kind *k = &step_kinds[i];
 		g_assert_cmpstr(k->name, ==, names[i]);
@@ -149,7 +149,27 @@ static const struct wrong {
 	{ STEPS("{\"step\":\"storkes\"}"),
 		AT_STEP ".step: there is no step 'storkes'; did you mean 'strokes'?" },
 	{ STEPS("{\"id\":\"x\"}"), AT_STEP ": 'step' is missing; it is one of mask, points, "
-					   "sprites, lines, strokes, edl, stipple" },
+					   "sprites, lines, strokes, hatching, "
+					   "contours, edl, stipple" },
+	/* lists */
+	{ STEPS("{\"step\":\"hatching\",\"xtoon\":[]}"),
+		AT_STEP ".xtoon: it has 1 to 64 elements; these are 0" },
+	{ STEPS("{\"step\":\"hatching\",\"xtoon\":{}}"),
+		AT_STEP ".xtoon: this is an object; it must be a list" },
+	{ STEPS("{\"step\":\"hatching\",\"xtoon\":\"ramp\"}"),
+		AT_STEP ".xtoon: it is a list of stops, or the path of a .png" },
+	{ STEPS("{\"step\":\"hatching\",\"xtoon\":[\n{\"brightness\":2}]}"),
+		"x.json line 5: segments.site.steps[0].xtoon[0].brightness: 2 is too much; it goes "
+		"from 0 to 1" },
+	{ STEPS("{\"step\":\"hatching\",\"xtoon\":[{\"chance\":1}]}"),
+		AT_STEP ".xtoon[0]: \"brightness\" is missing" },
+	{ STEPS("{\"step\":\"hatching\",\"xtoon\":[{\"brightness\":1,\"color\":1}]}"),
+		AT_STEP ".xtoon[0].color: a stop has no such field; did you mean 'colour'?" },
+	{ STEPS("{\"step\":\"hatching\",\"pencils\":[\"#ff0000\",\n\"red\"]}"),
+		"x.json line 5: segments.site.steps[0].pencils[1]: 'red' is no colour; colours are "
+		"\"#rrggbb\"" },
+	{ STEPS("{\"step\":\"hatching\",\"pencils\":\"#ff0000\"}"),
+		AT_STEP ".pencils: this is a text; it must be a list" },
 	{ STEPS("{\"step\":null}"), AT_STEP ".step: this is null; it must be the name of a step" },
 	{ STEPS("\"points\""), AT_STEP ": this is a text; it must be a step {\"step\": ...}" },
 	{ STEPS("{\"step\":\"points\",\"id\":\"\"}"), AT_STEP

@@ -207,10 +207,11 @@ static GtkWidget *parameter_row(const struct part *of, const struct step_paramet
 	return row;
 }
 
-/* Textures are files, and places are tapped: not for sliders. */
+/* Textures are files, lists are for editors, and places are tapped: not for sliders. */
 static bool is_for_people(const struct step_parameter *p)
 {
-	return p->type != PARAMETER_TEXTURE &&
+	return p->type != PARAMETER_TEXTURE && p->type != PARAMETER_XTOON &&
+	       p->type != PARAMETER_PENCILS &&
 	       !(p->type == PARAMETER_NUMBER && p->slider_least >= p->slider_most);
 }
 

@@ -16,8 +16,10 @@ void main()
 		candidate c;
 		uint given = 0u;
 		if (giver_of(n, slice * THREADS + thread, g))
-			for (begin(); has_more(g); next(g))
-				given += choice_of(g, c).alpha > 0.0 ? 1u : 0u;
+			for (begin(); has_more(g); next(g)) {
+				choice one = choice_of(g, c);
+				given += strokes_of(g, c, one);
+			}
 		if (given != 0u)
 			mark |= 1u << slice;
 		own += given;

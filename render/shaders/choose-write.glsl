@@ -1,11 +1,7 @@
 #version 310 es
 /* Writes the strokes that were marked, as instances of quads. A group: a view. */
 layout(local_size_x = 256) in;
-layout(std430, binding = 6) writeonly buffer Strokes {
-	uint strokes[]; /* x y along, half_width alpha q slope, slope, rgb and variant */
-};
 layout(location = 2) uniform uint capacity;
-const uint WORDS = 10u;
 
 vec2 turned_along(vec2 along, float half_px, candidate c)
 {
@@ -33,14 +29,20 @@ vec2 plane_slope(candidate c, vec3 normal, float around_px)
 	return abs(away) > 1e-6 ? clamp(normal.xy / away, -steepest, steepest) : vec2(0.0);
 }
 
-void write_stroke(uint at, candidate c, choice one)
+void write_stroke(uint at, candidate c, choice one, hatch h)
 {
 	vec2 slope = vec2(0.0), along;
+	if (is_contours()) {
+		vec3 seen = way_on_screen(c, h.way[0]);
+		one.edge = line(true, seen.xy, seen.z * lens.x / c.depth_m,
+			-h.way[0].z / (c.depth_m * lens.x * max(seen.z, 1e-3)));
+	}
 	float half_px = one.growth * shape.x / 2.0 * (1.0 + shape.w * around_zero(c, SALT_LENGTH));
 	if (one.edge.is_there) {
-		half_px *= clamp(2.0 * one.edge.px_per_m * c.depth_m / lens.x, FORESHORTENED, 1.0);
+		float seen = one.edge.px_per_m * c.depth_m / lens.x;
+		half_px *= clamp(is_contours() ? seen : 2.0 * seen, FORESHORTENED, 1.0);
 		along = turned_along(one.edge.along, half_px, c);
-		slope = one.edge.slope * one.edge.along;
+		slope = one.edge.slope * (is_contours() ? normalize(along) : one.edge.along);
 	} else {
 		along = turned_along(own_way.xy, half_px, c);
 		slope = plane_slope(c, one.normal, half_px);
@@ -67,8 +69,12 @@ void main()
 		if (giver_of(n, uint(findLSB(mark)) * THREADS + thread, g))
 			for (begin(); has_more(g) && at < capacity; next(g)) {
 				choice one = choice_of(g, c);
-				if (one.alpha > 0.0)
-					write_stroke(at++, c, one);
+				uint count = strokes_of(g, c, one);
+				if (is_hatching())
+					for (uint k = 0u; k < count && at < capacity; k++)
+						write_hatch(at++, c, one, g.h, k);
+				else if (count != 0u)
+					write_stroke(at++, c, one, g.h);
 			}
 	}
 }

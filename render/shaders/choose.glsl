@@ -1,4 +1,4 @@
-/* Which points of a layer become strokes: the rules of stroke.c. */
+/* Which points of a layer become strokes: the rules of stroke.c. Goes on in hatch.glsl and givers.glsl. */
 layout(std430, binding = 3) readonly buffer Looks {
 	uvec2 looks[]; /* rgba, direction */
 };
@@ -19,6 +19,7 @@ const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u;
 const uint SALT_LENGTH = 1u, SALT_ANGLE = 2u, SALT_OPACITY = 3u, SALT_VARIANT = 4u, SALT_ACROSS = 5u, SALT_DOWN = 6u, SALTS = 8u;
 const float COSINE_LEAST = 0.1, COSINE_UNKNOWN = 1.0, FORESHORTENED = 0.25;
 const float ALPHA_LEAST = 1.0 / 255.0, COPY_REACH = 1.3, FADE_MEAN = 0.7213;
+const vec2 COPY_STEPS = vec2(0.7548777, 0.5698403);
 const float LIT_TONE = 1.0, LIT_OMITTED = 2.0, LIT_COLOUR = 3.0;
 const uint NO_DIRECTION = 0x8000u;
 
@@ -42,15 +43,21 @@ struct choice {
 	vec3 normal;
 };
 
-float chance(candidate c, uint salt)
+/* stroke_chance() */
+float chance_by(candidate c, uint salt)
 {
-	uint x = c.point * 0x9E3779B9u ^ (copy * SALTS + salt) * 0x85EBCA6Bu;
+	uint x = c.point * 0x9E3779B9u ^ salt * 0x85EBCA6Bu;
 	x ^= x >> 16;
 	x *= 0x7feb352du;
 	x ^= x >> 15;
 	x *= 0x846ca68bu;
 	x ^= x >> 16;
 	return float(x >> 8) * (1.0 / 16777216.0);
+}
+
+float chance(candidate c, uint salt)
+{
+	return chance_by(c, copy * SALTS + salt);
 }
 
 float around_zero(candidate c, uint salt)
@@ -63,8 +70,15 @@ vec3 ray_of(candidate c)
 	return vec3((c.at - lens.yz) / lens.x, 1.0);
 }
 
+bool is_hatching()
+{
+	return hatch_way.w > 0.0;
+}
+
 float cosine_of(candidate c, vec3 normal)
 {
+	if (is_hatching() && points[c.index].z >> 24 == UNDIRECTED)
+		return COSINE_UNKNOWN;
 	if ((c.kind == UNDIRECTED && which.y == 0u) || normal == vec3(0.0))
 		return COSINE_UNKNOWN;
 	return max(abs(dot(normal, ray_of(c))), COSINE_LEAST);
@@ -98,10 +112,21 @@ bool is_on_edge(uint kind)
 	return kind == DIRECTED && which.y == 0u;
 }
 
+bool is_contours()
+{
+	return contour.x > 0.0;
+}
+
+/* All points are surface to it, in the order of their own ranks. */
+bool is_whole()
+{
+	return is_hatching() || is_contours();
+}
+
 /* Comes after the dithering points, as dense as all points are. */
 bool shares_queue(uint kind)
 {
-	return kind != DITHER && which.y != 0u;
+	return is_whole() || kind != DITHER && which.y != 0u;
 }
 
 /* Of the longest ray of depth 1. */
@@ -204,7 +229,9 @@ void scatter(inout candidate c)
 	vec3 across = vec3(1.0 + facing * normal.x * normal.x * s, facing * t, -facing * normal.x);
 	vec3 down = vec3(t, facing + normal.y * normal.y * s, -normal.y);
 	float reach_m = reach_of(copy != 0u) * float(points[c.index].z & 0xffffu) * UNIT_M;
-	vec3 by = reach_m * (around_zero(c, SALT_ACROSS) * across + around_zero(c, SALT_DOWN) * down);
+	vec2 at_patch = vec2(chance_by(c, SALT_ACROSS), chance_by(c, SALT_DOWN)) + fract(float(copy) * COPY_STEPS);
+	at_patch = 2.0 * (at_patch - step(1.0, at_patch)) - 1.0;
+	vec3 by = reach_m * (at_patch.x * across + at_patch.y * down);
 	vec3 at = ray_of(c) * c.depth_m + to_camera(by);
 	if (at.z < lens.w)
 		return;
@@ -263,17 +290,21 @@ float need_most(uint n, uint kind)
 bool candidate_of(uint n, uint i, out candidate c)
 {
 	uvec4 end = views[n].kind_end;
+	if (is_whole())
+		end = uvec4(views[n].at.z);
 	c.kind = i < end.x ? 0u : i < end.y ? 1u : i < end.z ? 2u : 3u;
-	if (i >= end.w || (which.x >> c.kind & 1u) == 0u)
+	if (i >= end.w || (!is_whole() && (which.x >> c.kind & 1u) == 0u))
 		return false;
 	uint from = c.kind == 0u ? 0u : end[c.kind - 1u];
 	float many = float(end[c.kind] - from);
 	c.rank = (float(i - from) + 0.5) * (1.0 / many);
 	if (c.rank > need_most(n, c.kind) + 1.0 / many)
 		return false;
-	uint word = lists[views[n].at.x + i];
+	uint word = is_whole() ? i : lists[views[n].at.x + i];
 	c.index = views[n].at.x + (word & 0xffffu);
 	c.point = views[n].at.y + (word & 0xffffu);
+	if (is_hatching() && (which.x >> (points[c.index].z >> 24) & 1u) == 0u)
+		return false;
 	c.view = n;
 	c.spacing_m = float((shares_queue(c.kind) ? points[c.index].y : word) >> 16) * UNIT_M;
 	vec3 at = place_of(n, points[c.index]);
@@ -321,94 +352,3 @@ choice choice_on_edge(candidate c)
 	return one;
 }
 
-/* A point with what is the same for all its copies. */
-struct giver {
-	candidate c;
-	vec3 normal;
-	bool is_flat;
-	uint copies;
-	float wanted, rank, last, most; /* points to a square metre: no rank above the most is drawn */
-};
-
-bool giver_of(uint n, uint i, out giver g)
-{
-	if (!candidate_of(n, i, g.c))
-		return false;
-	g.copies = 1u;
-	g.rank = 0.0;
-	g.most = 1.0;
-	if (is_on_edge(g.c.kind))
-		return true;
-	float nearest_m = nearest_of(n, g.c.kind, g.c.depth_m);
-	vec2 place = place_in_queue(g.c);
-	g.rank = place.x;
-	g.last = place.y;
-	g.normal = texels.w > 0.0 ? turned(points[g.c.index].w) : vec3(0.0);
-	g.wanted = wanted_at(g.c, g.normal);
-	g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
-	if (g.rank >= g.most)
-		return false;
-	if (texels.w <= 0.0)
-		g.normal = turned(points[g.c.index].w);
-	g.is_flat = g.c.kind < UNDIRECTED && g.normal != vec3(0.0);
-	if (g.is_flat)
-		g.copies = colour.z;
-	return true;
-}
-
-choice choice_on_surface(giver g, inout candidate c)
-{
-	choice one;
-	one.alpha = 0.0;
-	one.edge.is_there = false;
-	one.normal = g.normal;
-	one.lit = lit_of(one.normal);
-	if (g.is_flat && look.y > 0.0)
-		scatter(c);
-	float octaves = octaves_at(c.depth_m), away = away_from(c), larger = 1.0 + focus_reach.z * away;
-	float need = need_on_surface(g.wanted, c.depth_m, cosine_of(c, one.normal)) / (larger * larger);
-	float fade = fade_of(g.rank, need * more_of(octaves), octaves);
-	float front = facing(c, one.normal);
-	if (fade <= 0.0 || front <= 0.0)
-		return one;
-	one.alpha = fade * front * visibility(c) * (1.0 - focus.w * away);
-	one.growth = min(growth_of(need / (g.last * float(g.copies))), look.x) * larger;
-	if (goes_along(c))
-		one.edge = line_of(c);
-	if (!g.is_flat)
-		one.normal = vec3(0.0);
-	return one;
-}
-
-/* Of its copy; moves c to where its stroke is. */
-choice choice_of(giver g, out candidate c)
-{
-	choice one;
-	c = g.c;
-	if (is_on_edge(c.kind))
-		one = choice_on_edge(c);
-	else
-		one = choice_on_surface(g, c);
-	if (one.alpha > 0.0)
-		one.alpha *= opacity_of(c);
-	if (one.alpha < ALPHA_LEAST)
-		one.alpha = 0.0;
-	return one;
-}
-
-/* for (begin(); has_more(g); next(g)): all its copies that may be drawn. */
-void begin()
-{
-	copy = 0u;
-}
-
-bool has_more(giver g)
-{
-	return copy < g.copies && g.rank < g.most;
-}
-
-void next(inout giver g)
-{
-	copy++;
-	g.rank += g.last;
-}

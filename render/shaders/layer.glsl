@@ -10,5 +10,15 @@ layout(std140, binding = 1) uniform Layer {
 	vec4 turns[128]; /* cosine and sine of 256 turns within its variation */
 	vec4 texels;  /* of the texture: length, width, variants; how the layer is lit: enum frame_lit */
 	uvec4 which;  /* bits of kinds; dithering with tone; bits of kinds along lines; in points' colours */
+	/* Of hatching (frame-hatch.h). */
+	vec4 hatch_way;   /* the uniform direction in the site; 0: it is no hatching, 2: with curvatures */
+	vec4 hatch_tone;  /* own_tone, tone_levels, darkest, 1 / (lightest - darkest) */
+	vec4 hatch_light; /* shine, shine_exponent, near_m, 1 / metres from near to far */
+	vec4 hatch_shape; /* cross, pressure, curvature, abstraction */
+	vec4 hatch_line;  /* cosine and sine of the angle in the plane, mix, sixths of the circle that hues are turned */
+	vec4 pencils[48]; /* red, green, blue, hue */
+	uvec4 hatch_which; /* rows of the X-Toon; enum hatching_follows; enum hatching_colouring; how many pencils */
+	vec4 contour;       /* of contours 1, band_px, outlines, suggestive */
+	vec4 contour_least; /* slant_least, bent_least_per_m, steps; 1: with curvatures */
 	uvec4 colour; /* the ink's bytes; how it blends: enum band_blend; how many strokes a point gives */
 };

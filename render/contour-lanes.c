@@ -1,0 +1,230 @@
+#include "render/stroke-rows.h"
+#include "render/surface-lanes.h"
+#include <string.h>
+
+/* Strokes that come towards the camera are shorter, down to this part. */
+#define SHORTEST_SEEN 0.25f
+/* What has turned away already is still on the line, to this cosine. */
+#define BEYOND 0.03f
+
+/* What is seen beside lies behind from this part of the depth on, and surely at the second. */
+#define STEP_LEAST 0.03f
+#define STEP_SURE  0.08f
+/* Of eight places around so many make a line whole. */
+#define STEP_PLACES 4.f
+
+/* How near points are to a line, 0..1, and along what it runs, unit, as the camera sees it. */
+struct contour_lanes {
+	vf weight, way[3];
+};
+
+/* In even steps over the band, so that lines that glide over a surface come and go on its points by and by. */
+INLINE vf strength(const struct brush *b, vf away_px)
+{
+	float band_px = b->layer->step->contours.band_px * b->f->ink_px;
+	return clamp01(1 - away_px * (1 / band_px));
+}
+
+/* What a point sees of the eye: the cosine to it, the way to it in its plane, and the surface's turn along that (S w, shape operator) and
+ * its part of it, the radial curvature. */
+struct eye_lanes {
+	vf cosine, sine, way[3], turn[3], radial, fold[3];
+};
+
+/* S = k1 a a' + k2 c c', a being the principal direction and c the one across. */
+INLINE struct eye_lanes look_at_eye(
+	const struct brush *b, const struct lane_candidates *c, const vf axis[3], const vf k[2])
+{
+	struct eye_lanes e;
+	vf ray[2], across[3];
+	rays_of(b, c, ray);
+	vf unit = -1 / root(ray[0] * ray[0] + ray[1] * ray[1] + 1);
+	for (int n = 0; n < 3; n++)
+		e.way[n] = (n < 2 ? ray[n] : all(1)) * unit;
+	e.cosine = dot_lanes(e.way, c->normal);
+	e.sine = lay_flat(c->normal, e.way);
+	cross_lanes(c->normal, axis, across);
+	vf first = k[0] * dot_lanes(axis, e.way), second = k[1] * dot_lanes(across, e.way);
+	vi second_is_less = magnitude(k[1]) <= magnitude(k[0]);
+	for (int n = 0; n < 3; n++) {
+		e.turn[n] = first * axis[n] + second * across[n];
+		e.fold[n] = choose(second_is_less, across[n], axis[n]);
+	}
+	e.radial = dot_lanes(e.turn, e.way);
+	return e;
+}
+
+/* The cosine falls to nothing, and does so within few pixels: c^2 / 2 k of a metre on the screen. */
+INLINE vf outline_weight(const struct brush *b, const struct eye_lanes *e, vf px_per_m)
+{
+	const struct contours_step *step = &b->layer->step->contours;
+	vf away_px = e->cosine * e->cosine * px_per_m / (2 * most(e->radial, all(1e-3f)));
+	vi is_there = (e->radial > step->bent_least_per_m) & (e->cosine > -BEYOND);
+	return where(is_there, step->outlines * strength(b, away_px));
+}
+
+/* The radial curvature goes through nothing, where surface is a saddle: so far away as it takes to change by the curvature itself within a
+ * radius of it. That it comes towards the eye, and not from it, is not known of single points; but where it does, surface is seen at a
+ * slant, while the others (suggestive highlights) are seen from the front (DeCarlo & Rusinkiewicz 2007). */
+INLINE vf suggested_weight(
+	const struct brush *b, const struct eye_lanes *e, const vf k[2], vf px_per_m)
+{
+	const struct contours_step *step = &b->layer->step->contours;
+	vf most_bent = most(magnitude(k[0]), all(1e-3f));
+	vf away_px = magnitude(e->radial) / (most_bent * most_bent) * e->cosine * px_per_m;
+	vf slanted =
+		clamp01((step->slant_least - e->cosine) * (4 / fmaxf(step->slant_least, 1e-3f)));
+	vi is_there = (k[0] * k[1] < 0) & (most_bent > step->bent_least_per_m) & (e->cosine > 0);
+	return where(is_there, step->suggestive * slanted * strength(b, away_px));
+}
+
+/* Of smooth surface. */
+INLINE void find_smooth(const struct brush *b, uint32_t at, const struct lane_candidates *c,
+	struct contour_lanes *h)
+{
+	const scene *s = b->f->scene;
+	vf site[3], axis[3], k[2];
+	vf px_per_m = b->focal_px / c->depth_m;
+	bends_of(b->layer->bend, at, k);
+	vi some = unit_lanes(*(const vi_loose *)(const void *)s->direction[at], site);
+	some &= c->is_flat & (k[0] != 0) & (load_u8_whole(s->kind + at) < FEATURE_UNDIRECTED);
+	for (int n = 0; n < 3; n++)
+		axis[n] = turn_lanes(b, n, site);
+	lay_flat(c->normal, axis);
+	struct eye_lanes e = look_at_eye(b, c, axis, k);
+	vf outline = outline_weight(b, &e, px_per_m), hinted = suggested_weight(b, &e, k, px_per_m);
+	h->weight = where(some, most(outline, hinted));
+	cross_lanes(c->normal, e.turn, h->way);
+	lay_flat(c->normal, h->way);
+	for (int n = 0; n < 3; n++)
+		h->way[n] = choose(outline >= hinted, h->way[n], e.fold[n]);
+}
+
+INLINE vf is_behind_there(const struct brush *b, vf x, vf y, vf depth_m)
+{
+	vf behind = mask_depth_at(b, x, y) / depth_m - 1;
+	return clamp01((behind - STEP_LEAST) * (1 / (STEP_SURE - STEP_LEAST)));
+}
+
+/* 0..1: how surely what the mask has around this place lies behind the points. Of four pixels, so that lines do not flicker when borders
+ * move by less than one. */
+INLINE vf is_behind(const struct brush *b, vf x, vf y, vf depth_m)
+{
+	vf x0 = floor_of(x), y0 = floor_of(y), u = x - x0, v = y - y0;
+	vf upper = (1 - u) * is_behind_there(b, x0, y0, depth_m) +
+		   u * is_behind_there(b, x0 + 1, y0, depth_m),
+	   lower = (1 - u) * is_behind_there(b, x0, y0 + 1, depth_m) +
+		   u * is_behind_there(b, x0 + 1, y0 + 1, depth_m);
+	return (1 - v) * upper + v * lower;
+}
+
+/* Where the picture falls off beside points; the line runs across the way there, facing the eye. */
+INLINE void find_steps(
+	const struct brush *b, const struct lane_candidates *c, struct contour_lanes *h)
+{
+	static const float turn[8][2] = { { 1, 0 }, { 0.7071068f, 0.7071068f }, { 0, 1 },
+		{ -0.7071068f, 0.7071068f }, { -1, 0 }, { -0.7071068f, -0.7071068f }, { 0, -1 },
+		{ 0.7071068f, -0.7071068f } };
+	const struct contours_step *step = &b->layer->step->contours;
+	float band_px = step->band_px * b->f->ink_px;
+	vf sum = all(0), x = all(0), y = all(0);
+	for (int n = 0; n < 8; n++) {
+		vf part = is_behind(b, c->x_px - 0.5f + band_px * turn[n][0],
+			c->y_px - 0.5f + band_px * turn[n][1], c->depth_m);
+		sum += part;
+		x += part * turn[n][0];
+		y += part * turn[n][1];
+	}
+	vf length = root(x * x + y * y), unit = 1 / most(length, all(1e-3f));
+	/* What has it all around is a speck, and runs nowhere. */
+	vf weight = step->steps * least(sum * (1 / STEP_PLACES), all(1)) * least(length, all(1));
+	vi is_more = weight > h->weight;
+	h->weight = choose(is_more, weight, h->weight);
+	h->way[0] = choose(is_more, -y * unit, h->way[0]);
+	h->way[1] = choose(is_more, x * unit, h->way[1]);
+	h->way[2] = choose(is_more, all(0), h->way[2]);
+}
+
+/* Of points on a line: how dense they are wanted, by the rank that they have. */
+INLINE void find_wanted_here(const struct brush *b, struct lane_candidates *c)
+{
+	c->last = 1 / (c->spacing_m * c->spacing_m);
+	c->rank *= c->last;
+	c->wanted = all(b->layer->wanted_per_px[0]);
+	find_need(b, false, c);
+}
+
+INLINE struct stroke stroke_of(const struct brush *b, const struct lane_candidates *c,
+	const struct way_lanes *w, int k, float alpha, float larger)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	uint32_t point = (uint32_t)c->point[k];
+	const float *turn = b->layer->turn[(int)(stroke_chance(point, SALT_ANGLE) * 256)];
+	float x = w->along[0][k], y = w->along[1][k];
+	struct stroke s = { .x_px = c->x_px[k],
+		.y_px = c->y_px[k],
+		.along = { x * turn[0] - y * turn[1], x * turn[1] + y * turn[0] },
+		.half_length_px = larger * ink->length_px / 2 *
+				  (1 + ink->length_variation * around_zero(point, SALT_LENGTH)) *
+				  CLAMP(w->part[k], SHORTEST_SEEN, 1),
+		.half_width_px = larger * ink->width_px / 2,
+		.alpha = alpha,
+		.q = 1 / c->depth_m[k],
+		.point = point };
+	for (int n = 0; n < 2; n++)
+		s.slope[n] = w->slope[k] * s.along[n];
+	memcpy(s.rgb, ink->ink, 3);
+	return s;
+}
+
+INLINE void try_points(
+	const struct brush *b, uint32_t at, struct lane_candidates *c, struct stroke_chain *to)
+{
+	struct contour_lanes h = { .weight = all(0) };
+	find_normals(b, *(const vi_loose *)(const void *)b->f->scene->normal[at], c);
+	if (hides_backs(b))
+		c->left &= bits(along_of(b, c) <= BEYOND);
+	if (!c->left)
+		return;
+	find_wanted_here(b, c);
+	if (!c->left)
+		return;
+	vf shown = visibility(b, c);
+	c->left &= bits(shown > 0);
+	if (!c->left)
+		return;
+	if (b->layer->bend)
+		find_smooth(b, at, c, &h);
+	if (b->mask && b->layer->step->contours.steps > 0)
+		find_steps(b, c, &h);
+	c->left &= bits(h.weight > 0);
+	if (!c->left)
+		return;
+	const struct ink_step *ink = &b->layer->ink;
+	vf need = c->need * STROKE_FADE_MORE(c->octaves);
+	vf alpha = shown * h.weight * ink->opacity * fade_of(c->rank, need, c->octaves) *
+		   (1 - b->f->focus.amount * c->away) *
+		   (1 - ink->opacity_variation * lanes_chance(c->point, SALT_OPACITY));
+	for (int k = 0; k < LANES && ink->fade_m > 0; k++)
+		alpha[k] *= exp2f(-c->depth_m[k] / ink->fade_m);
+	struct way_lanes w = way_on_screen(b, c, h.way);
+	vf larger = enlarged(b, c);
+	struct stroke_block *block = block_of(to, LANES);
+	for (unsigned left = c->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		block->stroke[block->count++] = stroke_of(b, c, &w, k, alpha[k], larger[k]);
+	}
+}
+
+void LANES_NAME(stroke_contours)(const struct brush *b, struct stroke_chain *to)
+{
+	uint32_t end =
+		(uint32_t)MIN(row_need_most(b) * (float)b->list_count + 1, (float)b->list_count);
+	for (uint32_t i = 0; i < end; i += LANES) {
+		struct lane_candidates c;
+		row_candidates(b, i, end, &c);
+		if (!c.left)
+			continue;
+		try_points(b, b->view->chunk->first + i, &c, to);
+	}
+}

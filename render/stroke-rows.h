@@ -1,0 +1,57 @@
+#ifndef RENDER_STROKE_ROWS_H
+#define RENDER_STROKE_ROWS_H
+/* The points of a chunk as they stand, in the order of their ranks, eight in a row: for layers that take all kinds of points as surface.
+ * Internal to hatch-lanes.c and contour-lanes.c; all is inlined. */
+#include "render/stroke-shows.h"
+
+/* No rank above it is drawn. */
+INLINE float row_need_most(const struct brush *b)
+{
+	const struct scene_chunk *c = b->view->chunk;
+	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->near_m);
+	float scale = b->focal_px / nearest_m * c->spacing_most_m;
+	return STROKE_FADE_MORE(stroke_fade_octaves(nearest_m)) * b->wanted_most * scale * scale;
+}
+
+INLINE unsigned row_kinds(const struct brush *b, uint32_t at)
+{
+	unsigned ret = 0;
+	for (unsigned k = 0; k < LANES; k++)
+		ret |= (b->layer->kinds >> b->f->scene->kind[at + k] & 1) << k;
+	return ret;
+}
+
+/* Those from i on, in the order of ranks. */
+INLINE void row_candidates(
+	const struct brush *b, uint32_t i, uint32_t end, struct lane_candidates *c)
+{
+	const scene *s = b->f->scene;
+	uint32_t at = b->view->chunk->first + i;
+	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
+	struct lane_points l = project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
+	c->point = (int32_t)at + (vi){ 0, 1, 2, 3, 4, 5, 6, 7 };
+	c->copy = 0;
+	c->x_px = l.x_px;
+	c->y_px = l.y_px;
+	c->depth_m = l.depth_m;
+	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
+	c->spacing_m = load_u16(s->spacing + at) * SCENE_UNIT_M;
+	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
+	c->left &= promising(b, &l, c);
+	if (c->left && b->layer->ink.points != INK_ALL)
+		c->left &= row_kinds(b, at);
+}
+
+/* How much larger their strokes are where points are too few. */
+INLINE vf row_growth(const struct brush *b, const struct lane_candidates *c)
+{
+	vf short_of = c->need / (c->last * choose(c->is_flat, all((float)b->copies), all(1)));
+	vf ret = all(1);
+	for (unsigned left = bits(short_of > 1) & c->left; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		ret[k] = MIN(stroke_growth(short_of[k]), b->layer->ink.grow);
+	}
+	return ret;
+}
+
+#endif

@@ -1,0 +1,120 @@
+#ifndef RENDER_STROKE_SHOWS_H
+#define RENDER_STROKE_SHOWS_H
+/* How far strokes are to be seen: what the mask hides of them, backs, opacity; and where they are kept. For eight points at a time.
+ * Internal to stroke-lanes.c and hatch-lanes.c; all is inlined. */
+#include "render/stroke-need.h"
+
+/* What is fainter is not drawn. */
+#define ALPHA_LEAST (1 / 255.f)
+/* Surface whose back is hidden begins to fade at this cosine. */
+#define TURNED_AWAY 0.1f
+
+/* ---- hidden or not ---- */
+
+/* At whole places, or the nearest that the mask has. */
+INLINE vf mask_depth_at(const struct brush *b, vf x, vf y)
+{
+	const visibility_mask *m = b->mask;
+	vi column = __builtin_convertvector(least(most(x, all(0)), all((float)m->width - 1)), vi),
+	   row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
+	vi key = gather(m->key, row * (int32_t)m->pitch + column, 4);
+	return (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1));
+}
+
+INLINE vf shows(const struct brush *b, vf x, vf y, vf depth_m)
+{
+	vf behind = depth_m / mask_depth_at(b, x, y) - 1;
+	return clamp01(1 - behind * (1 / HIDDEN_BEHIND));
+}
+
+/* How far it is not hidden in the four pixels around. */
+INLINE vf visibility(const struct brush *b, const struct lane_candidates *c)
+{
+	if (!b->mask)
+		return all(1);
+	vf x = c->x_px - 0.5f, y = c->y_px - 0.5f, x0 = floor_of(x), y0 = floor_of(y);
+	vf u = x - x0, v = y - y0;
+	vf upper = (1 - u) * shows(b, x0, y0, c->depth_m) + u * shows(b, x0 + 1, y0, c->depth_m),
+	   lower = (1 - u) * shows(b, x0, y0 + 1, c->depth_m) +
+		   u * shows(b, x0 + 1, y0 + 1, c->depth_m);
+	return (1 - v) * upper + v * lower;
+}
+
+INLINE bool hides_backs(const struct brush *b)
+{
+	return frame_pipeline(b->f, b->layer->pipeline)->mask.backs == BACKS_HIDDEN;
+}
+
+/* How far it is drawn where backs are hidden: surface that turns away fades, but what has no normal. */
+INLINE vf facing(const struct brush *b, const struct lane_candidates *c)
+{
+	if (!hides_backs(b))
+		return all(1);
+	return choose(has_no_normal(c), all(1), clamp01(along_of(b, c) * (-1 / TURNED_AWAY)));
+}
+
+/* Of what is drawn whole. */
+INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	vf alpha = visibility(b, c) * facing(b, c) * ink->opacity;
+	if (b->f->focus.is_there)
+		alpha *= 1 - b->f->focus.amount * c->away;
+	if (ink->opacity_variation > 0)
+		alpha *= 1 - ink->opacity_variation *
+				     lanes_chance(c->point, stroke_salt(c->copy, SALT_OPACITY));
+	if (ink->degree > 0)
+		alpha *= 1 -
+			 ink->degree * (1 - gather_u8(b->f->scene->degree, c->point) * (1 / 255.f));
+	for (int k = 0; k < LANES && ink->fade_m > 0; k++)
+		alpha[k] *= exp2f(-c->depth_m[k] / ink->fade_m);
+	return alpha;
+}
+
+/* ---- candidates ---- */
+
+/* Those of eight that may be drawn, by what is quickly told. */
+INLINE unsigned promising(
+	const struct brush *b, const struct lane_points *l, const struct lane_candidates *c)
+{
+	vf nearest_m = nearest_of(b, l->depth_m), octaves = octaves_of(nearest_m);
+	vf px_per_m = b->focal_px / nearest_m, scale = c->spacing_m * px_per_m;
+	vf reach = b->layer->ink.length_px / 2 + b->moved_m * px_per_m;
+	vf need = is_on_edge(b)
+			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
+			  : scale * scale * b->wanted_most;
+	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
+		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
+		    (c->rank < need * STROKE_FADE_MORE(octaves)));
+}
+
+/* The nearest pixels of the mask are far away. */
+INLINE void fetch(const struct brush *b, const struct lane_candidates *c)
+{
+	const visibility_mask *m = b->mask;
+	for (unsigned left = m ? c->left : 0; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		int x = CLAMP((int)(c->x_px[k] - 0.5f), 0, (int)m->width - 1),
+		    y = CLAMP((int)(c->y_px[k] - 0.5f), 0, (int)m->height - 1);
+		const int32_t *at = &m->key[(ptrdiff_t)y * m->pitch + x];
+		__builtin_prefetch(at);
+		__builtin_prefetch(at + m->pitch);
+	}
+}
+
+INLINE struct candidate candidate_of(const struct lane_candidates *l, int k)
+{
+	return (struct candidate){ (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
+		l->x_px[k], l->y_px[k], l->depth_m[k],
+		{ l->normal[0][k], l->normal[1][k], l->normal[2][k] } };
+}
+
+/* A block with room for so many. */
+INLINE struct stroke_block *block_of(struct stroke_chain *to, uint32_t strokes)
+{
+	if (!to->last || to->last->count + strokes > STROKE_BLOCK)
+		stroke_chain_grow(to);
+	return to->last;
+}
+
+#endif
