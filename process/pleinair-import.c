@@ -14,6 +14,7 @@ static const GOptionEntry entries[] = {
 	{ "again", 0, 0, G_OPTION_ARG_NONE, &again, "Import also what the site has already", NULL },
 	{ "points", 0, 0, G_OPTION_ARG_INT64, &point_count,
 		"Of a mesh: how many points are made of it, about [500000]", "N" },
+	{ "samples", 0, 0, G_OPTION_ARG_INT64, &point_count, "The same as --points", "N" },
 	{ "spacing", 0, 0, G_OPTION_ARG_STRING, &spacing_text,
 		"Of a mesh: how far its points are from each other", "METRES" },
 	{ "sampling", 0, 0, G_OPTION_ARG_STRING, &sampling,

@@ -51,6 +51,9 @@ static const struct usage {
 	{ "folder", { "import", "x", "/" }, 1, "/: is a folder" },
 	{ "device", { "import", "x", "/dev/zero" }, 1, "not a plain file" },
 	{ "other-format", { "import", "x", "/bin/sh" }, 1, "PTX" },
+	{ "samples", { "import", "x", "a.off", "--samples", "-1" }, 2, "points go from 1" },
+	{ "samples-and-spacing", { "import", "x", "a.off", "--samples=9", "--spacing=0.1" }, 2,
+		"take one" },
 	{ "parent-missing", { "import", "no/x", "/bin/sh" }, 1, "no/x" },
 };
 
@@ -120,6 +123,26 @@ static void test_json(void)
 	g_assert_false(json_object_get_boolean_member(o, "classes"));
 	JsonArray *position = json_object_get_array_member(o, "position_m");
 	g_assert_cmpfloat(json_array_get_double_element(position, 0), ==, 7000.5);
+	folder_clear(&f);
+}
+
+/* A mesh, by either name of the number of its points, gives the same ones. */
+static void test_samples(void)
+{
+	struct folder f = folder_new();
+	g_autofree char *file = write_file(&f, "tetra.off",
+				"OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+				"3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"),
+			*other = g_build_filename(f.path, "other", NULL);
+	g_auto(answer) a = commands_run("import", f.site, file, "--samples", "300", "--json"),
+		       b = commands_run("import", other, file, "--points", "300", "--json");
+	commands_assert_done(&a);
+	commands_assert_done(&b);
+	g_autoptr(JsonNode) one = commands_json(&a), two = commands_json(&b);
+	gint64 count = json_object_get_int_member(scan_of(one, 0), "points");
+	g_assert_cmpint(count, >, 200);
+	g_assert_cmpint(count, <, 400);
+	g_assert_cmpint(json_object_get_int_member(scan_of(two, 0), "points"), ==, count);
 	folder_clear(&f);
 }
 
@@ -344,6 +367,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/import-command/help", test_help);
 	g_test_add_func("/import-command/lines", test_lines);
 	g_test_add_func("/import-command/json", test_json);
+	g_test_add_func("/import-command/samples", test_samples);
 	g_test_add_func("/import-command/second-bad", test_second_bad);
 	g_test_add_func("/import-command/first-bad", test_first_bad);
 	g_test_add_func("/import-command/twice", test_twice);
