@@ -1,7 +1,7 @@
 #include "render/gallery.h"
 #include <errno.h>
 
-static const char css[] =
+const char gallery_css[] =
 	":root{color-scheme:light dark}"
 	"body{font:16px/1.5 system-ui,sans-serif;margin:0;background:#f6f3ec;color:#2b2723}"
 	"main{max-width:1700px;margin:0 auto;padding:1.2rem 1.5rem}h1{font-weight:600;margin:.4rem "
@@ -24,7 +24,7 @@ static struct gallery_options filled_in(const struct gallery_options *o)
 	return r;
 }
 
-static view *find_view(const drawn_site *d, const char *name, GError **error)
+view *gallery_view(const drawn_site *d, const char *name, GError **error)
 {
 	view *v = NULL;
 	if (!name)
@@ -34,24 +34,32 @@ static view *find_view(const drawn_site *d, const char *name, GError **error)
 	return v;
 }
 
+bool gallery_picture(const drawn_site *d, painter *p, drawing *drawn, const view *v,
+	const struct gallery_options *o, struct picture_buffer *ret, GError **error)
+{
+	struct camera c = view_camera(v, o->width, o->height);
+	c = camera_scaled(&c, o->supersample);
+	g_autoptr(frame) f = frame_new(d->scene, drawn, &c, error);
+	if (!f)
+		return false;
+	struct picture_buffer large = picture_buffer_new(c.width, c.height);
+	bool good = painter_draw(p, f, &large, NULL, error);
+	if (good)
+		*ret = picture_buffer_reduced(&large, o->supersample);
+	picture_buffer_clear(&large);
+	return good;
+}
+
 static bool draw_style(const drawn_site *d, painter *p, const char *name, const view *v,
 	const struct gallery_options *o, GError **error)
 {
+	struct picture_buffer small = { 0 };
 	g_autoptr(drawing) drawn = drawn_site_style(d, name, error);
-	struct camera c = view_camera(v, o->width, o->height);
-	c = camera_scaled(&c, o->supersample);
-	g_autoptr(frame) f = drawn ? frame_new(d->scene, drawn, &c, error) : NULL;
-	if (!f)
+	if (!drawn || !gallery_picture(d, p, drawn, v, o, &small, error))
 		return false;
 	g_autofree char *file = g_strdup_printf("%s.png", name);
 	g_autofree char *path = g_build_filename(o->folder, file, NULL);
-	struct picture_buffer large = picture_buffer_new(c.width, c.height), small = { 0 };
-	bool good = painter_draw(p, f, &large, NULL, error);
-	if (good) {
-		small = picture_buffer_reduced(&large, o->supersample);
-		good = picture_buffer_save(&small, path, error);
-	}
-	picture_buffer_clear(&large);
+	bool good = picture_buffer_save(&small, path, error);
 	picture_buffer_clear(&small);
 	return good;
 }
@@ -84,7 +92,7 @@ static bool write_page(
 		"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
 		"content=\"width=device-width\"><title>%s in all styles</title><style>%s</style>\n"
 		"<main><h1>%s in all styles</h1><div class=\"wall\">\n",
-		escaped, css, escaped);
+		escaped, gallery_css, escaped);
 	for (char *const *name = names; *name; name++)
 		if (!append_style(html, d, *name, error))
 			return false;
@@ -105,7 +113,7 @@ bool gallery_write(const drawn_site *d, painter *p, char *const *names,
 	const struct gallery_options *options, GError **error)
 {
 	struct gallery_options o = filled_in(options);
-	g_autoptr(view) v = find_view(d, o.view, error);
+	g_autoptr(view) v = gallery_view(d, o.view, error);
 	guint count = g_strv_length((char **)names);
 	if (!v)
 		return false;

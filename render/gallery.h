@@ -16,4 +16,13 @@ struct gallery_options {
 bool gallery_write(const drawn_site *d, painter *p, char *const *names,
 	const struct gallery_options *options, GError **error);
 
+/* ---- what other pages of pictures have in common with it ---- */
+
+extern const char gallery_css[];
+/* name NULL: walk, or overview where the site has none. */
+view *gallery_view(const drawn_site *d, const char *name, GError **error);
+/* Of the style that is drawn; caller clears *ret. Width, height and supersample of the options count. */
+bool gallery_picture(const drawn_site *d, painter *p, drawing *drawn, const view *v,
+	const struct gallery_options *o, struct picture_buffer *ret, GError **error);
+
 #endif

@@ -2,14 +2,15 @@
 #include "acquire/cli.h"
 #include "acquire/site.h"
 #include "render/gallery.h"
-#include "render/style.h"
+#include "render/sweep-draw.h"
 #include <stdio.h>
 #include <string.h>
 
 #define COMMAND "styles"
 
 static gboolean json, schema, steps, check;
-static char *thumbnails, *view_name, *size_text;
+static char *thumbnails, *view_name, *size_text, *output;
+static char **sweep_texts;
 
 static const GOptionEntry entries[] = {
 	{ "check", 'c', 0, G_OPTION_ARG_NONE, &check,
@@ -18,11 +19,17 @@ static const GOptionEntry entries[] = {
 		"List the steps that styles are made of, and their parameters", NULL },
 	{ "thumbnails", 't', 0, G_OPTION_ARG_FILENAME, &thumbnails,
 		"Draw SITE in each style, into this folder, with a page that shows all", "FOLDER" },
+	{ "sweep", 0, 0, G_OPTION_ARG_STRING_ARRAY, &sweep_texts,
+		"Draw SITE once for each value, with a sheet that shows all; may be repeated",
+		"STYLE:STEP.PARAMETER=VALUE,..." },
+	{ "output", 'o', 0, G_OPTION_ARG_FILENAME, &output,
+		"sweeps: into this folder (default SITE/exports/sweeps)", "FOLDER" },
 	{ "view", 'v', 0, G_OPTION_ARG_STRING, &view_name,
-		"thumbnails: from where, as in pleinair render (default walk, else overview)",
+		"thumbnails, sweeps: from where, as in pleinair render (default walk, else "
+		"overview)",
 		"VIEW" },
-	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text, "thumbnails: of each (default 800x600)",
-		"WxH" },
+	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text,
+		"thumbnails, sweeps: of each picture (default 800x600, of sweeps 600x450)", "WxH" },
 	{ "schema", 0, 0, G_OPTION_ARG_NONE, &schema,
 		"Print the JSON Schema of styles, for editors", NULL },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the list as JSON", NULL },
@@ -108,6 +115,23 @@ static bool draw_thumbnails(const char *site_path, const struct gallery_options 
 	return p && drawn_site_load(d, error) && gallery_write(d, p, names, o, error);
 }
 
+/* CLI_DONE, or what was said. */
+static int read_size(struct gallery_options *o)
+{
+	if (!size_text || camera_size_parse(size_text, &o->width, &o->height))
+		return CLI_DONE;
+	return cli_misuse(COMMAND, "--size is WIDTHxHEIGHT, each from 1 to %u, not '%s'",
+		CAMERA_SIDE_MAX / 2, size_text);
+}
+
+static int tell_page(bool good, const char *in, const GError *error)
+{
+	if (!good)
+		return cli_fail(COMMAND, error);
+	printf("%s/index.html\n", in);
+	return cli_done(COMMAND);
+}
+
 static int make_thumbnails(const char *site_path)
 {
 	g_autoptr(GError) error = NULL;
@@ -118,17 +142,53 @@ static int make_thumbnails(const char *site_path)
 		.height = 600,
 		.progress = show_progress,
 		.user_data = &bar };
-	if (size_text && !camera_size_parse(size_text, &o.width, &o.height))
-		return cli_misuse(COMMAND, "--size is WIDTHxHEIGHT, each from 1 to %u, not '%s'",
-			CAMERA_SIDE_MAX / 2, size_text);
+	int status = read_size(&o);
+	if (status != CLI_DONE)
+		return status;
 	cli_catch_interrupts();
 	bar = cli_bar_begin(COMMAND);
 	bool good = draw_thumbnails(site_path, &o, &error);
 	cli_bar_end(&bar);
-	if (!good)
-		return cli_fail(COMMAND, error);
-	printf("%s/index.html\n", thumbnails);
-	return cli_done(COMMAND);
+	return tell_page(good, thumbnails, error);
+}
+
+/* ---- sweeps ---- */
+
+/* NULL: it was said what is wrong. */
+static GPtrArray *read_sweeps(void)
+{
+	g_autoptr(GPtrArray) sweeps = g_ptr_array_new_with_free_func((GDestroyNotify)sweep_free);
+	for (char **text = sweep_texts; *text; text++) {
+		g_autoptr(GError) error = NULL;
+		sweep *s = sweep_new(*text, &error);
+		if (!s)
+			return cli_misuse(COMMAND, "--sweep: %s", error->message), NULL;
+		g_ptr_array_add(sweeps, s);
+	}
+	return g_steal_pointer(&sweeps);
+}
+
+static int make_sweeps(char **paths)
+{
+	g_autoptr(GError) error = NULL;
+	g_autofree char *usual = g_build_filename(paths[0], "exports", "sweeps", NULL);
+	struct cli_bar bar;
+	struct gallery_options o = { .folder = output ? output : usual,
+		.view = view_name,
+		.width = 600,
+		.height = 450,
+		.supersample = 2,
+		.progress = show_progress,
+		.user_data = &bar };
+	g_autoptr(GPtrArray) sweeps = read_sweeps();
+	int status = sweeps ? read_size(&o) : CLI_WRONG_USAGE;
+	if (status != CLI_DONE)
+		return status;
+	cli_catch_interrupts();
+	bar = cli_bar_begin(COMMAND);
+	bool good = sweeps_draw_sites(paths, sweeps, &o, &error);
+	cli_bar_end(&bar);
+	return tell_page(good, o.folder, error);
 }
 
 /* ---- the steps ---- */
@@ -200,7 +260,8 @@ int main(int argc, char **argv)
 {
 	int status;
 	g_autoptr(GError) error = NULL;
-	if (!cli_parse(COMMAND, "[SITE | FILE...]", "Lists the styles that a site can be drawn in.",
+	if (!cli_parse(COMMAND, "[SITE... | FILE...]",
+		    "Lists the styles that a site can be drawn in.",
 		    "With a SITE, its own styles too. How a style is written: pleinair-style(5).\n",
 		    entries, &argc, &argv, &status))
 		return status;
@@ -211,6 +272,12 @@ int main(int argc, char **argv)
 		return cli_misuse(COMMAND, "which files?");
 	if (check)
 		return check_files(argv + 1);
+	if (sweep_texts && argc < 2)
+		return cli_misuse(COMMAND, "sweeps of which site?");
+	if (sweep_texts && thumbnails)
+		return cli_misuse(COMMAND, "--sweep and --thumbnails are one at a time");
+	if (sweep_texts)
+		return make_sweeps(argv + 1);
 	if (argc > 2 || (argc == 2 && (steps || schema)))
 		return cli_misuse(COMMAND, "'%s' is too much here", argv[argc - 1]);
 	if (steps)
