@@ -2,10 +2,11 @@
 
 sources_all = $(shell git ls-files '*.c' '*.h' '*.cpp' 2>/dev/null || find $(modules) tests -name '*.[ch]')
 demo_site ?= demo-site
+gallery ?= gallery
 # A whole build takes all cores, unless make was told how many.
 side_by_side = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,--jobs=$(shell nproc))
 
-.PHONY: all help deps demo check check-house check-layers check-format check-translations pot check-tests check-sanitized check-asan check-ubsan \
+.PHONY: all help deps demo gallery check check-house check-layers check-format check-translations pot check-tests check-sanitized check-asan check-ubsan \
 	check-tsan fuzz bench format install clean tests
 
 help:
@@ -15,6 +16,11 @@ help:
 demo: deps
 	$(MAKE) $(side_by_side) all
 	@sh tests/demo.sh $(BUILD)/bin $(demo_site)
+
+#: make gallery         set up, build, draw what each parameter of hatching does: a contact sheet of each, on one page
+gallery: deps
+	$(MAKE) $(side_by_side) all
+	@sh tests/gallery.sh $(BUILD)/bin $(demo_site) $(gallery)
 
 #: make check           set up, build, run every test (all but the slowest also under ASan and UBSan), check layers and format
 check: deps

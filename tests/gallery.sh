@@ -1,0 +1,88 @@
+#!/bin/sh
+# gallery.sh BIN SITE FOLDER: what each parameter of hatching does, as contact sheets on one page: a knot that is made here, and the
+# courtyard of the demo, or a smaller one where there is no demo site.
+set -e
+bin=$1 court=$2 folder=$3
+here=$(dirname "$0")
+started=$(date +%s)
+mkdir -p "$folder"
+
+# Both sites stay, and are made again only when the mesh is another one.
+awk -f "$here/knot.awk" >"$folder/knot.new"
+if ! cmp -s "$folder/knot.new" "$folder/knot.off" || [ ! -f "$folder/knot/model/points.model" ]; then
+	echo "gallery: a knotted tube becomes points"
+	rm -rf "$folder/knot"
+	mv "$folder/knot.new" "$folder/knot.off"
+	"$bin/pleinair" import "$folder/knot" "$folder/knot.off" --samples 500000
+	"$bin/pleinair" process "$folder/knot"
+fi
+rm -f "$folder/knot.new"
+if [ ! -f "$court/model/points.model" ]; then
+	court=$folder/court
+fi
+if [ ! -f "$court/model/points.model" ]; then
+	echo "gallery: two scans of the simulated courtyard (make demo makes a finer site)"
+	rm -rf "$court"
+	for station in 1 2; do
+		"$bin/pleinair" scan "$court" --device "sim:court?seed=7&station=$station" --preset standard
+	done
+	"$bin/pleinair" process "$court"
+fi
+
+# One line a sheet: TITLE | CAPTION | what pleinair-styles(1) says of --sweep. knot: from near by; yard: the courtyard alone.
+knot='site=knot;view="-3,-5,3.2:0.2,-0.6,1:22"'
+yard="site=$(basename "$court")"
+coarse='light.azimuth_deg=100;hatching.spacing_px=12;hatching.length_px=64;hatching.width_px=4.5;hatching.opacity=1'
+stout='hatching.spacing_px=6;hatching.length_px=44;hatching.width_px=3.4;hatching.opacity=1'
+while read -r line; do
+	[ -n "$line" ] && set -- "$@" --sweep "$line"
+done <<END
+All styles of hatching | What the shipped styles make of a smooth thing and of a place. Stands beside Figures 1 and 7. | pencil,charcoal,ballpoint,blueprint,chalk-on-black,coloured-crayons,wax-crayons,pointillism,two-colour
+Line length | Strokes get longer, and with them the same surface darker. Section 3.1. | pencil:hatching.length_px=6,12,24,48
+Line thickness | Strokes get broader. Section 3.1. | pencil:hatching.width_px=0.8,1.6,3.2,6.4
+Line spacing | How far neighbouring strokes are apart where all of them are drawn; not in the paper, where points give it. | pencil:hatching.spacing_px=2,4,8,16
+Stroke density | The part of all strokes that may be drawn. Section 3.1. | pencil:hatching.density=0.15,0.4,0.7,1
+Parallel and crossed | None, some, or all strokes get a second one across them; where it is lighter they lose it first (h of section 3.5, interpolation of cross and parallel hatches). | pencil:$knot;$coarse;hatching.cross=0,0.33,0.66,1
+Regular and irregular strokes | From strokes that are laid with a ruler to scattered ones. Stands beside Figure 3. | pencil:$knot;$coarse;hatching.cross=1;hatching.angle_variation_deg=0,8,25,60;hatching.length_variation=0,0.2,0.5,0.9;hatching.scatter=0,0.3,0.7,1
+Line direction, across | The uniform vector of section 3.2 turns about the vertical; it is projected into every surface. | pencil:$stout;hatching.line_elevation_deg=0;hatching.line_azimuth_deg=0,45,90,135
+Line direction, up | The uniform vector rises. | pencil:$stout;hatching.line_azimuth_deg=35;hatching.line_elevation_deg=0,30,60,90
+Line angle | The same vector, strokes turned on their surfaces. | pencil:$stout;hatching.line_angle_deg=-45,0,45,90
+Along the bends | One direction for all, or the one in which a surface is bent most. Beyond the paper, which has curvature for lengths alone. | ballpoint:hatching.follows=uniform,curvature
+Light direction | The light goes around. Section 3.1. | pencil:light.azimuth_deg=30,120,210,300
+Light from low to high | The light rises. | pencil:light.elevation_deg=0,30,60,90
+Light and own tone | From the light alone, as on plaster, to points' own lightness alone. | pencil:light.amount=1,1,0.5,0;hatching.own_tone=0,0.5,1,1
+Shine | Phong's highlight, stronger and smaller. Section 3.2. | ballpoint:$knot;light.azimuth_deg=320;light.elevation_deg=30;hatching.shine=0,0.5,1,2;hatching.shine_exponent=20,20,20,80
+Colouring mode | One ink for all; the colours of the X-Toon texture; each point's own; both blended. Section 3.3. | coloured-crayons:hatching.pencils=[];hatching.colouring=ink,xtoon,point,blend
+How much of which colour | Blended colours, from points' own to those of the X-Toon texture. Section 3.3. | coloured-crayons:hatching.pencils=[];hatching.mix=0,0.33,0.66,1
+Hue shift | All hues turned. Section 3.1. | coloured-crayons:hatching.hue_shift_deg=-120,-60,0,60,120
+X-Toon textures | Three textures, and all else the same. Stands beside Figure 2. | pencil:$stout;hatching.colouring=xtoon;hatching.xtoon=@pencil,@wax-crayons,@two-colour
+X-Toon with depth | The texture's second way: a pencil that fades, and a crayon that turns blue, far away. Section 3.2; Figure 2 leaves it out. | pencil,$here/gallery/fading.json,$here/gallery/far-blue.json:$yard;hatching.far_m=30
+Level of abstraction | Far away strokes are larger, and fewer. Section 5 wishes for it. | pencil:$yard;hatching.far_m=30;hatching.abstraction=0,1,2,4
+Pencil boxes | The same picture with no box, and with 4, 8, 12 and 24 pencils; of two neighbours chance takes one. Section 3.3. | coloured-crayons:hatching.pencils=[],["#e0352b","#f7d51d","#2f9b45","#2354a4"],["#d81f2a","#f28a1d","#fbd914","#3ba53a","#159a92","#1f86c7","#5a3a98","#b0358c"],["#e6232a","#f0622d","#f7a823","#fbe122","#a5c72f","#2f9b45","#159a92","#2aa0d8","#2354a4","#5a3a98","#b0358c","#8a4b22"],["#d92121","#eb5523","#d97d21","#ebb923","#d9d921","#b9eb23","#7dd921","#55eb23","#21d921","#23eb55","#21d97d","#23ebb9","#21d9d9","#23b9eb","#217dd9","#2355eb","#2121d9","#5523eb","#7d21d9","#b923eb","#d921d9","#eb23b9","#d9217d","#eb2355"]
+Pressure | Where few strokes are drawn they are faint too, or not. Alpha modification of section 3.5. | pencil:$knot;$coarse;hatching.pressure=0,0.33,0.66,1
+Uneven pressure | No two strokes are of the same strength. Section 3.5. | pencil:$knot;$coarse;hatching.opacity_variation=0,0.3,0.6,1
+Chance or darkness | The X-Toon's alpha as the part of the strokes that is drawn, or as how dark the surface becomes. | pencil:hatching.tone_by=chance,darkness
+Curvature and length | Points alone, as dots; strokes of one length, which leave the surface where it is bent; strokes that are the shorter the more a surface is bent along them. Stands beside Figure 5. | stipple-diffuse,pencil,pencil:$knot;hatching.spacing_px=-,9,9;hatching.length_px=-,90,90;hatching.width_px=-,3.4,3.4;hatching.cross=-,1,1;hatching.curvature=-,0,4
+Curvature, more of it | How much shorter strokes are in bends. | ballpoint:$knot;hatching.spacing_px=7;hatching.length_px=70;hatching.width_px=1.4;hatching.follows=curvature;hatching.curvature=0,0.5,1,4
+Depth pass | Nothing is hidden; surface that is seen from behind; and what lies behind other surface. Stands beside Figure 6. | pencil:mask.disc=0,0,1.5;mask.backs=shown,hidden,hidden
+Discs of the depth pass | How large points are when they hide others: too small lets through what is behind, too large eats what is beside. Section 3.4. | pencil:mask.disc=0.5,1,2,6
+Offset of the depth pass | Without one discs eat strokes; too much lets through what is close behind. Stands beside Figure 4. | pencil:mask.offset_m=0,0.02,0.1,0.5;mask.offset_relative=0,0.004,0.004,0.004
+Strokes' textures | What a stroke looks like by itself. Section 3.2. | pencil:$knot;light.azimuth_deg=100;hatching.spacing_px=20;hatching.length_px=90;hatching.width_px=10;hatching.opacity=1;hatching.texture=line,ink-pen,pencil,charcoal,chalk
+The paper's grain in strokes | Not in the paper. | charcoal:$knot;light.azimuth_deg=100;hatching.tooth=0,0.33,0.66,1
+The camera moves | Strokes stay where they are on the surface while the eye goes around it. Section 1, temporal coherence. | ballpoint:site=knot;view="-3,-5,3.2:0.2,-0.6,1:16","-2.9,-5.05,3.2:0.2,-0.6,1:16","-2.6,-5.2,3.2:0.2,-0.6,1:16","-2,-5.5,3.2:0.2,-0.6,1:16"
+Contours | Outlines alone; with suggestive lines from curvature; and lines where the depth steps. Section 5 wishes for them. | ballpoint:hatching.density=0;edges.opacity=0;contours.opacity=1;contours.width_px=2;contours.outlines=1;contours.suggestive=0,1,1;contours.steps=0,0,1
+Contours and abstraction | What is bent less than so has no lines. | ballpoint:$knot;hatching.density=0;edges.opacity=0;contours.opacity=1;contours.width_px=2;contours.steps=0;contours.bent_least_per_m=0.5,3,5,8
+Stippling true to tones | Dots as dense as the X-Toon asks for, from lightest to darkest; by blue noise. Beyond the papers. | stippling:hatching.density=0.25,0.5,1
+Dots that stay | They stay on the surface when the camera moves. Beyond the papers. | stippling:site=knot;view="-3,-5,3.2:0.2,-0.6,1:16","-2.9,-5.05,3.2:0.2,-0.6,1:16","-2.6,-5.2,3.2:0.2,-0.6,1:16"
+Hidden points | Depths are spread to the pixels around once, twice, and as often as it takes. Stands beside Awano's Figure 12. | stipple-diffuse:site=knot;light.amount=0;stipple.passes=1,2,4,0
+Diffuse reflection | The nearest point of each texel of the light's view is left out; finer texels leave out more. Stands beside Awano's Figure 13. | stipple-diffuse:site=knot;stipple.level=7,8,9,10
+Specular reflection | Points whose share of the light's pixels is so much larger than of the eye's are left out. Stands beside Awano's Figure 14. | stipple-highlight:site=knot;stipple.epsilon=0,0.5,0.3,0.2
+Shadows | What the light does not see stays whole. Stands beside Awano's Figure 15. | stipple-shadow:light.azimuth_deg=120,180,240;light.elevation_deg=35
+The light of stippling | From where it comes, and from how near. Awano, section 2.2. | stipple-diffuse:site=knot;light.azimuth_deg=60,160,260,260;stipple.light_distance=0,0,0,1.5
+END
+shift 3
+echo "gallery: drawing a sheet for each of $(($# / 2)) parameters"
+"$bin/pleinair" styles "$folder/knot" "$court" "$@" --output "$folder/sheets"
+echo
+echo "gallery: done in $(($(date +%s) - started)) s. Look at:"
+echo "    $(cd "$folder" && pwd)/sheets/index.html"
