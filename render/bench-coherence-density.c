@@ -20,7 +20,8 @@ struct cells {
 
 bool density_has(const struct frame_layer *l)
 {
-	return l->kinds & (1 << FEATURE_NONE | 1 << FEATURE_DITHER);
+	return !l->is_contours && !l->stipple &&
+	       l->kinds & (1 << FEATURE_NONE | 1 << FEATURE_DITHER);
 }
 
 static struct cell *cell_at(const struct cells *c, double x_px, double y_px)
@@ -33,6 +34,14 @@ static struct cell *cell_at(const struct cells *c, double x_px, double y_px)
 
 /* ---- what is wanted ---- */
 
+static float wanted_at(const struct frame_layer *l, uint8_t lightness, int32_t key)
+{
+	if (!l->hatch)
+		return l->wanted_per_px[lightness];
+	return l->hatch->wanted_per_px[frame_hatch_shade(
+		l->hatch, (float)lightness / 255, mask_depth(key))];
+}
+
 static void add_wanted(const struct cells *c, const struct frame_layer *l, const visibility_mask *m,
 	const uint8_t *lightness)
 {
@@ -44,7 +53,7 @@ static void add_wanted(const struct cells *c, const struct frame_layer *l, const
 				(key & ((1 << MASK_PIPELINE_BITS) - 1)) != l->pipeline)
 				continue;
 			cell->covered++;
-			cell->wanted += l->wanted_per_px[lightness[(size_t)y * m->width + x]];
+			cell->wanted += wanted_at(l, lightness[(size_t)y * m->width + x], key);
 		}
 }
 
@@ -52,8 +61,8 @@ static void add_wanted(const struct cells *c, const struct frame_layer *l, const
 
 static float strokes_of(const struct frame_layer *l, const scene *s, uint32_t point)
 {
-	bool is_flat =
-		s->kind[point] < FEATURE_UNDIRECTED && s->normal[point][0] != MODEL_NORMAL_NONE;
+	bool is_flat = (l->hatch || s->kind[point] < FEATURE_UNDIRECTED) &&
+		       s->normal[point][0] != MODEL_NORMAL_NONE;
 	return is_flat ? (float)frame_copies(l) : 1;
 }
 
@@ -101,6 +110,19 @@ static float opacity_of(const struct frame_layer *l, const scene *s, const struc
 	return ink->opacity * (1 - ink->opacity_variation / 2) * faint * away;
 }
 
+/* Of hatching: pressed as its chance is, and as long as it lies on the surface; those across come on top of it. */
+static float weight_of(const frame *f, const struct frame_layer *l, const struct stroke *s)
+{
+	const struct frame_hatch *h = l->hatch;
+	if (!h)
+		return 1;
+	float brightness = frame_hatch_brightness(f, h, s->point);
+	float chance = h->chance[frame_hatch_shade(h, brightness, 1 / s->q)];
+	float pressure = fmaxf(frame_hatch_pressure(&h->step, chance), 1e-3f);
+	float larger = s->half_width_px * 2 / l->ink.width_px;
+	return s->copy & 1 ? 0 : s->half_length_px * 2 / (l->ink.length_px * larger * pressure);
+}
+
 static void add_strokes(
 	const struct cells *c, const frame *f, const struct frame_layer *l, const stroke_list *list)
 {
@@ -109,7 +131,7 @@ static void add_strokes(
 		struct cell *cell = cell_at(c, s->x_px, s->y_px);
 		float opacity = opacity_of(l, f->scene, s);
 		if (cell && opacity > 0)
-			cell->strokes += s->alpha / opacity;
+			cell->strokes += s->alpha / opacity * weight_of(f, l, s);
 	}
 }
 

@@ -9,7 +9,7 @@
 #define TILE_PX 64u
 #define SOFT_PX 9u
 
-enum { PATH_DOLLY, PATH_ORBIT, PATH_PAN, PATHS };
+enum { PATH_DOLLY, PATH_ORBIT, PATH_PAN, PATH_LIGHT, PATHS };
 
 /* ---- a frame of one style, as it was drawn ---- */
 
@@ -57,13 +57,13 @@ struct density {
  * are fewer than it wants. */
 void density_find_limited(const frame *f, const struct shot *s, uint32_t layer,
 	const uint8_t *lightness, bool *limited);
-/* lightness: of plain coloured points. */
+/* lightness: of plain coloured points; of hatching how light it takes them for. */
 struct density density_of(
 	const frame *f, const struct shot *s, uint32_t layer, const uint8_t *lightness);
 
 /* ---- tone ---- */
 
-/* Only the layers with the tone of the colour, on paper without grain. NULL: there are none; d is taken. */
+/* Only the layers with the tone of the colour, and hatching that is as dark as its X-Toon says, on paper without grain. NULL: there are none; d is taken. */
 drawing *tone_drawing(drawing *d);
 
 struct tone_sums {

@@ -21,6 +21,65 @@ static char *title_of(const char *name)
 	return title;
 }
 
+/* The first layer of hatching. */
+static const struct frame_layer *hatching_of(const frame *f)
+{
+	for (uint32_t l = 0; l < f->layers; l++)
+		if (f->layer[l].hatch)
+			return &f->layer[l];
+	return NULL;
+}
+
+static void lighten(struct styled *s)
+{
+	const struct frame_layer *l = hatching_of(s->frame);
+#pragma omp parallel for schedule(static)
+	for (uint32_t n = 0; n < s->bright->count; n++) {
+		float light = frame_hatch_brightness(s->frame, l->hatch, n);
+		memset(s->bright->rgba[n], (int)(255 * CLAMP(light, 0, 1) + 0.5f), 3);
+		s->bright->rgba[n][3] = 255;
+	}
+}
+
+/* Plain points, in no light, in place of what it draws. */
+static drawing *plain_drawing(drawing *d)
+{
+	for (guint n = 0; d && n < d->pipelines->len; n++) {
+		struct pipeline *p = &g_array_index(d->pipelines, struct pipeline, n);
+		p->steps[0] = step_defaults(step_kind_find("points"));
+		p->layers = 1;
+		p->filters = 0;
+	}
+	if (d)
+		d->whole.light.amount = d->whole.focus.amount = 0;
+	return d;
+}
+
+/* All of the scene but the colours is the other's. */
+static bool open_bright(struct styled *s, const char *name, const bench_place *p,
+	const scene *points, const struct camera *c, GError **error)
+{
+	if (!hatching_of(s->frame))
+		return true;
+	s->bright_drawing = plain_drawing(bench_place_drawing(p, name, error));
+	if (!s->bright_drawing)
+		return false;
+	s->bright = g_memdup2(points, sizeof *points);
+	s->bright->rgba = g_malloc(((size_t)points->count + 16) * sizeof *points->rgba);
+	lighten(s);
+	s->bright_frame = frame_new(s->bright, s->bright_drawing, c, error);
+	return s->bright_frame;
+}
+
+static void close_bright(struct styled *s)
+{
+	frame_free(s->bright_frame);
+	drawing_free(s->bright_drawing);
+	if (s->bright)
+		g_free(s->bright->rgba);
+	g_free(s->bright);
+}
+
 bool styled_open(struct styled *s, const char *name, const bench_place *p, const scene *points,
 	const struct camera *c, const struct styled *baseline, GError **error)
 {
@@ -33,6 +92,8 @@ bool styled_open(struct styled *s, const char *name, const bench_place *p, const
 	s->frame = frame_new(points, s->drawing, c, error);
 	if (s->frame && s->toned)
 		s->toned_frame = frame_new(points, s->toned, c, error);
+	if (s->frame && baseline && !open_bright(s, name, p, points, c, error))
+		return false;
 	s->shares_mask = baseline && shares_mask(s->drawing, baseline->drawing);
 	return s->frame && (!s->toned || s->toned_frame);
 }
@@ -41,6 +102,7 @@ void styled_close(struct styled *s)
 {
 	shot_clear(&s->before);
 	shot_clear(&s->now);
+	close_bright(s);
 	g_free(s->title);
 	frame_free(s->frame);
 	frame_free(s->toned_frame);
@@ -69,6 +131,17 @@ bool styled_try_static(
 		return false;
 	s->is_static = memcmp(first, picture->rgba, bytes) == 0;
 	return true;
+}
+
+void styled_turn_light(struct styled *s, double by_deg)
+{
+	struct style_light light = s->drawing->whole.light;
+	light.azimuth_deg += (float)by_deg;
+	frame_set_light(s->frame, &light);
+	if (s->toned_frame)
+		frame_set_light(s->toned_frame, &light);
+	if (s->bright)
+		lighten(s);
 }
 
 /* ---- frames ---- */
@@ -186,11 +259,27 @@ static bool measure_tone(
 	return true;
 }
 
+/* How light hatching takes each pixel for. */
+static uint8_t *draw_bright(struct styled *s, struct picture_buffer *picture, GError **error)
+{
+	if (!frame_move(s->bright_frame, &s->now.camera, error))
+		return NULL;
+	draw_frame(NULL, s->bright_frame, picture, NULL);
+	size_t pixels = (size_t)picture->width * picture->height;
+	uint8_t *ret = g_new(uint8_t, pixels);
+	for (size_t n = 0; n < pixels; n++)
+		ret[n] = picture->rgba[n][1];
+	return ret;
+}
+
 bool styled_measure_frame(
 	struct styled *s, const uint8_t *lightness, struct picture_buffer *picture, GError **error)
 {
-	measure_density(s, lightness);
-	return !s->toned || measure_tone(s, lightness, picture, error);
+	g_autofree uint8_t *own = s->bright ? draw_bright(s, picture, error) : NULL;
+	if (s->bright && !own)
+		return false;
+	measure_density(s, own ? own : lightness);
+	return !s->toned || measure_tone(s, own ? own : lightness, picture, error);
 }
 
 /* ---- what comes out ---- */

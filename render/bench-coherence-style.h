@@ -8,6 +8,10 @@ struct styled {
 	drawing *drawing, *toned; /* toned NULL: it has no tones */
 	frame *frame, *toned_frame;
 	bool shares_mask; /* with the baseline */
+	/* Of hatching: the scene as light as it takes it for, drawn as plain points that are hidden as its own are; NULL: it has none. */
+	scene *bright;
+	drawing *bright_drawing;
+	frame *bright_frame;
 	bool is_static;
 	struct shot before, now;
 	/* Of the path so far. */
@@ -30,6 +34,8 @@ bool styled_try_static(
 	struct styled *s, const struct camera *c, struct picture_buffer *picture, GError **error);
 
 void styled_begin_path(struct styled *s);
+/* The style's light comes from elsewhere, so many degrees clockwise of where the style has it. */
+void styled_turn_light(struct styled *s, double by_deg);
 /* What was now is before. */
 void styled_step(struct styled *s);
 /* A frame as now; with the mask of the baseline, which must have taken its own, where it does for both. */

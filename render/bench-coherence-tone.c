@@ -8,6 +8,8 @@
 
 static bool is_toned(const struct step *s)
 {
+	if (step_is_hatching(s))
+		return s->hatching.tone_by == TONE_TRUE;
 	return step_is_ink(s) && s->ink.tone == TONE_COLOUR;
 }
 
@@ -38,6 +40,15 @@ struct targets {
 	float curve[256];
 };
 
+/* Of hatching at the near end of its X-Toon. */
+static float wanted_light(const struct frame_layer *l, const scene *s, int lightness)
+{
+	if (!l->hatch)
+		return frame_wanted_light(l, s, (float)lightness / 255);
+	float ink = light_luminance(l->ink_linear);
+	return light_of_srgb(1 - l->hatch->chance[lightness] * (1 - light_to_srgb(ink)));
+}
+
 static struct targets *targets_of(const frame *f)
 {
 	struct targets *t = g_new(struct targets, 1 << MASK_PIPELINE_BITS);
@@ -48,7 +59,7 @@ static struct targets *targets_of(const frame *f)
 		struct targets *of = &t[f->layer[l].pipeline];
 		for (int n = 0; n < 256; n++) {
 			bool first = isnan(of->curve[n]);
-			float curve = frame_wanted_light(&f->layer[l], f->scene, (float)n / 255);
+			float curve = wanted_light(&f->layer[l], f->scene, n);
 			of->curve[n] = first ? curve : of->curve[n] * curve;
 		}
 	}

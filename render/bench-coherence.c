@@ -8,8 +8,10 @@
 /* Of pairs, those that density and tone are measured in. */
 #define SAMPLES 5u
 
-static const char *const path_names[PATHS] = { "dolly", "orbit", "pan" };
-static const char *const path_specs[PATHS] = { "dolly:2:40", "orbit:0.5:40", "pan:8:40" };
+static const char *const path_names[PATHS] = { "dolly", "orbit", "pan", "light" };
+static const char *const path_specs[PATHS] = { "dolly:2:40", "orbit:0.5:40", "pan:8:40", NULL };
+/* Degrees a frame, of the path on which only the light moves. */
+#define LIGHT_DEG 0.5
 static const char *const all_styles[] = { "figure-7a", "figure-7b", "figure-7c", "figure-7d",
 	"figure-1-stipple", "figure-1-strokes-hatching", "figure-1-strokes-stipple", NULL };
 /* What the others are compared with. */
@@ -102,26 +104,34 @@ static uint32_t frame_of_pair(uint32_t k, uint32_t pairs)
 	return pairs > 1 ? (k * (PATH_FRAMES - 2) + (pairs - 1) / 2) / (pairs - 1) : 0;
 }
 
+/* The way's frame; without a way the light's. */
+static bool take_frame(struct bench *b, const camera_path *way, uint32_t at, GError **error)
+{
+	struct camera c = way ? camera_path_at(way, at, b->picture.width, b->picture.height)
+			      : view_camera(b->view, b->picture.width, b->picture.height);
+	for (uint32_t n = 0; !way && n < b->styles; n++)
+		styled_turn_light(&b->style[n], LIGHT_DEG * at);
+	return take_all(b, &c, error);
+}
+
 /* drawn: whether the first one is there already. */
 static bool take_pair(
 	struct bench *b, const camera_path *way, uint32_t at, bool drawn, GError **error)
 {
-	struct camera c[2];
-	for (uint32_t n = 0; n < 2; n++)
-		c[n] = camera_path_at(way, at + n, b->picture.width, b->picture.height);
-	if (!drawn && !take_all(b, &c[0], error))
+	if (!drawn && !take_frame(b, way, at, error))
 		return false;
 	for (uint32_t n = 0; n < b->styles; n++)
 		styled_step(&b->style[n]);
-	return take_all(b, &c[1], error);
+	return take_frame(b, way, at + 1, error);
 }
 
 static bool measure_path(struct bench *b, int path, GError **error)
 {
 	uint32_t pairs = b->options->pairs, every = MAX(pairs / SAMPLES, 1);
-	g_autoptr(camera_path) way =
-		camera_path_parse(path_specs[path], b->view, &b->place->sources, error);
-	if (!way)
+	g_autoptr(camera_path) way = NULL;
+	if (path_specs[path])
+		way = camera_path_parse(path_specs[path], b->view, &b->place->sources, error);
+	if (path_specs[path] && !way)
 		return false;
 	b->pixels = 0;
 	for (uint32_t n = 0; n < b->styles; n++)

@@ -4,7 +4,7 @@
  * 2011, "State-of-the-Art in Temporal Coherence of Non-Photorealistic Animations", has what can go wrong).
  *
  * The camera goes along a dolly (twice as near in 40 frames), an orbit (0.5 degrees a frame) and a pan (8 px a frame), each of 40
- * frames from one view. Some pairs of neighbouring frames are measured, spread over the path; density and tone in half of them at
+ * frames from one view; and it stands still while the light of the style goes round by 0.5 degrees a frame. Some pairs of neighbouring frames are measured, spread over the path; density and tone in half of them at
  * least. Frames are drawn by cpu at a pixel to a pixel, without supersampling. Depths and cameras are known, so that motion is exact:
  *
  *     shown      a place in the picture, none of whose four nearest pixels the mask covers before it
@@ -16,7 +16,8 @@
  *                stroke of such a point has when it has faded in, to what the layer wants there: of every covered pixel, by the
  *                lightness that plain coloured points have in it. Over cells of 32 px that are at least half covered and that the
  *                data do not limit, all layers together; least and most of all frames (0.9 to 1.1). And of single layers, also of
- *                those that cover little
+ *                those that cover little. Of hatching first strokes alone, by their lengths, and by how light it takes points for
+ *                instead of their colours
  *     limited    part of the covered area in cells where the points of the layer that are to be seen, with all copies that they may
  *                give (step.h), are fewer than it wants
  *     cv         coefficient of variation of density over tiles of 64 px that are covered whole (99 %), not limited, and where 50

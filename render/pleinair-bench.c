@@ -9,6 +9,7 @@
 #include "process/bench-register.h"
 #include "process/bench-segments.h"
 #include "render/bench-coherence.h"
+#include "render/bench-hatching.h"
 #include "render/bench-render.h"
 #include <stdio.h>
 #include <string.h>
@@ -31,7 +32,8 @@ static const GOptionEntry entries[] = {
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_folder,
 		"process, segments, render, coherence: a site (default: simulated)", "SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
-		"process, render: how often each is measured; the least time counts (default 5)",
+		"process, render, hatching: how often each is measured; the least time counts "
+		"(default 5)",
 		"N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
 		"how finely is scanned (default fine; register, segments, features: standard)",
@@ -44,7 +46,8 @@ static const GOptionEntry entries[] = {
 	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text,
 		"of pictures (default: render 1600x1200, coherence 1920x1080)", "WxH" },
 	{ "style", 0, 0, G_OPTION_ARG_STRING_ARRAY, &style_list,
-		"coherence: a style; may be given again (default: those of the paper's figures)",
+		"coherence, hatching: a style; may be given again (default: those of the paper's "
+		"figures)",
 		"STYLE" },
 	{ "view", 0, 0, G_OPTION_ARG_STRING, &view_name,
 		"coherence: where the paths begin (default walk)", "VIEW" },
@@ -218,6 +221,17 @@ static int run_coherence(void)
 	return bench_coherence(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_hatching(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_hatching_options options = {
+		.repeats = (uint32_t)repeats, .styles = style_list, .json = json
+	};
+	if (repeats < 1 || repeats > 1000)
+		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
+	return bench_hatching(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static const struct part {
 	const char *name;
 	int (*run)(void);
@@ -231,6 +245,7 @@ static const struct part {
 	{ "features", run_features },
 	{ "render", run_render },
 	{ "coherence", run_coherence },
+	{ "hatching", run_hatching },
 	{ NULL },
 };
 
@@ -248,7 +263,7 @@ int main(int argc, char **argv)
 	if (!cli_parse(COMMAND,
 		    "[acquire | process | register | model | export | segments | features | render "
 		    "| "
-		    "coherence]",
+		    "coherence | hatching]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
 		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
@@ -264,7 +279,9 @@ int main(int argc, char **argv)
 		    "what is none.\n"
 		    "render: draws scenes as large as a paper's, and VTK does, where it is "
 		    "installed.\n"
-		    "coherence: how calm drawings are when the camera moves, and how dark.\n",
+		    "coherence: how calm drawings are when the camera moves, and how dark.\n"
+		    "hatching: draws closed things of as many points as two papers have, and tells "
+		    "how long it takes.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
@@ -272,7 +289,7 @@ int main(int argc, char **argv)
 		return cli_misuse(COMMAND,
 			"there is no bench '%s': acquire, process, register, model, export, "
 			"segments, "
-			"features, render, coherence",
+			"features, render, coherence, hatching",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(
