@@ -46,7 +46,7 @@ INLINE void hatch_colour(const struct brush *b, uint32_t point, uint32_t shade, 
 /* Those of one of the two ways. */
 struct pen_lanes {
 	struct way_lanes way;
-	vf half_px, alpha;
+	vf half_px, alpha, slope[2];
 	uint32_t copy; /* struct stroke */
 };
 
@@ -67,6 +67,17 @@ INLINE void turn_ways(const struct brush *b, const struct lane_candidates *c,
 	}
 }
 
+/* plane_slope() of what is flat. */
+INLINE void plane_slopes(
+	const struct brush *b, const struct lane_candidates *c, vf reach_px, vf ret[2])
+{
+	vf away = along_of(b, c) * c->depth_m * b->focal_px,
+	   steepest = 0.5f / (c->depth_m * most(reach_px, all(1)));
+	vi some = c->is_flat & (magnitude(away) > 1e-6f);
+	for (int n = 0; n < 2; n++)
+		ret[n] = where(some, least(most(c->normal[n] / away, -steepest), steepest));
+}
+
 INLINE struct pen_lanes pen_of(const struct brush *b, const struct lane_candidates *c,
 	const struct hatch_lanes *h, const vf way[3], int which, vf growth)
 {
@@ -79,6 +90,7 @@ INLINE struct pen_lanes pen_of(const struct brush *b, const struct lane_candidat
 	p.half_px = 0.5f * length_px * varied *
 		    straight_part(b, h->bent[which], length_px, c->depth_m) *
 		    least(most(p.way.part, all(SHORTEST_SEEN)), all(1));
+	plane_slopes(b, c, p.half_px, p.slope);
 	return p;
 }
 
@@ -95,7 +107,7 @@ INLINE struct stroke stroke_of_pen(
 		.point = (uint32_t)c->point[k],
 		.copy = (uint8_t)p->copy };
 	for (int n = 0; n < 2; n++)
-		s.slope[n] = p->way.slope[k] * s.along[n];
+		s.slope[n] = p->slope[n][k];
 	return s;
 }
 

@@ -224,7 +224,8 @@ static void test_planes(void)
 		turned(&c, east, along);
 		double up = dot(along, normal);
 		second += s->copy & 1;
-		if (fabs(up) > 0.95 || s->copy > 1) /* copies stand in for others, beside */
+		/* Copies stand in for others, beside; and no depth goes steeper than a stroke may. */
+		if (fabs(up) > 0.95 || s->copy > 1 || normal[2] > -0.4)
 			continue;
 		for (int k = 0; k < 3; k++)
 			along[k] -= up * normal[k];

@@ -22,13 +22,6 @@ uint colour_of(candidate c, float lit)
 	return b.x | b.y << 8 | b.z << 16;
 }
 
-vec2 plane_slope(candidate c, vec3 normal, float around_px)
-{
-	float steepest = 0.5 / (c.depth_m * max(around_px, 1.0));
-	float away = dot(normal, ray_of(c)) * c.depth_m * lens.x;
-	return abs(away) > 1e-6 ? clamp(normal.xy / away, -steepest, steepest) : vec2(0.0);
-}
-
 void write_stroke(uint at, candidate c, choice one, hatch h)
 {
 	vec2 slope = vec2(0.0), along;

@@ -4,6 +4,14 @@ layout(std430, binding = 6) writeonly buffer Strokes {
 };
 const uint WORDS = 10u;
 
+/* 1/depth over the screen, of the plane through a point. */
+vec2 plane_slope(candidate c, vec3 normal, float around_px)
+{
+	float steepest = 0.5 / (c.depth_m * max(around_px, 1.0));
+	float away = dot(normal, ray_of(c)) * c.depth_m * lens.x;
+	return abs(away) > 1e-6 ? clamp(normal.xy / away, -steepest, steepest) : vec2(0.0);
+}
+
 /* sRGB 0..1 of three bytes in a word. */
 vec3 srgb_of(uint rgb)
 {
@@ -86,10 +94,10 @@ void write_hatch(uint at, candidate c, choice one, hatch h, uint second)
 	float length_px = one.growth * shape.x;
 	float half_px = 0.5 * length_px * (1.0 + shape.w * (2.0 * chance_by(c, salts + SALT_LENGTH) - 1.0)) *
 			straight_part(h.bent[second], length_px, c.depth_m) * clamp(seen.z, SHORTEST_SEEN, 1.0);
-	float slope = -way.z / (c.depth_m * lens.x * max(seen.z, 1e-3));
+	vec2 slope = is_flat_here(c, one.normal) ? plane_slope(c, one.normal, half_px) : vec2(0.0);
 	float alpha = second == 0u ? one.alpha : one.alpha * hatch_second(c, h);
 	float word[9] = float[9](c.at.x, c.at.y, half_px * seen.x, half_px * seen.y, one.growth * shape.y / 2.0,
-		alpha, 1.0 / c.depth_m, slope * seen.x, slope * seen.y);
+		alpha, 1.0 / c.depth_m, slope.x, slope.y);
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
 	uint variant = uint(chance_by(c, salts + SALT_VARIANT) * texels.z);
