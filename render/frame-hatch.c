@@ -63,7 +63,7 @@ float frame_hatch_wanted_most(const struct frame_hatch *h)
 	float most = 0;
 	for (uint32_t n = 0; n < h->rows * XTOON_COLUMNS; n++)
 		most = fmaxf(most, h->wanted_per_px[n]);
-	return most / HATCH_SHORTEST;
+	return most / (HATCH_SHORTEST * HATCH_FACING);
 }
 
 /* ---- colours ---- */

@@ -12,6 +12,10 @@
 /* A point's second stroke fades in over so much of its chance: hatch_second (hatch-lanes.c). */
 #define HATCH_CROSS_FADE 0.25f
 
+/* Surface whose back is hidden begins to fade at this cosine, and strokes are the more instead, until so much is left of them: tones stay
+ * where surface is seen aslant, and no stroke goes at once. */
+#define HATCH_TURNED_AWAY 0.3f
+#define HATCH_FACING      0.33f
 /* Where fewer than this part of all strokes are drawn they are fainter and fainter: what a light does to few is sudden. */
 #define HATCH_FOOT 0.08f
 

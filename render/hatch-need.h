@@ -209,7 +209,8 @@ INLINE vf per_px_there(const struct brush *b, struct lane_candidates *c)
 	if (hides_backs(b))
 		c->left &= bits(along <= turned);
 	vf ret = px_per_m * px_per_m * STROKE_FADE_MORE(octaves_of(nearest_m)) *
-		 least(cosine_of(b, c, magnitude(along) + turned), all(b->ray_most));
+		 least(cosine_of(b, c, magnitude(along) + turned), all(b->ray_most)) /
+		 most(facing(b, c), all(HATCH_FACING));
 	c->left &= bits(c->rank < ret * b->layer->wanted_most[FEATURE_NONE]);
 	return ret;
 }
@@ -239,8 +240,9 @@ INLINE void find_hatch(
 	h->larger =
 		1 + hatch->step.abstraction * clamp01((c->depth_m - hatch->near_m) * hatch->per_m);
 	find_ways(b, c, at, h);
-	c->wanted /= shortened(b, c, h) * h->larger * h->larger;
-	c->most = c->wanted * per_px;
+	vf fewer = shortened(b, c, h) * h->larger * h->larger;
+	c->most = c->wanted * per_px / fewer;
+	c->wanted /= fewer * most(facing(b, c), all(HATCH_FACING));
 	c->left &= bits(c->rank < c->most);
 }
 

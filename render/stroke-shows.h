@@ -50,7 +50,8 @@ INLINE vf facing(const struct brush *b, const struct lane_candidates *c)
 {
 	if (!hides_backs(b))
 		return all(1);
-	return choose(has_no_normal(c), all(1), clamp01(along_of(b, c) * (-1 / TURNED_AWAY)));
+	float whole = b->layer->hatch ? HATCH_TURNED_AWAY : TURNED_AWAY;
+	return choose(has_no_normal(c), all(1), clamp01(along_of(b, c) * (-1 / whole)));
 }
 
 /* Of what is drawn whole. */

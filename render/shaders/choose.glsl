@@ -318,14 +318,15 @@ bool candidate_of(uint n, uint i, out candidate c)
 	       all(lessThan(c.at, size.xy + around)) && c.rank < need;
 }
 
-const float TURNED_AWAY = 0.1;
+const float TURNED_AWAY = 0.1, HATCH_TURNED_AWAY = 0.3;
 
 /* How far it is drawn where backs are hidden. */
 float facing(candidate c, vec3 normal)
 {
 	if (views[c.view].mask.w <= 0.0 || normal == vec3(0.0))
 		return 1.0;
-	return clamp(dot(normal, ray_of(c)) * (-1.0 / TURNED_AWAY), 0.0, 1.0);
+	float whole = is_hatching() ? HATCH_TURNED_AWAY : TURNED_AWAY;
+	return clamp(dot(normal, ray_of(c)) * (-1.0 / whole), 0.0, 1.0);
 }
 
 bool goes_along(candidate c)
