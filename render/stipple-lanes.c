@@ -10,7 +10,9 @@ INLINE vi within(vi x, int32_t least, int32_t most)
 
 INLINE vi key_of(const struct stipple_plane *p, vf depth_m, vi point)
 {
-	vi steps = within(((vi)depth_m - p->low) >> p->shift, 0, STIPPLE_DEPTH_MOST);
+	/* Behind the eye is nowhere, but its bits are those of no number to count with. */
+	vf ahead_m = most(depth_m, all(0));
+	vi steps = within(((vi)ahead_m - p->low) >> p->shift, 0, STIPPLE_DEPTH_MOST);
 	vi tie = (vi)((vu)point * 0x9E3779B9u >> (32 - STIPPLE_TIE_BITS));
 	return steps << STIPPLE_TIE_BITS | tie;
 }
