@@ -58,12 +58,14 @@ void chunk_order(uint64_t seed, uint32_t count, uint16_t ret_place[4096])
 #define UNEVEN 3.f
 /* Discs smaller than this part of the spacing keep nothing apart. */
 #define LAST_DISC 1.1f
+/* Cells from the first point to the farthest, at most: they are counted in integers. */
+#define CELLS_MOST 1e8f
 
 struct darts {
 	const float (*at)[3];
 	const float *spacing;
 	uint32_t count, taken, lefts;
-	float spacing_most;
+	float spacing_most, extent;
 	uint16_t *left; /* places that are not taken yet, in the order of before */
 	uint16_t *ret;
 	float cell;
@@ -136,7 +138,7 @@ static void throw_all(struct darts *d, float discs)
 {
 	uint32_t still_left = 0;
 	bool few = PACKED / (discs * discs) * (float)d->count < FEW;
-	d->cell = discs * d->spacing_most;
+	d->cell = fmaxf(discs * d->spacing_most, d->extent / CELLS_MOST);
 	memset(d->head, 0, sizeof d->head);
 	for (uint32_t n = 0; !few && n < d->taken; n++)
 		put(d, d->ret[n]);
@@ -176,15 +178,18 @@ static float even_spacings(const float *spacing_m, uint32_t count, float ret[COU
 void chunk_order_even(
 	const double (*at_m)[3], const float *spacing_m, uint32_t count, uint16_t place[4096])
 {
-	float at[COUNT][3], spacing[COUNT];
+	float at[COUNT][3], spacing[COUNT], extent = 0;
 	uint16_t left[COUNT];
 	g_assert(count >= 1 && count <= COUNT);
 	for (uint32_t n = 0; n < count; n++)
-		for (int k = 0; k < 3; k++)
+		for (int k = 0; k < 3; k++) {
 			at[n][k] = (float)(at_m[n][k] - at_m[0][k]);
+			extent = fmaxf(extent, fabsf(at[n][k]));
+		}
 	struct darts d = { .at = (const float(*)[3])at,
 		.spacing = spacing,
 		.spacing_most = even_spacings(spacing_m, count, spacing),
+		.extent = extent,
 		.count = count,
 		.lefts = count,
 		.left = left,
