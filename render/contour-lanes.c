@@ -218,13 +218,5 @@ INLINE void try_points(
 
 void LANES_NAME(stroke_contours)(const struct brush *b, struct stroke_chain *to)
 {
-	uint32_t end =
-		(uint32_t)MIN(row_need_most(b) * (float)b->list_count + 1, (float)b->list_count);
-	for (uint32_t i = 0; i < end; i += LANES) {
-		struct lane_candidates c;
-		row_candidates(b, i, end, &c);
-		if (!c.left)
-			continue;
-		try_points(b, b->view->chunk->first + i, &c, to);
-	}
+	row_each(b, to, try_points);
 }

@@ -41,7 +41,7 @@ static const struct row {
 		.compute = "stipple-decide" },
 	[GLES_STIPPLE_COUNT] = { "stipple-count",
 		{ "common", "chunks", "layer", ".stipple", "stipple-dot" },
-		.compute = "stipple-count" },
+		.compute = "choose-count" },
 	[GLES_STIPPLE_WRITE] = { "stipple-write",
 		{ "common", "chunks", "layer", ".stipple", "stipple-dot", "prefix" },
 		.compute = "stipple-write" },

@@ -1,4 +1,5 @@
 #include "render/pencil-box.h"
+#include "render/colour-text.h"
 #include <json-glib/json-glib.h>
 #include <math.h>
 #include <stdlib.h>
@@ -46,10 +47,11 @@ static int by_hue(const void *a, const void *b)
 
 static void add(pencil_box *b, const char *colour)
 {
-	guint64 bytes = g_ascii_strtoull(colour + 1, NULL, 16);
+	uint8_t bytes[3] = { 0 };
 	float rgb[3];
+	colour_of_text(colour, bytes);
 	for (int k = 0; k < 3; k++)
-		rgb[k] = (float)(bytes >> (16 - 8 * k) & 255) / 255;
+		rgb[k] = (float)bytes[k] / 255;
 	struct hsv c = hsv_of(rgb);
 	if (c.saturation <= 0 || b->count == PENCIL_BOX_MOST)
 		return;

@@ -65,18 +65,20 @@ extern const struct step_parameter hatching_parameters[], contours_parameters[];
 		.offset = offsetof(struct ink_step, texture), .fallback_name = (start),            \
 		.unit = "", .help = "of the stroke: a name, or the path of a PNG"                  \
 	}
+#define INK_COLOUR(start)                                                                          \
+	{                                                                                          \
+		.name = "ink", .type = PARAMETER_COLOUR, .offset = offsetof(struct ink_step, ink), \
+		.fallback = (start), .unit = "", .help = "the colour of the ink"                   \
+	}
+#define BLEND                                                                                      \
+	INK_CHOICE(blend, step_blend_names, BLEND_MULTIPLY,                                        \
+		"ink darkens what is below, paint covers it")
+#define SATURATION                                                                                 \
+	NUMBER(ink_step, saturation, RANGE(0, 4, 0, 2), 1, "",                                     \
+		"of points' own colours: 0 is grey, 1 as they are")
 #define INK(start)                                                                                 \
 	INK_CHOICE(colour, step_colour_names, COLOUR_INK, "that of ink, or each point's own"),     \
-		{ .name = "ink",                                                                   \
-			.type = PARAMETER_COLOUR,                                                  \
-			.offset = offsetof(struct ink_step, ink),                                  \
-			.fallback = (start),                                                       \
-			.unit = "",                                                                \
-			.help = "the colour of the ink" },                                         \
-		INK_CHOICE(blend, step_blend_names, BLEND_MULTIPLY,                                \
-			"ink darkens what is below, paint covers it"),                             \
-		NUMBER(ink_step, saturation, RANGE(0, 4, 0, 2), 1, "",                             \
-			"of points' own colours: 0 is grey, 1 as they are")
+		INK_COLOUR(start), BLEND, SATURATION
 #define OPACITY(start) NUMBER(ink_step, opacity, PART, start, "", "of the ink")
 #define GROW                                                                                       \
 	NUMBER(ink_step, grow, RANGE(1, 8, 1, 4), 2, "",                                           \

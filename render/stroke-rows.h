@@ -42,6 +42,21 @@ INLINE void row_candidates(
 		c->left &= row_kinds(b, at);
 }
 
+/* Calls draw with each eight that may give strokes; at: the first one's place in the scene. It is inlined too. */
+INLINE void row_each(const struct brush *b, struct stroke_chain *to,
+	void (*draw)(const struct brush *b, uint32_t at, struct lane_candidates *c,
+		struct stroke_chain *to))
+{
+	float count = (float)b->list_count;
+	uint32_t end = (uint32_t)MIN(row_need_most(b) * count + 1, count);
+	for (uint32_t i = 0; i < end; i += LANES) {
+		struct lane_candidates c;
+		row_candidates(b, i, end, &c);
+		if (c.left)
+			draw(b, b->view->chunk->first + i, &c, to);
+	}
+}
+
 /* How much larger their strokes are where points are too few. */
 INLINE vf row_growth(const struct brush *b, const struct lane_candidates *c)
 {

@@ -1,6 +1,7 @@
 #include "render/style-edit.h"
 #include "firmware-io/files.h"
 #include "render/step-json.h"
+#include "render/title-name.h"
 #include <errno.h>
 #include <glib/gstdio.h>
 #include <string.h>
@@ -165,27 +166,10 @@ style *style_edit_style(const style_edit *e, const char *site_path, GError **err
 
 /* ---- saving ---- */
 
-/* "Oak in red!" -> "oak-in-red". */
-static char *name_of(const char *title)
-{
-	g_autofree char *plain = g_str_to_ascii(title, NULL);
-	GString *name = g_string_new(NULL);
-	for (const char *c = plain; *c && name->len < 40; c++)
-		if (g_ascii_isalnum(*c))
-			g_string_append_c(name, g_ascii_tolower(*c));
-		else if (name->len && name->str[name->len - 1] != '-')
-			g_string_append_c(name, '-');
-	while (name->len && name->str[name->len - 1] == '-')
-		g_string_truncate(name, name->len - 1);
-	if (!name->len)
-		g_string_assign(name, "style");
-	return g_string_free(name, FALSE);
-}
-
 static char *free_name(const char *title, const char *site_path)
 {
 	g_auto(GStrv) taken = style_names(site_path);
-	g_autofree char *name = name_of(title);
+	g_autofree char *name = title_name(title, 40, "style");
 	if (!g_strv_contains((const char *const *)taken, name))
 		return g_steal_pointer(&name);
 	for (int n = 2;; n++) {

@@ -1,4 +1,5 @@
 /* Values of parameters. */
+#include "render/colour-text.h"
 #include "render/nearest-name.h"
 #include "render/pencil-box.h"
 #include "render/style-reader.h"
@@ -79,17 +80,11 @@ static bool read_colour(style_reader *r, JsonNode *node, uint8_t ret[4])
 	const char *text = style_reader_text(r, node, "a colour \"#rrggbb\"");
 	if (!text)
 		return false;
-	bool good = text[0] == '#' && strlen(text) == 7;
-	for (int i = 1; good && i < 7; i++)
-		good = g_ascii_isxdigit(text[i]);
-	if (!good) {
+	if (!colour_of_text(text, ret)) {
 		g_autofree char *quoted = style_reader_quote(text);
 		return style_reader_refuse(
 			r, node, "'%s' is no colour; colours are \"#rrggbb\"", quoted);
 	}
-	for (int i = 0; i < 3; i++)
-		ret[i] = (uint8_t)(g_ascii_xdigit_value(text[1 + 2 * i]) << 4 |
-				   g_ascii_xdigit_value(text[2 + 2 * i]));
 	ret[3] = 255;
 	return true;
 }

@@ -1,5 +1,6 @@
 /* Sweeps as people write them. */
 #include "render/sweep.h"
+#include "render/title-name.h"
 #include <string.h>
 
 /* ---- text ---- */
@@ -42,20 +43,6 @@ static GPtrArray *split(const char *text, char at)
 		if (!*c)
 			return parts;
 	}
-}
-
-/* "Line length, in px" -> "line-length-in-px". */
-static char *name_of(const char *title)
-{
-	g_autoptr(GString) name = g_string_new(NULL);
-	for (const char *c = title; *c && name->len < 60; c++)
-		if (g_ascii_isalnum(*c))
-			g_string_append_c(name, g_ascii_tolower(*c));
-		else if (name->len && name->str[name->len - 1] != '-')
-			g_string_append_c(name, '-');
-	while (name->len && name->str[name->len - 1] == '-')
-		g_string_truncate(name, name->len - 1);
-	return g_strdup(name->len ? name->str : "sweep");
 }
 
 /* ---- parameters ---- */
@@ -156,7 +143,7 @@ sweep *sweep_new(const char *text, GError **error)
 		return NULL;
 	s->title = count == 3 ? g_strdup(g_strstrip(parts[0])) : own_title(s);
 	s->caption = g_strdup(count == 3 ? g_strstrip(parts[1]) : "");
-	s->name = name_of(s->title);
+	s->name = title_name(s->title, 60, "sweep");
 	return g_steal_pointer(&s);
 }
 

@@ -1,4 +1,5 @@
 #include "render/xtoon.h"
+#include "render/colour-text.h"
 #include "render/texels.h"
 #include <math.h>
 #include <string.h>
@@ -20,9 +21,10 @@ static struct stop stop_of(JsonObject *o, const uint8_t ink[3])
 	struct stop s = { number_of(o, "brightness", 0), number_of(o, "depth", NAN),
 		{ ink[0], ink[1], ink[2], 255 * number_of(o, "chance", 1) } };
 	const char *colour = json_object_get_string_member_with_default(o, "colour", "");
-	guint64 rgb = *colour == '#' ? g_ascii_strtoull(colour + 1, NULL, 16) : 0;
-	for (int k = 0; *colour == '#' && k < 3; k++)
-		s.rgba[k] = (float)(rgb >> (16 - 8 * k) & 255);
+	uint8_t rgb[3];
+	if (colour_of_text(colour, rgb))
+		for (int k = 0; k < 3; k++)
+			s.rgba[k] = rgb[k];
 	return s;
 }
 

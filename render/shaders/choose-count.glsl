@@ -12,14 +12,7 @@ void main()
 	memoryBarrierShared();
 	barrier();
 	for (uint slice = 0u; slice * THREADS < count; slice++) {
-		giver g;
-		candidate c;
-		uint given = 0u;
-		if (giver_of(n, slice * THREADS + thread, g))
-			for (begin(); has_more(g); next(g)) {
-				choice one = choice_of(g, c);
-				given += strokes_of(g, c, one);
-			}
+		uint given = strokes_at(n, slice * THREADS + thread);
 		if (given != 0u)
 			mark |= 1u << slice;
 		own += given;

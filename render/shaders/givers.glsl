@@ -126,3 +126,17 @@ void next(inout giver g)
 	copy++;
 	g.rank += g.last;
 }
+
+/* Of point i of view n, with its copies. */
+uint strokes_at(uint n, uint i)
+{
+	giver g;
+	candidate c;
+	uint given = 0u;
+	if (giver_of(n, i, g))
+		for (begin(); has_more(g); next(g)) {
+			choice one = choice_of(g, c);
+			given += strokes_of(g, c, one);
+		}
+	return given;
+}

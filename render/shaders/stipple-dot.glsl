@@ -19,3 +19,9 @@ float alpha_of(uint n, uint i, out vec3 at)
 	float alpha = opacity.x * light_left * (1.0 - focus.w * away_of(at));
 	return alpha < ALPHA_LEAST ? 0.0 : alpha;
 }
+
+uint strokes_at(uint n, uint i)
+{
+	vec3 at;
+	return alpha_of(n, i, at) > 0.0 ? 1u : 0u;
+}
