@@ -54,8 +54,11 @@ void chunk_order(uint64_t seed, uint32_t count, uint16_t ret_place[4096])
 #define PACKED 0.7f
 /* From this many points on they are looked for in cells. */
 #define FEW 64u
-/* Spacings are taken for no more different from the median than so. */
-#define UNEVEN 3.f
+/* Neighbours are counted within so many usual spacings; points are taken for no farther apart than so many. */
+#define AROUND 2.5f
+#define UNEVEN 12.f
+/* So few around tell nothing; then the point is believed. */
+#define ALONE 3u
 /* Discs smaller than this part of the spacing keep nothing apart. */
 #define LAST_DISC 1.1f
 /* Cells from the first point to the farthest, at most: they are counted in integers. */
@@ -107,15 +110,22 @@ static bool is_near_in(const struct darts *d, uint32_t cell, const float at[3], 
 	return false;
 }
 
+/* Those that reach so far around. */
+static void find_cells(
+	const struct darts *d, const float at[3], float radius, int32_t low[3], int32_t high[3])
+{
+	for (int k = 0; k < 3; k++) {
+		low[k] = (int32_t)floorf((at[k] - radius) / d->cell);
+		high[k] = (int32_t)floorf((at[k] + radius) / d->cell);
+	}
+}
+
 /* Whether one that is taken already is that near; the radius is no larger than a cell. */
 static bool is_near(const struct darts *d, const float at[3], float radius)
 {
 	int32_t low[3], high[3];
 	float radius2 = radius * radius;
-	for (int k = 0; k < 3; k++) {
-		low[k] = (int32_t)floorf((at[k] - radius) / d->cell);
-		high[k] = (int32_t)floorf((at[k] + radius) / d->cell);
-	}
+	find_cells(d, at, radius, low, high);
 	for (int32_t z = low[2]; z <= high[2]; z++)
 		for (int32_t y = low[1]; y <= high[1]; y++)
 			for (int32_t x = low[0]; x <= high[0]; x++)
@@ -163,16 +173,52 @@ static int by_value(const void *a, const void *b)
 	return (*x > *y) - (*x < *y);
 }
 
-/* Near the median, so that cells are of a size for all. */
-static float even_spacings(const float *spacing_m, uint32_t count, float ret[COUNT])
+static float median(const float *values, uint32_t count)
 {
 	float sorted[COUNT];
-	memcpy(sorted, spacing_m, count * sizeof *sorted);
+	memcpy(sorted, values, count * sizeof *sorted);
 	qsort(sorted, count, sizeof *sorted, by_value);
-	float middle = sorted[count / 2];
-	for (uint32_t n = 0; n < count; n++)
-		ret[n] = fminf(fmaxf(spacing_m[n], middle / UNEVEN), middle * UNEVEN);
-	return fminf(sorted[count - 1], middle * UNEVEN);
+	return sorted[count / 2];
+}
+
+static uint32_t count_in(const struct darts *d, uint32_t cell, const float at[3], float radius2)
+{
+	uint32_t count = 0;
+	for (uint16_t n = d->head[cell]; n; n = d->next[n - 1])
+		count += distance2(at, d->at[n - 1]) < radius2;
+	return count;
+}
+
+/* With itself. Two cells around may have the same place in the table, so some are counted twice; few. */
+static uint32_t count_near(const struct darts *d, const float at[3], float radius)
+{
+	int32_t low[3], high[3];
+	uint32_t count = 0;
+	find_cells(d, at, radius, low, high);
+	for (int32_t z = low[2]; z <= high[2]; z++)
+		for (int32_t y = low[1]; y <= high[1]; y++)
+			for (int32_t x = low[0]; x <= high[0]; x++)
+				count += count_in(d, cell_of(x, y, z), at, radius * radius);
+	return MAX(count, 1);
+}
+
+/* How far points are from each other where each is. What a point says that it stands for is no more than about right, and not at all
+ * beside gaps; who has the larger spacing would come later than he should. */
+static void find_spacings(struct darts *d, const float *claimed_m, float usual, float ret[COUNT])
+{
+	float radius = AROUND * usual;
+	d->cell = fmaxf(radius, d->extent / CELLS_MOST);
+	memset(d->head, 0, sizeof d->head);
+	for (uint32_t n = 0; n < d->count; n++)
+		put(d, n);
+	for (uint32_t n = 0; n < d->count; n++) {
+		uint32_t around = count_near(d, d->at[n], radius);
+		float found = radius * sqrtf((float)G_PI / (float)around);
+		if (around <= ALONE)
+			found = fmaxf(found, claimed_m[n]);
+		ret[n] = fminf(found, UNEVEN * usual);
+		d->spacing_most = fmaxf(d->spacing_most, ret[n]);
+	}
 }
 
 void chunk_order_even(
@@ -188,13 +234,13 @@ void chunk_order_even(
 		}
 	struct darts d = { .at = (const float(*)[3])at,
 		.spacing = spacing,
-		.spacing_most = even_spacings(spacing_m, count, spacing),
 		.extent = extent,
 		.count = count,
 		.lefts = count,
 		.left = left,
 		.ret = place };
 	memcpy(left, place, count * sizeof *left);
+	find_spacings(&d, spacing_m, median(spacing_m, count), spacing);
 	for (float discs = sqrtf(PACKED * (float)count); discs > LAST_DISC && d.lefts;
 		discs *= (float)G_SQRT2 / 2)
 		throw_all(&d, discs);

@@ -10,9 +10,10 @@
  * 4096, a part that has lost places to the end of the chunk may have none. */
 void chunk_order(uint64_t seed, uint32_t count, uint16_t ret_place[4096]);
 
-/* The same order made even in space: points of every prefix keep apart from each other as far as so many can, in what surface each of them
- * stands for, so that they are blue noise (progressive Poisson discs: dart throwing in the order above, with discs that become smaller by
- * the root of two). at_m, spacing_m: of each place, spacing above 0. Of a prefix the density stays in proportion to that of the points. */
+/* The same order made even in space: points of every prefix keep apart from each other as far as so many can, so that they are blue noise
+ * (progressive Poisson discs: dart throwing in the order above, with discs that become smaller by the root of two, each in how far
+ * points are apart where it is). Of a prefix the density stays in proportion to that of the points. spacing_m: of each place, above 0;
+ * its median is where to begin. */
 void chunk_order_even(
 	const double (*at_m)[3], const float *spacing_m, uint32_t count, uint16_t place[4096]);
 
