@@ -37,8 +37,8 @@ INLINE void lay_paper(const struct draw_job *j, const struct band *b, struct dra
 	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
 		float *canvas[3] = { band_row(b, d->canvas[0], y), band_row(b, d->canvas[1], y),
 			band_row(b, d->canvas[2], y) };
-		lay_row(d->paper, paper->grain, j->f->relief + (size_t)y * b->width, b->width,
-			band_row(b, d->relief, y), canvas);
+		lay_row(d->paper, j->flat ? 0 : paper->grain, j->f->relief + (size_t)y * b->width,
+			b->width, band_row(b, d->relief, y), canvas);
 	}
 }
 
@@ -132,14 +132,19 @@ static void fade_to_paper(const struct draw_job *j, const struct band *b, struct
 	for (uint32_t y = b->from; y < b->from + b->rows; y++)
 		for (uint32_t x = 0; x < b->width; x++) {
 			int32_t key = mask_key(j->mask, (int32_t)x, (int32_t)y);
-			if (key >= MASK_EMPTY)
+			/* Beside things filters may have drawn: as deep as the focus. */
+			bool is_bare = key >= MASK_EMPTY;
+			if (is_bare && !j->ground)
 				continue;
-			float depth_m = mask_depth(key);
+			float depth_m = is_bare ? fmaxf(j->f->focus.at_m[2], (float)c->near_m)
+						: mask_depth(key);
 			float at_m[3] = { ((float)x + 0.5f - (float)c->width / 2) * by_focal *
 						  depth_m,
 				((float)y + 0.5f - (float)c->height / 2) * by_focal * depth_m,
 				depth_m };
-			float part = j->f->focus.amount * frame_away(&j->f->focus, at_m);
+			float part = j->f->focus.amount *
+				     frame_away(&j->f->focus, at_m,
+					     !is_bare && frame_pipeline(j->f, key & 255)->is_focus);
 			float up = 1 + 0.5f * paper->grain * band_row(b, d->relief, y)[x];
 			for (int k = 0; k < 3; k++) {
 				float *at = &band_row(b, d->canvas[k], y)[x],
@@ -242,6 +247,23 @@ INLINE void draw_layer(
 
 /* ---- a band ---- */
 
+/* What filters made; where nothing is, on the paper's grain. */
+INLINE void lay_ground(const struct draw_job *j, const struct band *b, struct draw_desk *d)
+{
+	const float *light = light_of_bytes();
+	float grain = 0.5f * j->f->drawing->whole.paper.grain;
+	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
+		const uint8_t(*from)[4] = j->ground->rgba + (size_t)y * b->width;
+		const float *relief = band_row(b, d->relief, y);
+		for (uint32_t x = 0; x < b->width; x++) {
+			bool is_bare = mask_key(j->mask, (int32_t)x, (int32_t)y) >= MASK_EMPTY;
+			float by = is_bare ? 1 + grain * relief[x] : 1;
+			for (int k = 0; k < 3; k++)
+				band_row(b, d->canvas[k], y)[x] = fminf(light[from[x][k]] * by, 1);
+		}
+	}
+}
+
 INLINE void put_out(const struct draw_job *j, const struct band *b, const struct draw_desk *d)
 {
 	const uint8_t *srgb = light_srgb_bytes();
@@ -267,10 +289,13 @@ INLINE void put_out(const struct draw_job *j, const struct band *b, const struct
 INLINE void draw_band(const struct draw_job *j, const struct band *b, struct draw_desk *d)
 {
 	lay_paper(j, b, d);
-	if (d->has_points)
+	if (j->ground)
+		lay_ground(j, b, d);
+	else if (d->has_points)
 		show_points(j, b, d);
-	edl_shade(b, j->f, j->mask, d->canvas);
-	if (j->f->focus.is_there)
+	if (!j->ground)
+		edl_shade(b, j->f, j->mask, d->canvas);
+	if (j->f->focus.amount > 0 && !j->flat)
 		fade_to_paper(j, b, d);
 	for (uint32_t n = 0; j->lists && n < j->f->layers; n++)
 		draw_layer(j, b, d, n);

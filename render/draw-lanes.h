@@ -28,6 +28,11 @@ struct draw_job {
 	uint32_t count;
 	const band_lists *lists; /* of each layer; NULL: no strokes */
 	struct picture_buffer *to;
+	/* Of pictures that are filtered: paper without its grain; or what filters made, which lies where paper, points and shading do else,
+	 * and may be to. */
+	bool flat;
+	const struct picture_buffer *ground;
+	uint32_t first_row, end_row; /* all is left as it is above and below; 0 0: the whole */
 };
 
 /* The bands of d->together. */

@@ -1,19 +1,9 @@
-#include "render/draw-lanes.h"
+#include "render/draw-private.h"
 #include "render/large.h"
 #include "render/splat.h"
 #ifdef _OPENMP
 #include <omp.h>
 #endif
-
-struct draw_room {
-	visibility_mask *mask;
-	stroke_room *strokes;
-	const struct stroke_blocks *of_layer; /* its strokes */
-	band_lists lists[FRAME_LAYERS_MAX];
-	/* Of each thread, for bands of a picture so wide. */
-	uint32_t desks, pitch;
-	struct draw_desk *desk;
-};
 
 draw_room *draw_room_new(void)
 {
@@ -71,6 +61,9 @@ static void set_up_desks(draw_room *r, uint32_t threads, uint32_t pitch)
 static void clear_room(draw_room *r)
 {
 	visibility_mask_free(r->mask);
+	visibility_mask_free(r->joined);
+	filter_room_clear(&r->filters);
+	filter_room_clear(&r->pictures);
 	stroke_room_free(r->strokes);
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
 		band_lists_clear(&r->lists[n]);
@@ -87,19 +80,20 @@ void draw_room_free(draw_room *r)
 
 /* ---- bands ---- */
 
-static bool has_points(const frame *f)
+static bool has_points(const struct draw_job *j)
 {
-	for (guint p = 0; p < f->drawing->pipelines->len; p++)
-		if (splat_step(f, (uint8_t)p))
+	for (uint32_t n = 0; n < j->count && !j->ground; n++)
+		if (splat_step(j->f, j->views[n].pipeline))
 			return true;
 	return false;
 }
 
-static void draw_bands(draw_room *r, const struct draw_job *j)
+void draw_bands(draw_room *r, const struct draw_job *j)
 {
-	bool points = has_points(j->f);
+	bool points = has_points(j);
 	uint32_t width = j->to->width, height = j->to->height;
 	uint32_t rows = points ? POINTS_BANDS * BAND_ROWS : BAND_ROWS;
+	uint32_t end_row = j->end_row ? j->end_row : height;
 	struct band b = { width, 0, rows, (width + 2 * BAND_MARGIN + 7) / 8 * 8 };
 	set_up_desks(r, frame_threads(j->f), b.pitch);
 #pragma omp parallel num_threads((int)r->desks)
@@ -113,7 +107,8 @@ static void draw_bands(draw_room *r, const struct draw_job *j)
 			desk_set_up_points(d, b.pitch);
 #pragma omp for schedule(dynamic, 1)
 		for (uint32_t from = 0; from < height; from += rows) {
-			if (frame_is_stopped(j->f))
+			if (frame_is_stopped(j->f) || from >= end_row ||
+				from + rows <= j->first_row)
 				continue;
 			d->together.from = from;
 			d->together.rows = MIN(rows, height - from);
@@ -124,7 +119,7 @@ static void draw_bands(draw_room *r, const struct draw_job *j)
 
 /* ---- all ---- */
 
-static double lap(int64_t *since_us)
+double draw_lap(int64_t *since_us)
 {
 	int64_t now_us = g_get_monotonic_time();
 	double s = (double)(now_us - *since_us) * 1e-6;
@@ -133,19 +128,20 @@ static double lap(int64_t *since_us)
 }
 
 /* What hides what, and which points become strokes; false: stopped in between. */
-static bool choose(draw_room *r, struct draw_job *j, struct draw_times *t, int64_t *since_us)
+static bool choose(
+	draw_room *r, struct draw_job *j, uint64_t layers, struct draw_times *t, int64_t *since_us)
 {
 	struct chunk_view *views = chunk_views_new(j->f, &j->count);
 	j->views = views;
-	t->cull_s = lap(since_us);
+	t->cull_s = draw_lap(since_us);
 	j->mask = r->mask = visibility_mask_renew(r->mask, j->f, j->views, j->count);
-	t->mask_s = lap(since_us);
+	t->mask_s = draw_lap(since_us);
 	if (frame_is_stopped(j->f))
 		return false;
 	if (!r->strokes)
 		r->strokes = stroke_room_new();
-	r->of_layer = stroke_room_fill(r->strokes, j->f, j->mask, j->views, j->count);
-	t->choose_s = lap(since_us);
+	r->of_layer = stroke_room_fill_some(r->strokes, j->f, j->mask, j->views, j->count, layers);
+	t->choose_s = draw_lap(since_us);
 	return true;
 }
 
@@ -167,7 +163,12 @@ void draw_frame(
 	int64_t since_us = g_get_monotonic_time(), begin_us = since_us;
 	struct draw_job j = { .f = f, .to = to };
 	draw_room *r = room ? room : &own;
-	if (!choose(r, &j, &t, &since_us)) {
+	if (f->is_filtered) {
+		draw_sheets(r, f, true, to, ret_times);
+		clear_room(&own);
+		return;
+	}
+	if (!choose(r, &j, UINT64_MAX, &t, &since_us)) {
 		g_free((void *)j.views);
 		clear_room(&own);
 		return;
@@ -176,9 +177,9 @@ void draw_frame(
 	for (uint32_t n = 0; n < f->layers; n++)
 		band_lists_fill(&lists[n], &r->of_layer[n], to->height, f->single_thread);
 	j.lists = lists;
-	t.bin_s = lap(&since_us);
+	t.bin_s = draw_lap(&since_us);
 	draw_bands(r, &j);
-	t.draw_s = lap(&since_us);
+	t.draw_s = draw_lap(&since_us);
 	count(r, &j, &t);
 	g_free((void *)j.views);
 	clear_room(&own);
@@ -194,7 +195,7 @@ struct draw_chosen draw_choose(draw_room *room, const frame *f, struct draw_time
 	struct draw_times t = { 0 };
 	int64_t since_us = g_get_monotonic_time(), begin_us = since_us;
 	struct draw_job j = { .f = f };
-	choose(room, &j, &t, &since_us);
+	choose(room, &j, f->is_filtered ? frame_layers_over(f, true) : UINT64_MAX, &t, &since_us);
 	count(room, &j, &t);
 	g_free((void *)j.views);
 	t.all_s = (double)(since_us - begin_us) * 1e-6;
@@ -206,6 +207,10 @@ struct draw_chosen draw_choose(draw_room *room, const frame *f, struct draw_time
 void draw_below_strokes(draw_room *room, const frame *f, struct picture_buffer *to)
 {
 	struct draw_job j = { .f = f, .to = to };
+	if (f->is_filtered) {
+		draw_sheets(room, f, false, to, NULL);
+		return;
+	}
 	g_autofree struct chunk_view *views = chunk_views_new(f, &j.count);
 	j.views = views;
 	j.mask = room->mask = visibility_mask_renew(room->mask, f, views, j.count);

@@ -6,6 +6,7 @@
 
 struct draw_times {
 	double cull_s, mask_s, choose_s, bin_s, draw_s, all_s;
+	double filter_s, composite_s; /* filters of pictures; what makes one picture of several */
 	uint32_t points_in_view, strokes;       /* in chunks that are in view; drawn */
 	uint32_t chunks_in_view, chunks_hidden; /* of these, not drawn since others hide them */
 };
@@ -24,7 +25,8 @@ struct draw_chosen {
 	const struct stroke_blocks *of_layer;
 };
 struct draw_chosen draw_choose(draw_room *room, const frame *f, struct draw_times *ret_times);
-/* And all that lies below them: paper, coloured points, shading. */
+/* And all that lies below them: paper, coloured points, shading. Of a frame with filters: the strokes that are drawn over what filters
+ * made, and below them all else. */
 void draw_below_strokes(draw_room *room, const frame *f, struct picture_buffer *to);
 
 struct picture_buffer picture_buffer_new(uint32_t width, uint32_t height);

@@ -7,13 +7,14 @@
 struct resolving {
 	const style *style;
 	const segments *tree;
-	bool is_whole;            /* of the tree, only the site counts else */
-	GHashTable *nodes;        /* by key, a GPtrArray of struct style_node */
-	GHashTable *used;         /* the keys that something has */
-	GPtrArray *lists;         /* of struct step_list, each once; the first is empty */
-	GHashTable *places;       /* of the lists, + 1 */
-	uint32_t *list_of;        /* [SEGMENTS_MAX + 1]; UNKNOWN: not yet */
-	GArray *pipeline_of_list; /* of uint32_t; UNKNOWN: nothing is drawn with it yet */
+	bool is_whole;             /* of the tree, only the site counts else */
+	GHashTable *nodes;         /* by key, a GPtrArray of struct style_node */
+	GHashTable *used;          /* the keys that something has */
+	GPtrArray *lists;          /* of struct step_list, each once; the first is empty */
+	GHashTable *places;        /* of the lists, + 1 */
+	uint32_t *list_of;         /* [SEGMENTS_MAX + 1]; UNKNOWN: not yet */
+	GArray *pipeline_of_list;  /* of uint32_t; UNKNOWN: nothing is drawn with it yet */
+	GArray *pipeline_in_focus; /* the same of what the focus is on */
 	GError **error;
 };
 
@@ -44,6 +45,7 @@ static uint32_t keep_list(struct resolving *w, const struct step_list *list)
 	g_ptr_array_add(w->lists, kept);
 	g_hash_table_insert(w->places, kept, GUINT_TO_POINTER(w->lists->len));
 	g_array_append_val(w->pipeline_of_list, unknown);
+	g_array_append_val(w->pipeline_in_focus, unknown);
 	return w->lists->len - 1;
 }
 
@@ -65,7 +67,8 @@ static bool apply_key(struct resolving *w, const char *key, struct step_list *li
 /* These mean what they say, whatever is called so. */
 static bool is_reserved(const char *name)
 {
-	return *name == '#' || strcmp(name, "site") == 0 || segment_class_find(name) >= 0;
+	return *name == '#' || strcmp(name, "site") == 0 || strcmp(name, "picture") == 0 ||
+	       segment_class_find(name) >= 0;
 }
 
 /* The names that a segment has in a style, the last one counts most. */
@@ -132,19 +135,23 @@ static struct pipeline to_pipeline(const struct step_list *list)
 	struct pipeline p;
 	memset(&p, 0, sizeof p);
 	p.mask = list->steps[0].mask;
+	p.inpaint = step_defaults(step_kind_find("inpaint")).inpaint;
 	for (uint32_t i = 1; i < list->count; i++)
 		if (list->steps[i].kind->stage == STEP_LAYER)
 			p.steps[p.layers++] = list->steps[i];
 	for (uint32_t i = 1; i < list->count; i++)
 		if (list->steps[i].kind->stage == STEP_FILTER)
 			p.steps[p.layers + p.filters++] = list->steps[i];
+		else if (list->steps[i].kind == step_kind_find("inpaint"))
+			p.inpaint = list->steps[i].inpaint;
 	return p;
 }
 
 static bool same_pipeline(const struct pipeline *a, const struct pipeline *b)
 {
 	if (memcmp(&a->mask, &b->mask, sizeof a->mask) || a->layers != b->layers ||
-		a->filters != b->filters)
+		a->filters != b->filters || a->is_focus != b->is_focus ||
+		memcmp(&a->inpaint, &b->inpaint, sizeof a->inpaint))
 		return false;
 	for (uint32_t i = 0; i < a->layers + a->filters; i++)
 		if (a->steps[i].kind != b->steps[i].kind ||
@@ -162,13 +169,29 @@ static uint32_t add_pipeline(drawing *d, const struct pipeline *p)
 	return d->pipelines->len - 1;
 }
 
+/* Of the segment that the focus is on, or below it. */
+static bool is_in_focus(const struct resolving *w, uint32_t id)
+{
+	const struct style_focus *f = &w->style->whole.focus;
+	uint32_t wanted = (uint32_t)f->segment;
+	if (f->on != FOCUS_SEGMENT || !wanted)
+		return false;
+	const struct segment *s = segments_find(w->tree, id);
+	for (; s && s->id != wanted && s->id != SEGMENT_SITE; s = segments_find(w->tree, s->parent))
+		;
+	return s && s->id == wanted;
+}
+
 /* Of a node that is drawn. */
 static bool draw_node(struct resolving *w, drawing *d, uint32_t id, uint8_t *ret)
 {
 	uint32_t list = w->list_of[id];
-	uint32_t *pipeline = &g_array_index(w->pipeline_of_list, uint32_t, list);
+	bool is_focus = is_in_focus(w, id);
+	GArray *known = is_focus ? w->pipeline_in_focus : w->pipeline_of_list;
+	uint32_t *pipeline = &g_array_index(known, uint32_t, list);
 	if (*pipeline == UNKNOWN) {
 		struct pipeline p = to_pipeline(w->lists->pdata[list]);
+		p.is_focus = is_focus;
 		*pipeline = add_pipeline(d, &p);
 	}
 	if (*pipeline >= PIPELINES_MAX) {
@@ -200,6 +223,25 @@ static bool draw_leaves(struct resolving *w, drawing *d)
 
 /* ---- the whole ---- */
 
+static bool find_picture(struct resolving *w, struct step_list *list)
+{
+	bool changed = false;
+	step_list_clear(list);
+	return apply_key(w, "picture", list, &changed);
+}
+
+static bool filter_picture(struct resolving *w, drawing *d)
+{
+	struct step_list list;
+	if (!find_picture(w, &list))
+		return false;
+	d->picture = to_pipeline(&list);
+	for (uint32_t i = 1; i < list.count; i++)
+		if (list.steps[i].kind == step_kind_find("composite"))
+			d->composite_by = list.steps[i].composite.by;
+	return true;
+}
+
 static void begin(struct resolving *w)
 {
 	w->nodes = g_hash_table_new_full(
@@ -208,6 +250,7 @@ static void begin(struct resolving *w)
 	w->lists = g_ptr_array_new_with_free_func(g_free);
 	w->places = g_hash_table_new(hash_list, equal_lists);
 	w->pipeline_of_list = g_array_new(FALSE, FALSE, sizeof(uint32_t));
+	w->pipeline_in_focus = g_array_new(FALSE, FALSE, sizeof(uint32_t));
 	w->list_of = g_new(uint32_t, SEGMENTS_MAX + 1);
 	memset(w->list_of, 0xff, (SEGMENTS_MAX + 1) * sizeof *w->list_of);
 	for (guint i = 0; i < w->style->nodes->len; i++) {
@@ -228,6 +271,7 @@ static void end(struct resolving *w)
 	g_hash_table_unref(w->used);
 	g_ptr_array_unref(w->lists);
 	g_array_unref(w->pipeline_of_list);
+	g_array_unref(w->pipeline_in_focus);
 	g_free(w->list_of);
 }
 
@@ -257,7 +301,7 @@ drawing *drawing_new(const style *s, const segments *tree, char ***ret_unused, G
 	d->pipelines = g_array_new(FALSE, FALSE, sizeof(struct pipeline));
 	d->pipeline_of = g_new0(uint8_t, SEGMENTS_MAX + 1);
 	begin(&w);
-	bool good = resolve_all(&w) && draw_leaves(&w, d);
+	bool good = resolve_all(&w) && draw_leaves(&w, d) && filter_picture(&w, d);
 	if (good && ret_unused)
 		*ret_unused = unused_keys(&w);
 	end(&w);
@@ -273,6 +317,14 @@ GArray *style_steps(const style *s, const segments *tree, uint32_t node, GError 
 	begin(&w);
 	step_list_clear(&nothing);
 	keep_list(&w, &nothing);
+	if (node == STYLE_PICTURE) {
+		if (find_picture(&w, &nothing)) {
+			steps = g_array_new(FALSE, FALSE, sizeof(struct step));
+			g_array_append_vals(steps, nothing.steps + 1, nothing.count - 1);
+		}
+		end(&w);
+		return steps;
+	}
 	const struct segment *at = segments_find(w.tree, node);
 	if (resolve(&w, at ? at : segments_find(w.tree, SEGMENT_SITE))) {
 		const struct step_list *list = w.lists->pdata[w.list_of[at ? node : SEGMENT_SITE]];

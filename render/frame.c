@@ -227,6 +227,7 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 		return false;
 	}
 	*l = (struct frame_layer){ step, pipeline, kinds_of(&step->ink), step->ink };
+	l->is_focus = frame_pipeline(f, pipeline)->is_focus;
 	if (step->kind == step_kind_find("stipple"))
 		l->stipple = &step->stipple;
 	l->ink.spacing_px *= f->ink_px;
@@ -286,6 +287,7 @@ static void turn_to_camera(const frame *f, const double v[3], float ret[3])
 static void see_accents(frame *f)
 {
 	double away_m[3];
+	float focal = (float)f->camera.focal_px, px = f->px / focal;
 	for (int k = 0; k < 3; k++)
 		away_m[k] = f->focus.site_m[k] - f->camera.eye_m[k];
 	turn_to_camera(f, f->light.site_from, f->light.from);
@@ -293,6 +295,13 @@ static void see_accents(frame *f)
 		if (f->layer[n].hatch)
 			turn_to_camera(f, f->layer[n].hatch->site_way, f->layer[n].hatch->way);
 	turn_to_camera(f, away_m, f->focus.at_m);
+	if (f->focus.on == FOCUS_PICTURE) {
+		f->focus.at_m[0] = (f->focus.across - 0.5f) * (float)f->camera.width / focal;
+		f->focus.at_m[1] = (f->focus.down - 0.5f) * (float)f->camera.height / focal;
+		f->focus.at_m[2] = 1;
+		f->focus.radius_m = f->focus.radius_px * px;
+		f->focus.per_m = 1 / (f->focus.falloff_px * px);
+	}
 }
 
 void frame_set_light(frame *f, const struct style_light *light)
@@ -315,11 +324,17 @@ void frame_set_light(frame *f, const struct style_light *light)
 void frame_set_focus(frame *f, const struct style_focus *focus)
 {
 	f->focus = (struct frame_focus){ .is_there = style_focus_is_there(focus),
+		.on = focus->on,
 		.amount = focus->amount,
 		.abstraction = focus->abstraction,
+		.filters = focus->filters,
 		.radius_m = focus->radius_m,
 		.per_m = 1 / focus->falloff_m,
-		.site_m = { focus->x_m, focus->y_m, focus->z_m } };
+		.site_m = { focus->x_m, focus->y_m, focus->z_m },
+		.across = focus->across,
+		.down = focus->down,
+		.radius_px = focus->radius_px,
+		.falloff_px = focus->falloff_px };
 	see_accents(f);
 }
 
@@ -354,6 +369,76 @@ static bool lay_paper(frame *f, GError **error)
 						  ((float)y + 0.5f) * step) +
 					  0.5f);
 	return true;
+}
+
+/* ---- sheets ---- */
+
+static bool same_filters(const struct pipeline *a, const struct pipeline *b)
+{
+	uint32_t n = 0, m = 0;
+	while (n < a->filters || m < b->filters) {
+		const struct step *s = &a->steps[a->layers + n], *t = &b->steps[b->layers + m];
+		if (n < a->filters && !step_is_filter(s))
+			n++;
+		else if (m < b->filters && !step_is_filter(t))
+			m++;
+		else if (n == a->filters || m == b->filters || s->kind != t->kind ||
+			 memcmp(s->bytes, t->bytes, STEP_SIZE_MAX))
+			return false;
+		else
+			n++, m++;
+	}
+	return memcmp(&a->inpaint, &b->inpaint, sizeof a->inpaint) == 0;
+}
+
+static void find_sheets(frame *f)
+{
+	const GArray *pipelines = f->drawing->pipelines;
+	f->is_filtered = f->drawing->picture.filters > 0;
+	for (guint p = 0; p < pipelines->len; p++) {
+		const struct pipeline *own = frame_pipeline(f, p);
+		guint q = 0;
+		for (uint32_t n = own->layers; n < own->layers + own->filters; n++)
+			f->is_filtered |= step_is_filter(&own->steps[n]);
+		while (q < p && !same_filters(frame_pipeline(f, q), own))
+			q++;
+		f->sheet_of[p] = q < p ? f->sheet_of[q] : (uint8_t)f->sheets++;
+	}
+	if (!f->is_filtered) {
+		memset(f->sheet_of, 0, sizeof f->sheet_of);
+		f->sheets = 1;
+	}
+}
+
+/* Those of "edl" are drawn with points. */
+const struct step *frame_filters(const frame *f, uint32_t sheet, uint32_t *ret_count)
+{
+	uint32_t p = 0;
+	while (f->sheet_of[p] != sheet)
+		p++;
+	const struct pipeline *own = frame_pipeline(f, p);
+	uint32_t first = own->layers, end = own->layers + own->filters;
+	while (first < end && !step_is_filter(&own->steps[first]))
+		first++;
+	*ret_count = end - first;
+	return &own->steps[first];
+}
+
+const struct inpaint_step *frame_inpaint(const frame *f, uint32_t sheet)
+{
+	uint32_t p = 0;
+	while (f->sheet_of[p] != sheet)
+		p++;
+	return &frame_pipeline(f, p)->inpaint;
+}
+
+uint64_t frame_layers_over(const frame *f, bool over)
+{
+	uint64_t ret = 0;
+	for (uint32_t n = 0; n < f->layers; n++)
+		if (!f->layer[n].stipple && f->layer[n].ink.over ? over : !over)
+			ret |= (uint64_t)1 << n;
+	return ret;
 }
 
 /* ---- all ---- */
@@ -409,8 +494,15 @@ frame *frame_new_coarse(
 	f->px = (float)(c->height / FRAME_STYLE_HEIGHT);
 	f->ink_px = f->px * (float)coarser;
 	f->layer = g_new0(struct frame_layer, FRAME_LAYERS_MAX + 1);
+	g_autoptr(GError) wrong = NULL;
+	f->nets = frame_nets_new(d, &wrong);
+	if (wrong) {
+		g_propagate_error(error, g_steal_pointer(&wrong));
+		return NULL;
+	}
 	if (!frame_move(f, c, error) || !lay_paper(f, error) || !add_layers(f, error))
 		return NULL;
+	find_sheets(f);
 	frame_set_light(f, &d->whole.light);
 	frame_set_focus(f, &d->whole.focus);
 	return g_steal_pointer(&f);
@@ -434,6 +526,7 @@ void frame_free(frame *f)
 		g_free(f->layer[l].texels);
 		frame_hatch_free(f->layer[l].hatch);
 	}
+	frame_nets_free(f->nets);
 	g_free(f->relief);
 	g_free(f->layer);
 	g_free(f);

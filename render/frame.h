@@ -5,6 +5,7 @@
 #include "process/segments.h"
 #include "render/camera.h"
 #include "render/frame-hatch.h"
+#include "render/frame-nets.h"
 #include "render/lanes-path.h"
 #include "render/paper-texture.h"
 #include "render/scene.h"
@@ -32,9 +33,13 @@ struct frame_light {
 };
 struct frame_focus {
 	bool is_there;
-	float amount, abstraction, radius_m, per_m; /* 1 / falloff */
-	float at_m[3];                              /* as the camera sees it */
+	int32_t on; /* enum style_focus_on */
+	float amount, abstraction, filters;
+	/* 1 / falloff; of FOCUS_PICTURE both are of rays, at depth 1. */
+	float radius_m, per_m;
+	float at_m[3]; /* as the camera sees it */
 	double site_m[3];
+	float across, down, radius_px, falloff_px; /* of the style */
 };
 
 /* A layer of one pipeline, with lengths in the picture's pixels. */
@@ -43,6 +48,7 @@ struct frame_layer {
 	uint8_t pipeline;
 	uint32_t kinds; /* a bit for each enum feature_kind that it draws */
 	struct ink_step ink;
+	bool is_focus;                      /* it draws what the style's focus is on */
 	const struct stipple_step *stipple; /* NULL: density chooses; else stipple.h */
 	stroke_texture *texture;            /* NULL: none; of about the size on the screen */
 	/* The texture, four neighbouring texels in one, with nothing beyond its borders: rows of 2^texel_shift, variants below each other. */
@@ -94,6 +100,12 @@ struct frame {
 	uint32_t relief_width, relief_height;
 	enum lanes_path lanes; /* with what vectors cpu draws it; tests try them all */
 	bool single_thread;    /* for tests */
+	double time_s;         /* of what moves by itself */
+	/* Pipelines whose filters are the same are drawn together, as one sheet (frame-sheets.h). */
+	bool is_filtered; /* some sheet has filters, or the picture; else there is one sheet */
+	uint32_t sheets;
+	uint8_t sheet_of[PIPELINES_MAX + 1];
+	frame_nets *nets; /* NULL: none is wanted */
 	/* NULL, or becomes other than 0 (g_atomic_int_set, any thread) when nobody wants the picture any more: it is then left unfinished. */
 	const int *stop;
 };
@@ -124,14 +136,18 @@ static inline float frame_diffuse(const struct frame_light *l, const float norma
 	return 0.5f + 0.5f * along;
 }
 
-/* 0..1: how far a place is from the focus, as the camera sees it. */
-static inline float frame_away(const struct frame_focus *focus, const float at_m[3])
+/* 0..1: how far a place is from the focus, as the camera sees it; is_focus: it is of the segment that the focus is on. */
+static inline float frame_away(const struct frame_focus *focus, const float at_m[3], bool is_focus)
 {
 	float away2 = 0;
 	if (!focus->is_there)
 		return 0;
-	for (int k = 0; k < 3; k++)
-		away2 += (at_m[k] - focus->at_m[k]) * (at_m[k] - focus->at_m[k]);
+	if (focus->on == FOCUS_SEGMENT)
+		return is_focus ? 0 : 1;
+	for (int k = 0; k < 3; k++) {
+		float at = focus->on == FOCUS_PLACE ? at_m[k] : at_m[k] / at_m[2];
+		away2 += (at - focus->at_m[k]) * (at - focus->at_m[k]);
+	}
 	float part = (sqrtf(away2) - focus->radius_m) * focus->per_m;
 	part = CLAMP(part, 0, 1);
 	return part * part * (3 - 2 * part);
@@ -154,6 +170,13 @@ static inline const struct pipeline *frame_pipeline(const frame *f, uint32_t pip
 {
 	return &g_array_index(f->drawing->pipelines, struct pipeline, pipeline);
 }
+
+/* Filters of a sheet, which are those of all of its pipelines. */
+const struct step *frame_filters(const frame *f, uint32_t sheet, uint32_t *ret_count);
+/* How the changes of a sheet's filters get their depths. */
+const struct inpaint_step *frame_inpaint(const frame *f, uint32_t sheet);
+/* Layers that are drawn over what filters made, or those below; a bit for each. */
+uint64_t frame_layers_over(const frame *f, bool over);
 
 /* The first step of that kind in a pipeline; NULL: it has none. */
 const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kind_name);

@@ -106,7 +106,7 @@ static void set_camera(gles_draw *d, const frame *f)
 	b.focus_reach[0] = f->focus.radius_m;
 	b.focus_reach[1] = f->focus.per_m;
 	b.focus_reach[2] = f->focus.abstraction;
-	b.focus_reach[3] = f->focus.is_there;
+	b.focus_reach[3] = f->focus.is_there ? (f->focus.on == FOCUS_PICTURE ? 2 : 1) : 0;
 	d->c->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d->camera);
 	d->c->gl.BufferData(GL_UNIFORM_BUFFER, sizeof b, &b, GL_STREAM_DRAW);
 }

@@ -151,3 +151,42 @@ visibility_mask *visibility_mask_new(const frame *f, const struct chunk_view *vi
 {
 	return visibility_mask_renew(NULL, f, views, count);
 }
+
+/* ---- of several ---- */
+
+static void join_tile(
+	visibility_mask *m, const visibility_mask *add, uint32_t across, uint32_t down)
+{
+	uint32_t right = MIN((across + 1) * MASK_TILE, m->width),
+		 below = MIN((down + 1) * MASK_TILE, m->height);
+	int32_t deepest = 0;
+	for (uint32_t y = down * MASK_TILE; y < below; y++)
+		for (uint32_t x = across * MASK_TILE; x < right; x++) {
+			int32_t *key = &m->key[(ptrdiff_t)y * m->pitch + x],
+				other = mask_key(add, (int32_t)x, (int32_t)y);
+			*key = MIN(*key, other);
+			deepest = MAX(deepest, *key);
+		}
+	m->deepest_m[down * m->tiles_across + across] = mask_depth(deepest);
+}
+
+visibility_mask *visibility_mask_join(
+	visibility_mask *m, const frame *f, const visibility_mask *add)
+{
+	const struct camera *c = &f->camera;
+	if (!m || m->width != c->width || m->height != c->height) {
+		visibility_mask_free(m);
+		m = mask_alloc(c, 1);
+	}
+	if (!add) {
+		mask_clear(m->part[0], keys_of_picture(m));
+		for (uint32_t n = 0; n < m->tiles_across * m->tiles_down; n++)
+			m->deepest_m[n] = mask_depth(MASK_EMPTY);
+		return m;
+	}
+#pragma omp parallel for num_threads((int)frame_threads(f))
+	for (uint32_t down = 0; down < m->tiles_down; down++)
+		for (uint32_t across = 0; across < m->tiles_across; across++)
+			join_tile(m, add, across, down);
+	return m;
+}

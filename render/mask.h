@@ -40,6 +40,11 @@ visibility_mask *visibility_mask_renew(
 void visibility_mask_free(visibility_mask *m); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(visibility_mask, visibility_mask_free)
 
+/* Makes into, or a new one where it is NULL or of another size, the mask of both: what is nearer in either. add NULL: nothing, which a
+ * mask is made of. */
+visibility_mask *visibility_mask_join(
+	visibility_mask *into, const frame *f, const visibility_mask *add);
+
 #define MASK_TILE 16 /* pixels a side */
 /* Whether all of the chunk is farther behind what is seen than this part of the depth: conservative. */
 bool mask_hides(const visibility_mask *m, const struct chunk_view *v, float behind);

@@ -22,7 +22,7 @@ static char *style_name, *size_text, *view_name, *output, *backend_name, *path_t
 	*title_text;
 static gboolean list_views, times, json, no_paper;
 static int supersample = 2;
-static double dpi = PAGE_DPI_NORMAL, seconds, fps = FPS_NORMAL;
+static double dpi = PAGE_DPI_NORMAL, seconds, time_s, fps = FPS_NORMAL;
 
 static const GOptionEntry entries[] = {
 	{ "style", 's', 0, G_OPTION_ARG_STRING, &style_name,
@@ -46,6 +46,9 @@ static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
 		"Of a film (default: as many frames as the path has)", "S" },
 	{ "fps", 0, 0, G_OPTION_ARG_DOUBLE, &fps, "Frames a second of a film (default 25)", "N" },
+	{ "time", 0, 0, G_OPTION_ARG_DOUBLE, &time_s,
+		"When it is, for styles in which things move (default 0); frames go on from there",
+		"S" },
 	{ "title", 0, 0, G_OPTION_ARG_STRING, &title_text,
 		"Of a page of shapes (default: the site's name and the view's)", "TEXT" },
 	{ "no-paper", 0, 0, G_OPTION_ARG_NONE, &no_paper,
@@ -153,6 +156,8 @@ static void add_times(struct draw_times *sum, const struct draw_times *t)
 	sum->choose_s += t->choose_s;
 	sum->bin_s += t->bin_s;
 	sum->draw_s += t->draw_s;
+	sum->filter_s += t->filter_s;
+	sum->composite_s += t->composite_s;
 	sum->all_s += t->all_s;
 	sum->strokes += t->strokes;
 	sum->points_in_view += t->points_in_view;
@@ -167,6 +172,7 @@ static bool draw_one(struct work *w, uint32_t number, GError **error)
 	if (w->frame ? !frame_move(w->frame, &c, error)
 		     : !(w->frame = frame_new(w->site->scene, w->drawing, &c, error)))
 		return false;
+	w->frame->time_s = time_s + number / fps;
 	if (!output_add(&w->out, w->painter, w->frame, number, &t, error))
 		return false;
 	add_times(&w->sum, &t);
@@ -205,6 +211,7 @@ static void print_times(const struct work *w)
 		double s;
 	} row[] = { { "cull", w->sum.cull_s }, { "mask", w->sum.mask_s },
 		{ "choose", w->sum.choose_s }, { "bin", w->sum.bin_s }, { "draw", w->sum.draw_s },
+		{ "filter", w->sum.filter_s }, { "combine", w->sum.composite_s },
 		{ "all", w->sum.all_s } };
 	for (size_t n = 0; n < G_N_ELEMENTS(row); n++)
 		printf("%-8s %8.1f ms\n", row[n].name, 1e3 * row[n].s / w->frames);

@@ -211,6 +211,7 @@ static void print_parameter(const struct step_parameter *p)
 	case PARAMETER_COLOUR: printf("\"#rrggbb\", else #%06x", (unsigned)p->fallback); break;
 	case PARAMETER_TEXTURE: printf("name or PNG, else %s", p->fallback_name); break;
 	case PARAMETER_XTOON: printf("stops or PNG, else %s", p->fallback_name); break;
+	case PARAMETER_MODEL: printf("path of an ONNX file"); break;
 	case PARAMETER_PENCILS: printf("colours, else %s", p->fallback_name); break;
 	}
 	printf("\n    %-20s   %s\n", "", p->help);
@@ -218,9 +219,10 @@ static void print_parameter(const struct step_parameter *p)
 
 static int list_steps(void)
 {
-	static const char *const stages[] = {
-		[STEP_MASK] = "mask", [STEP_LAYER] = "layer", [STEP_FILTER] = "filter"
-	};
+	static const char *const stages[] = { [STEP_MASK] = "mask",
+		[STEP_LAYER] = "layer",
+		[STEP_FILTER] = "filter",
+		[STEP_COMPOSITE] = "composition" };
 	for (const struct step_kind *k = step_kinds; k->name; k++) {
 		printf("%s%s (%s): %s\n", k == step_kinds ? "" : "\n", k->name, stages[k->stage],
 			k->help);

@@ -47,8 +47,7 @@ JsonNode *step_parameter_to_json(const struct step_parameter *p, const void *fro
 		g_snprintf(colour, sizeof colour, "#%02x%02x%02x", at[0], at[1], at[2]);
 		return string_node(colour);
 	case PARAMETER_TEXTURE:
-		memcpy(&name, at, sizeof name);
-		return string_node(name ? name : "");
+	case PARAMETER_MODEL: memcpy(&name, at, sizeof name); return string_node(name ? name : "");
 	case PARAMETER_XTOON:
 	case PARAMETER_PENCILS:
 		memcpy(&name, at, sizeof name);

@@ -9,6 +9,11 @@ extern const char *const step_direction_names[];
 extern const char *const step_colour_names[];
 extern const char *const step_blend_names[];
 extern const struct step_parameter hatching_parameters[], contours_parameters[];
+extern const struct step_parameter kuwahara_parameters[], anisotropic_parameters[],
+	bilateral_parameters[], gaussian_parameters[], gaps_parameters[], quantise_parameters[],
+	dog_parameters[], edges_parameters[], watercolour_parameters[], flow_parameters[],
+	oil_parameters[], pencil_parameters[], grade_parameters[], warp_parameters[],
+	occlusion_parameters[], neural_parameters[], inpaint_parameters[], composite_parameters[];
 
 #define RANGE(a, b, c, d) .least = (a), .most = (b), .slider_least = (c), .slider_most = (d)
 #define NUMBER(kind, field, range, start, in, text)                                                \
@@ -106,6 +111,12 @@ extern const struct step_parameter hatching_parameters[], contours_parameters[];
 #define SURROUNDINGS(grain)                                                                        \
 	NUMBER(ink_step, fade_m, RANGE(0, 100000, 0, 200), 0, "m",                                 \
 		"distance in which ink fades to half; 0: it does not"),                            \
-		NUMBER(ink_step, tooth, PART, grain, "", "how much the paper's grain shows in it")
+		NUMBER(ink_step, tooth, PART, grain, "",                                           \
+			"how much the paper's grain shows in it"),                                 \
+	{                                                                                          \
+		.name = "over", .type = PARAMETER_BOOLEAN,                                         \
+		.offset = offsetof(struct ink_step, over), .unit = "",                             \
+		.help = "drawn over what filters made of the picture"                              \
+	}
 
 #endif

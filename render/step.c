@@ -172,6 +172,32 @@ static float no_radius_px(const void *step)
 	return 0;
 }
 
+/* ---- filters ---- */
+
+#define REACH(of, px)                                                                              \
+	static float of##_radius_px(const void *step)                                              \
+	{                                                                                          \
+		const struct of##_step *s = step;                                                  \
+		return px;                                                                         \
+	}
+REACH(kuwahara, s->passes * s->radius_px)
+REACH(anisotropic, s->passes * 2 * s->radius_px)
+REACH(bilateral, s->passes * 2 * s->sigma_px)
+REACH(gaussian, 3 * s->sigma_px)
+REACH(gaps, s->radius_px)
+REACH(dog, 3 * s->sigma_px * s->ratio + 2 * s->flow_px)
+REACH(edges, s->width_px + s->wobble_px)
+REACH(watercolour, s->wobble_px + 2)
+REACH(flow, s->length_px + s->across_px)
+REACH(oil, s->length_px)
+REACH(warp, s->amplitude_px)
+
+#define FILTER(name, title, help, of, radius, glsl)                                                \
+	{                                                                                          \
+		name, title, help, STEP_FILTER, sizeof(struct of##_step), of##_parameters, radius, \
+			glsl                                                                       \
+	}
+
 const struct step_kind step_kinds[] = {
 	{ "mask", "Visibility mask", "what is hidden by what; there is one in every pipeline",
 		STEP_MASK, sizeof(struct mask_step), mask_parameters, no_radius_px, "mask" },
@@ -196,6 +222,41 @@ const struct step_kind step_kinds[] = {
 		"dots where points are, fewer in the light; asks for nothing but their places",
 		STEP_LAYER, sizeof(struct stipple_step), stipple_parameters, ink_radius_px,
 		"stipple" },
+	FILTER("kuwahara", "Kuwahara", "even patches with sharp borders, as if painted", kuwahara,
+		kuwahara_radius_px, NULL),
+	FILTER("anisotropic-kuwahara", "Painted patches",
+		"even patches that run along what the picture shows", anisotropic,
+		anisotropic_radius_px, NULL),
+	FILTER("bilateral", "Even colours", "smooths colours and keeps their borders", bilateral,
+		bilateral_radius_px, NULL),
+	FILTER("gaussian", "Blur", "smooths all", gaussian, gaussian_radius_px, NULL),
+	FILTER("gaps", "Closed gaps", "closes gaps between points", gaps, gaps_radius_px, NULL),
+	FILTER("quantise", "Steps of tone", "few tones, as a cartoon or a poster has", quantise,
+		no_radius_px, NULL),
+	FILTER("dog", "Lines of the picture", "lines where the picture is darker than around it",
+		dog, dog_radius_px, NULL),
+	FILTER("edges", "Edges of things", "lines where depth, slant or segment change", edges,
+		edges_radius_px, NULL),
+	FILTER("watercolour", "Watercolour", "pigment that gathers at edges and in the paper",
+		watercolour, watercolour_radius_px, NULL),
+	FILTER("flow", "Drawn-out colours", "smooths along what the picture shows", flow,
+		flow_radius_px, NULL),
+	FILTER("oil", "Oil", "traces of a brush that light falls on", oil, oil_radius_px, NULL),
+	FILTER("pencil", "Pencil", "strokes of a pencil across the picture, as dark as it is",
+		pencil, no_radius_px, NULL),
+	FILTER("grade", "Colours", "other colours", grade, no_radius_px, NULL),
+	FILTER("warp", "Swaying", "things sway with time", warp, warp_radius_px, NULL),
+	FILTER("occlusion", "Shade in corners", "darkens what lies between things before it",
+		occlusion, no_radius_px, NULL),
+	FILTER("neural", "Network", "what a network of one's own makes of the picture", neural,
+		no_radius_px, NULL),
+	{ "inpaint", "Depth inpainting",
+		"gives a depth to what filters drew beside things, so that it hides and is hidden",
+		STEP_COMPOSITE, sizeof(struct inpaint_step), inpaint_parameters, no_radius_px,
+		NULL },
+	{ "composite", "Composition",
+		"how the pictures of segments become one; for \"picture\" alone", STEP_COMPOSITE,
+		sizeof(struct composite_step), composite_parameters, no_radius_px, NULL },
 	{ NULL },
 };
 
@@ -232,6 +293,7 @@ static void fill(const struct step_parameter *p, void *at)
 			4);
 		break;
 	case PARAMETER_TEXTURE:
+	case PARAMETER_MODEL:
 	case PARAMETER_XTOON:
 	case PARAMETER_PENCILS:
 		*(const char **)at = g_intern_static_string(p->fallback_name);
@@ -270,6 +332,11 @@ bool step_is_ink(const struct step *s)
 	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
 	       s->kind == step_kind_find("strokes") || s->kind == step_kind_find("stipple") ||
 	       step_is_hatching(s) || step_is_contours(s);
+}
+
+bool step_is_filter(const struct step *s)
+{
+	return s->kind->stage == STEP_FILTER && s->kind->parameters != edl_parameters;
 }
 
 bool step_is_dots(const struct step *s)

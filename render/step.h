@@ -2,7 +2,7 @@
 #define RENDER_STEP_H
 /* The steps that drawings are made of. A pipeline is a list of them, run by stages:
  *
- *     mask -> layers (which points x which primitive x tone x direction) -> filters
+ *     mask -> layers (which points x which primitive x tone x direction) -> filters -> depth inpainting -> composite
  *
  * A kind of step is one row of the table step_kinds: its name, its parameters with their ranges and units, how far around a pixel
  * it looks, and what runs it on each backend. To add an effect is to add a row. Parameters are read (style.h) into a plain
@@ -10,12 +10,19 @@
  *
  * Lengths in px are of a picture 1200 px high and scale with the picture's height, so that a drawing looks the same at any size.
  * Angles on the screen: degrees, counterclockwise from the right. */
+#include "render/step-filters.h"
+
 #include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum step_stage { STEP_MASK, STEP_LAYER, STEP_FILTER };
+enum step_stage {
+	STEP_MASK,
+	STEP_LAYER,
+	STEP_FILTER,
+	STEP_COMPOSITE, /* how pictures become one; at most one of a kind in a pipeline */
+};
 
 enum parameter_type {
 	PARAMETER_NUMBER,  /* float */
@@ -24,6 +31,7 @@ enum parameter_type {
 	PARAMETER_COLOUR,  /* uint8_t[4], sRGB, the last 255; in files "#rrggbb" */
 	PARAMETER_TEXTURE, /* const char *, interned: a name of stroke-texture.h, or the path of a PNG */
 	PARAMETER_XTOON, /* const char *, interned: stops as JSON, or the path of a PNG (xtoon.h) */
+	PARAMETER_MODEL, /* const char *, interned: the path of an ONNX file; "": none */
 	PARAMETER_PENCILS, /* const char *, interned: a list of colours as JSON (pencil-box.h); "[]": none */
 };
 
@@ -102,6 +110,7 @@ struct ink_step {
 	float tone_levels; /* 0..1: how much lightness is stretched to what the site has, from dark to light */
 	float fade_m; /* distance in which ink fades to half; 0: does not */
 	float tooth;  /* 0..1: how much the paper's grain shows in it */
+	int32_t over; /* not filtered, but drawn over what filters made */
 };
 
 /* What a stroke of hatching lies along, in the plane of its point. */
@@ -188,10 +197,12 @@ struct step_kind {
 	/* How far around a pixel it looks or draws; points as large as they come by distance are not counted. */
 	float (*radius_px)(const void *step);
 	const char *
-		glsl; /* what runs it on gles: shaders/GLSL.glsl; on cpu it is what draw.h leads to */
+		glsl; /* what runs it on gles: shaders/GLSL.glsl; on cpu it is what draw.h or filter.h lead to; NULL: cpu alone */
 };
+#define STEP_KINDS_MAX 40 /* rows that step_kinds has at most */
 extern const struct step_kind step_kinds
-	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "edl", "stipple"; ends with a row without a name */
+	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "edl", "stipple", then filters; ends with a row
+	     * without a name */
 const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
 /* In a table of parameters: that of a kind, or of a section (style.h). NULL: there is none. */
 const struct step_parameter *step_parameter_find(
@@ -211,6 +222,24 @@ struct step {
 		struct points_step points;
 		struct edl_step edl;
 		struct stipple_step stipple;
+		struct kuwahara_step kuwahara;
+		struct anisotropic_step anisotropic;
+		struct bilateral_step bilateral;
+		struct gaussian_step gaussian;
+		struct gaps_step gaps;
+		struct quantise_step quantise;
+		struct dog_step dog;
+		struct edges_step edges;
+		struct watercolour_step watercolour;
+		struct flow_step flow;
+		struct oil_step oil;
+		struct pencil_step pencil;
+		struct grade_step grade;
+		struct warp_step warp;
+		struct occlusion_step occlusion;
+		struct neural_step neural;
+		struct inpaint_step inpaint;
+		struct composite_step composite;
 		uint8_t bytes[STEP_SIZE_MAX]; /* unused ones are 0, so steps can be compared */
 	};
 };
@@ -219,7 +248,8 @@ _Static_assert(sizeof(struct hatching_step) <= STEP_SIZE_MAX, "the union's size"
 bool step_is_ink(const struct step *s); /* all but points */
 bool step_is_hatching(const struct step *s);
 bool step_is_contours(const struct step *s);
-bool step_is_dots(const struct step *s); /* sprites or stipple: round */
+bool step_is_filter(const struct step *s); /* of pictures: not "edl", which belongs to points */
+bool step_is_dots(const struct step *s);   /* sprites or stipple: round */
 struct step step_defaults(const struct step_kind *kind);
 
 #endif

@@ -246,7 +246,7 @@ static struct stroke stroke_of(const stipple *s, const frame *f, const struct fr
 		.half_length_px = half_px,
 		.half_width_px = half_px,
 		.alpha = l->ink.opacity * (left_out ? 1 - f->light.amount : 1) *
-			 (1 - f->focus.amount * frame_away(&f->focus, d->at_m)),
+			 (1 - f->focus.amount * frame_away(&f->focus, d->at_m, l->is_focus)),
 		.q = 1 / d->at_m[2],
 		.point = d->point };
 	memcpy(one.rgb, l->ink.ink, 3);

@@ -228,12 +228,14 @@ INLINE vf wanted_of(const struct brush *b, const struct lane_candidates *c, vi l
 INLINE vf away_of(const struct brush *b, const struct lane_candidates *c)
 {
 	const struct frame_focus *focus = &b->f->focus;
-	vf ray[2];
+	vf ray[2], deep = focus->on == FOCUS_PLACE ? c->depth_m : all(1);
 	if (!focus->is_there)
 		return all(0);
+	if (focus->on == FOCUS_SEGMENT)
+		return all(b->layer->is_focus ? 0 : 1);
 	rays_of(b, c, ray);
-	vf right = ray[0] * c->depth_m - focus->at_m[0],
-	   down = ray[1] * c->depth_m - focus->at_m[1], ahead = c->depth_m - focus->at_m[2];
+	vf right = ray[0] * deep - focus->at_m[0], down = ray[1] * deep - focus->at_m[1],
+	   ahead = deep - focus->at_m[2];
 	vf part = clamp01((root(right * right + down * down + ahead * ahead) - focus->radius_m) *
 			  focus->per_m);
 	return part * part * (3 - 2 * part);

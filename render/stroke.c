@@ -127,12 +127,12 @@ struct task {
 };
 
 static void run_task(const stroke_room *r, const frame *f, const visibility_mask *m,
-	const struct chunk_view *views, uint32_t count, struct task *t)
+	const struct chunk_view *views, uint32_t count, uint64_t which, struct task *t)
 {
 	for (uint32_t n = 0; n < count; n++) {
 		bool is_hidden = m && mask_hides(m, &views[n], HIDDEN_BEHIND);
 		for (uint32_t l = 0; l < f->layers; l++) {
-			if (f->layer[l].pipeline != views[n].pipeline)
+			if (f->layer[l].pipeline != views[n].pipeline || !(which >> l & 1))
 				continue;
 			if (f->layer[l].stipple)
 				stipple_draw(r->stipple[l], f, &views[n], &t->of_layer[l]);
@@ -163,11 +163,11 @@ static void join(const struct task *task, uint32_t tasks, uint32_t layer, struct
 	to->block = (struct stroke_block **)g_ptr_array_steal(all, NULL);
 }
 
-static void look_for_stipple(
-	stroke_room *r, const frame *f, const struct chunk_view *views, uint32_t count)
+static void look_for_stipple(stroke_room *r, const frame *f, const struct chunk_view *views,
+	uint32_t count, uint64_t which)
 {
 	for (uint32_t l = 0; l < f->layers; l++) {
-		if (!f->layer[l].stipple)
+		if (!f->layer[l].stipple || !(which >> l & 1))
 			continue;
 		if (!r->stipple[l])
 			r->stipple[l] = stipple_new();
@@ -178,17 +178,23 @@ static void look_for_stipple(
 const struct stroke_blocks *stroke_room_fill(stroke_room *r, const frame *f,
 	const visibility_mask *m, const struct chunk_view *views, uint32_t count)
 {
+	return stroke_room_fill_some(r, f, m, views, count, UINT64_MAX);
+}
+
+const struct stroke_blocks *stroke_room_fill_some(stroke_room *r, const frame *f,
+	const visibility_mask *m, const struct chunk_view *views, uint32_t count, uint64_t which)
+{
 	uint32_t tasks = (count + TASK_CHUNKS - 1) / TASK_CHUNKS;
 	g_autofree struct task *task = g_new0(struct task, tasks + 1);
 	r->taken = 0;
-	look_for_stipple(r, f, views, count);
+	look_for_stipple(r, f, views, count, which);
 	for (uint32_t n = 0; n < tasks; n++)
 		for (uint32_t l = 0; l < f->layers; l++)
 			task[n].of_layer[l].room = r;
 #pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
 	for (uint32_t n = 0; n < tasks; n++)
 		run_task(r, f, m, views + n * TASK_CHUNKS,
-			MIN(TASK_CHUNKS, count - n * TASK_CHUNKS), &task[n]);
+			MIN(TASK_CHUNKS, count - n * TASK_CHUNKS), which, &task[n]);
 	for (uint32_t l = 0; l < f->layers; l++)
 		join(task, tasks, l, &r->of_layer[l]);
 	return r->of_layer;

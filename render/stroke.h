@@ -43,6 +43,11 @@ struct stroke_blocks {
 const struct stroke_blocks *stroke_room_fill(stroke_room *r, const frame *f,
 	const visibility_mask *m, const struct chunk_view *views, uint32_t count);
 
+/* Only of the layers whose bits are set; the others have none. */
+const struct stroke_blocks *stroke_room_fill_some(stroke_room *r, const frame *f,
+	const visibility_mask *m, const struct chunk_view *views, uint32_t count, uint64_t which);
+_Static_assert(FRAME_LAYERS_MAX <= 64, "a bit for each");
+
 /* The same in one piece. */
 typedef struct stroke_list stroke_list;
 struct stroke_list {

@@ -84,6 +84,9 @@ static bool apply_all(const style *s, const char *key, struct step_list *list, G
 static bool check_classes(const style *s, GError **error)
 {
 	struct step_list site, list;
+	step_list_clear(&list);
+	if (!apply_all(s, "picture", &list, error) || !step_list_check_picture(&list, s, error))
+		return false;
 	step_list_clear(&site);
 	if (!apply_all(s, "site", &site, error))
 		return false;
@@ -97,7 +100,8 @@ static bool check_classes(const style *s, GError **error)
 
 static bool is_class(const char *key)
 {
-	return strcmp(key, "site") == 0 || segment_class_find(key) >= 0;
+	return strcmp(key, "site") == 0 || strcmp(key, "picture") == 0 ||
+	       segment_class_find(key) >= 0;
 }
 
 /* Parameters do not count here: one of each id and kind is enough. */

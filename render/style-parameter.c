@@ -94,6 +94,16 @@ static bool is_path(const char *text)
 	return strchr(text, '/') || g_str_has_suffix(text, ".png");
 }
 
+/* From the folder of the style's file. */
+static const char *intern_path(const style_reader *r, const char *text)
+{
+	const char *folder = r->document->folder;
+	g_autofree char *path = folder && !g_path_is_absolute(text)
+					? g_build_filename(folder, text, NULL)
+					: g_strdup(text);
+	return g_intern_string(path);
+}
+
 /* Whether there is such a texture is asked when it is drawn with. */
 static bool read_texture(style_reader *r, JsonNode *node, const char **ret)
 {
@@ -107,11 +117,19 @@ static bool read_texture(style_reader *r, JsonNode *node, const char **ret)
 	}
 	if (!g_str_has_suffix(text, ".png"))
 		return style_reader_refuse(r, node, "a texture is the path of a .png");
-	const char *folder = r->document->folder;
-	g_autofree char *path = folder && !g_path_is_absolute(text)
-					? g_build_filename(folder, text, NULL)
-					: g_strdup(text);
-	*ret = g_intern_string(path);
+	*ret = intern_path(r, text);
+	return true;
+}
+
+/* Whether there is such a file, and what is in it, is asked when it is drawn with. */
+static bool read_model(style_reader *r, JsonNode *node, const char **ret)
+{
+	const char *text = style_reader_words(r, node);
+	if (!text)
+		return false;
+	if (!g_str_has_suffix(text, ".onnx"))
+		return style_reader_refuse(r, node, "a network is the path of a .onnx");
+	*ret = intern_path(r, text);
 	return true;
 }
 
@@ -213,6 +231,7 @@ bool style_reader_parameter(
 	case PARAMETER_BOOLEAN: return read_boolean(r, value, at);
 	case PARAMETER_COLOUR: return read_colour(r, value, at);
 	case PARAMETER_XTOON: return read_xtoon(r, value, at);
+	case PARAMETER_MODEL: return read_model(r, value, at);
 	case PARAMETER_PENCILS: return read_pencils(r, value, at);
 	default: return read_texture(r, value, at);
 	}

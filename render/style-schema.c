@@ -125,6 +125,7 @@ static JsonObject *parameter_schema(const struct step_parameter *p)
 		[PARAMETER_BOOLEAN] = "boolean",
 		[PARAMETER_COLOUR] = "string",
 		[PARAMETER_TEXTURE] = "string",
+		[PARAMETER_MODEL] = "string",
 		[PARAMETER_XTOON] = "array",
 		[PARAMETER_PENCILS] = "array" };
 	g_autofree char *help =
@@ -149,6 +150,7 @@ static JsonObject *parameter_schema(const struct step_parameter *p)
 		json_object_set_string_member(o, "pattern", "^([A-Za-z0-9_-]{1,64}|.*\\.png)$");
 		json_object_set_string_member(o, "default", p->fallback_name);
 		break;
+	case PARAMETER_MODEL: json_object_set_string_member(o, "pattern", "^.*\\.onnx$"); break;
 	case PARAMETER_XTOON: set_xtoon(o, p); break;
 	case PARAMETER_PENCILS:
 		set_list(o, colour_schema(NULL), 0, PENCIL_BOX_MOST);
@@ -255,11 +257,13 @@ static JsonObject *segments_schema(void)
 {
 	JsonObject *p = json_object_new();
 	json_object_set_object_member(p, "site", reference("#/$defs/node"));
+	json_object_set_object_member(p, "picture", reference("#/$defs/node"));
 	for (int class = 0; class < SEGMENT_CLASSES; class ++)
 		json_object_set_object_member(
 			p, segment_classes[class].name, reference("#/$defs/node"));
-	JsonObject *o = text_schema(
-		"object", "the site, classes, segments by their names, or by # and their numbers");
+	JsonObject *o = text_schema("object",
+		"the site, classes, segments by their names, or by # and their numbers; and the "
+		"picture of all of them, which filters may work on");
 	json_object_set_object_member(o, "properties", p);
 	json_object_set_object_member(o, "additionalProperties", reference("#/$defs/node"));
 	return o;

@@ -82,13 +82,13 @@ bool step_list_read_change(struct step *step, style_reader *r, JsonNode *change)
 
 static const struct step_kind *read_kind(style_reader *r, JsonNode *node)
 {
-	const char *names[16] = { NULL };
+	const char *names[STEP_KINDS_MAX + 1] = { NULL };
 	for (size_t i = 0; step_kinds[i].name; i++)
 		names[i] = step_kinds[i].name;
 	JsonNode *value = json_object_get_member(json_node_get_object(node), "step");
 	if (!value) {
-		g_autofree char *all = g_strjoinv(", ", (char **)names);
-		style_reader_refuse(r, node, "'step' is missing; it is one of %s", all);
+		style_reader_refuse(r, node,
+			"'step' is missing; 'pleinair styles --steps' tells what there is");
 		return NULL;
 	}
 	style_reader_enter(r, "step");
@@ -237,5 +237,18 @@ bool step_list_apply(struct step_list *list, const struct style_node *node, GErr
 			return false;
 		style_reader_leave(r, was);
 	}
+	return true;
+}
+
+bool step_list_check_picture(const struct step_list *list, const style *s, GError **error)
+{
+	for (uint32_t i = 1; i < list->count; i++)
+		if (list->steps[i].kind->stage == STEP_LAYER) {
+			g_set_error(error, STYLE_ERROR, STYLE_ERROR_FIELD,
+				"%s: segments.picture: '%s' draws points; a picture has filters "
+				"alone",
+				s->path ? s->path : s->name, list->steps[i].id);
+			return false;
+		}
 	return true;
 }

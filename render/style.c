@@ -40,6 +40,9 @@ static const struct step_parameter light_parameters[] = {
 	{ NULL },
 };
 
+static const char *const focus_names[] = {
+	[FOCUS_PLACE] = "place", [FOCUS_PICTURE] = "picture", [FOCUS_SEGMENT] = "segment", NULL
+};
 #define SITE_REACH_M 1e7
 #define PLACE(field)                                                                               \
 	NUMBER(style_focus, field, "m", -SITE_REACH_M, SITE_REACH_M, 0, 0, 0,                      \
@@ -49,12 +52,28 @@ static const struct step_parameter focus_parameters[] = {
 		"how much ink and colour fade to the paper far away from it"),
 	NUMBER(style_focus, abstraction, "", 0, 8, 0, 3, 0,
 		"so much larger and fewer strokes become far away; 1: twice as large"),
+	NUMBER(style_focus, filters, "", 0, 1, 0, 1, 0,
+		"how much filters that are for what is away, or near, keep to that"),
+	{ .name = "on",
+		.type = PARAMETER_CHOICE,
+		.offset = offsetof(struct style_focus, on),
+		.choices = focus_names,
+		.unit = "",
+		.help = "a place of the site, a place of the picture, or a segment" },
 	NUMBER(style_focus, radius_m, "m", 0, 100000, 0.5, 30, 5, "all within it is drawn as ever"),
 	NUMBER(style_focus, falloff_m, "m", 0.01, 100000, 0.5, 60, 10,
 		"from there to where things are far away"),
 	PLACE(x_m),
 	PLACE(y_m),
 	PLACE(z_m),
+	NUMBER(style_focus, across, "", 0, 1, 0, 1, 0.5, "of the picture, from its left side"),
+	NUMBER(style_focus, down, "", 0, 1, 0, 1, 0.5, "of the picture, from its upper side"),
+	NUMBER(style_focus, radius_px, "px", 0, 10000, 20, 800, 200,
+		"of the picture: all within it is drawn as ever"),
+	NUMBER(style_focus, falloff_px, "px", 1, 10000, 20, 800, 300,
+		"of the picture: from there to where things are far away"),
+	NUMBER(style_focus, segment, "", 0, SEGMENTS_MAX, 0, 0, 0,
+		"the number of the segment that it is on; 0: none"),
 	{ NULL },
 };
 

@@ -14,7 +14,7 @@
  *           "#19": { ... } } }
  *
  * A node is named as the site ("site"), a class ("building", ...), a segment's name, or "#" and its number; both of these may be
- * said of one segment, the number is applied last. "steps" replaces what is inherited, and stands alone; "remove", "change" and
+ * said of one segment, the number is applied last. "picture" is none of them: its steps, filters alone, work on the picture of all. "steps" replaces what is inherited, and stands alone; "remove", "change" and
  * "add" (at the end) alter it, in this order. Steps without "id" have the name of their kind. A mask is always there, with the id
  * "mask": change it, or list one of one's own.
  *
@@ -52,17 +52,27 @@ struct style_light {
 	float azimuth_deg; /* where it comes from: clockwise from the site's y axis, on a map that has x to the right */
 	float elevation_deg; /* above the ground */
 };
-/* A place that is drawn whole, and less and less around it (Redmond & Dingliana 2007, section 4.1). */
+/* A place that is drawn whole, and less and less around it (Redmond & Dingliana 2007, section 4.1), or a thing (section 4.2). */
+enum style_focus_on {
+	FOCUS_PLACE,   /* of the site */
+	FOCUS_PICTURE, /* of the picture */
+	FOCUS_SEGMENT, /* all else is far away */
+};
 struct style_focus {
 	float amount;      /* 0..1: how much is lost to the paper far away from it */
 	float abstraction; /* so much larger, and fewer, strokes become far away: 1 is twice as large */
+	float filters; /* 0..1: how much filters that are for what is away, or near, keep to that */
+	int32_t on;    /* enum style_focus_on */
 	float radius_m;  /* all this is drawn as ever */
 	float falloff_m; /* beyond it, until it is far away */
 	float x_m, y_m, z_m;
+	float across, down;          /* FOCUS_PICTURE: 0..1 of it */
+	float radius_px, falloff_px; /* the same as of metres */
+	float segment; /* FOCUS_SEGMENT: a number of the tree, a class or a thing; 0: none */
 };
 static inline bool style_focus_is_there(const struct style_focus *f)
 {
-	return f->amount > 0 || f->abstraction > 0;
+	return f->amount > 0 || f->abstraction > 0 || f->filters > 0;
 }
 
 /* What a style says of the whole picture, and not of nodes. */
@@ -112,13 +122,17 @@ struct pipeline {
 	struct mask_step mask;
 	struct step steps[PIPELINE_STEPS_MAX]; /* layers, then filters */
 	uint32_t layers, filters;              /* no layer: nothing is drawn of these leaves */
+	struct inpaint_step inpaint;           /* of what filters of pictures change */
+	bool is_focus;                         /* of the segment that the style's focus is on */
 };
 #define PIPELINES_MAX 255
 /* A style for the leaves of a site. Equal pipelines are one; ids do not count in that. */
 typedef struct drawing drawing;
 struct drawing {
 	struct style_whole whole;
-	GArray *pipelines; /* of struct pipeline; at least one */
+	GArray *pipelines;       /* of struct pipeline; at least one */
+	struct pipeline picture; /* filters of the picture of all of them */
+	int32_t composite_by;    /* enum composite_by */
 	uint8_t *
 		pipeline_of; /* [SEGMENTS_MAX + 1]: of each leaf; of what is no leaf as of the site */
 };
@@ -127,7 +141,9 @@ struct drawing {
  * pipelines, and a change of a step that is not inherited where a thing stands in this tree. Needs neither afterwards. */
 drawing *drawing_new(const style *s, const segments *tree, char ***ret_unused, GError **error);
 void drawing_free(drawing *d); /* NULL is fine */
-/* The steps of one node of the tree as it inherits them, the mask first; of struct step, caller frees. Errors of drawing_new. */
+/* The steps of one node of the tree as it inherits them, the mask first; of STYLE_PICTURE those of "picture", which has no mask. Of
+ * struct step, caller frees. Errors of drawing_new. */
+#define STYLE_PICTURE G_MAXUINT32
 GArray *style_steps(const style *s, const segments *tree, uint32_t node, GError **error);
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(drawing, drawing_free)
 

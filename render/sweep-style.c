@@ -37,16 +37,18 @@ static bool find_in_steps(const GArray *steps, const char *id, const char *name,
 	return false;
 }
 
-/* As the site has it in that style; caller unrefs. */
+/* As the site has it in that style, or its picture; caller unrefs. */
 static JsonNode *value_of_style(const char *other, const char *step, const char *name,
 	const char *site_path, GError **error)
 {
 	struct found f;
 	g_autoptr(style) s = style_find(other, site_path, error);
 	g_autoptr(GArray) steps = s ? style_steps(s, NULL, SEGMENT_SITE, error) : NULL;
-	if (!steps)
+	g_autoptr(GArray) filters = steps ? style_steps(s, NULL, STYLE_PICTURE, error) : NULL;
+	if (!filters)
 		return NULL;
-	if (find_in_section(s, step, name, &f) || find_in_steps(steps, step, name, &f))
+	if (find_in_section(s, step, name, &f) || find_in_steps(steps, step, name, &f) ||
+		find_in_steps(filters, step, name, &f))
 		return step_parameter_to_json(f.parameter, f.from);
 	g_set_error(error, STYLE_ERROR, STYLE_ERROR_FIELD, "the style '%s' has no %s.%s", other,
 		step, name);
@@ -70,6 +72,17 @@ static bool is_section(const char *name)
 	return false;
 }
 
+/* The node that has a step with this id: the site, else the picture. */
+static const char *node_of(const style_edit *e, const char *id, const char *site_path)
+{
+	g_autoptr(style) s = style_edit_style(e, site_path, NULL);
+	g_autoptr(GArray) filters = s ? style_steps(s, NULL, STYLE_PICTURE, NULL) : NULL;
+	for (guint i = 0; filters && i < filters->len; i++)
+		if (strcmp(g_array_index(filters, struct step, i).id, id) == 0)
+			return "picture";
+	return "site";
+}
+
 static bool set_parameter(
 	style_edit *e, const char *name, const char *value, const char *site_path, GError **error)
 {
@@ -84,18 +97,20 @@ static bool set_parameter(
 	if (is_section(parts[0]))
 		style_edit_set(e, parts[0], parts[1], node);
 	else
-		style_edit_change(e, "site", parts[0], parts[1], node);
+		style_edit_change(e, node_of(e, parts[0], site_path), parts[0], parts[1], node);
 	return true;
 }
 
 /* The reader tells the line of a text that nobody has written; what is behind it counts. */
 static void shorten(GError *e)
 {
-	static const char path[] = "segments.site.change.";
-	const char *line = strstr(e->message, " line "), *at = strstr(e->message, path);
-	if (at)
-		at += strlen(path);
-	else if (line && (at = strstr(line, ": ")))
+	static const char *const paths[] = { "segments.site.change.", "segments.picture.change." };
+	const char *line = strstr(e->message, " line "), *at = NULL;
+	for (size_t n = 0; n < G_N_ELEMENTS(paths) && !at; n++) {
+		at = strstr(e->message, paths[n]);
+		at = at ? at + strlen(paths[n]) : NULL;
+	}
+	if (!at && line && (at = strstr(line, ": ")))
 		at += 2;
 	if (!at)
 		return;

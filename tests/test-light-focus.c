@@ -207,7 +207,13 @@ static void test_light_moves(void)
 /* At the middle of the wall; what is 3 m away from it is far. */
 static void focus_on_wall(frame *f, double amount, double abstraction)
 {
-	struct style_focus focus = { (float)amount, (float)abstraction, 1, 2, 3, 6, 2 };
+	struct style_focus focus = { .amount = (float)amount,
+		.abstraction = (float)abstraction,
+		.radius_m = 1,
+		.falloff_m = 2,
+		.x_m = 3,
+		.y_m = 6,
+		.z_m = 2 };
 	frame_set_focus(f, &focus);
 }
 

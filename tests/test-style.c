@@ -27,7 +27,10 @@ static void check_row(const struct step_kind *k, const struct step_parameter *p)
 static void test_table(void)
 {
 	static const char *const names[] = { "mask", "points", "sprites", "lines", "strokes",
-		"hatching", "contours", "edl", "stipple" };
+		"hatching", "contours", "edl", "stipple", "kuwahara", "anisotropic-kuwahara",
+		"bilateral", "gaussian", "gaps", "quantise", "dog", "edges", "watercolour", "flow",
+		"oil", "pencil", "grade", "warp", "occlusion", "neural", "inpaint", "composite" };
+	g_assert_cmpuint(G_N_ELEMENTS(names), <=, STEP_KINDS_MAX);
 	for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
 		const struct step_kind *k = &step_kinds[i];
 		g_assert_cmpstr(k->name, ==, names[i]);
@@ -148,9 +151,10 @@ static const struct wrong {
 		AT_STEP ".texture: a texture is the path of a .png" },
 	{ STEPS("{\"step\":\"storkes\"}"),
 		AT_STEP ".step: there is no step 'storkes'; did you mean 'strokes'?" },
-	{ STEPS("{\"id\":\"x\"}"), AT_STEP ": 'step' is missing; it is one of mask, points, "
-					   "sprites, lines, strokes, hatching, "
-					   "contours, edl, stipple" },
+	{ STEPS("{\"id\":\"x\"}"), AT_STEP ": 'step' is missing; 'pleinair styles --steps' "
+					   "tells what there is" },
+	{ STEPS("{\"step\":\"neural\",\"model\":\"a.png\"}"),
+		AT_STEP ".model: a network is the path of a .onnx" },
 	/* lists */
 	{ STEPS("{\"step\":\"hatching\",\"xtoon\":[]}"),
 		AT_STEP ".xtoon: it has 1 to 64 elements; these are 0" },

@@ -48,6 +48,12 @@ static void set_focus(struct draw_screen *s, const struct style_focus *f)
 {
 	set(s, "focus", "amount", f->amount);
 	set(s, "focus", "abstraction", f->abstraction);
+	set(s, "focus", "filters", f->filters);
+	set(s, "focus", "across", f->across);
+	set(s, "focus", "down", f->down);
+	set(s, "focus", "radius_px", f->radius_px);
+	set(s, "focus", "falloff_px", f->falloff_px);
+	set(s, "focus", "segment", f->segment);
 	set(s, "focus", "radius_m", f->radius_m);
 	set(s, "focus", "falloff_m", f->falloff_m);
 	set(s, "focus", "x_m", f->x_m);
@@ -74,9 +80,17 @@ static void show(struct draw_screen *s, const struct style_whole *whole)
 
 void draw_accents_refresh(struct draw_screen *s)
 {
+	draw_accents_stop(s);
 	read_whole(s, &s->whole);
 	tell(&s->whole);
 	easel_redraw_marks(s->easel);
+}
+
+void draw_accents_stop(struct draw_screen *s)
+{
+	if (s->glide)
+		g_source_remove(s->glide);
+	s->glide = 0;
 }
 
 /* ---- light ---- */
@@ -112,26 +126,94 @@ static void drag_light(struct draw_screen *s, double right_px, double down_px)
 
 /* ---- focus ---- */
 
-static void focus_on(struct draw_screen *s, const double place_m[3])
+static void glide(struct draw_screen *s, const struct style_whole *to);
+
+/* Where there was none yet: as large as things look that are tapped. */
+static void begin_focus(struct style_focus *f, double away_m)
+{
+	f->amount = FOCUS_AMOUNT;
+	f->abstraction = FOCUS_ABSTRACTION;
+	f->filters = 1;
+	f->radius_m = (float)(FOCUS_RADIUS_PART * away_m);
+	f->falloff_m = FALLOFF_PART * f->radius_m;
+}
+
+static void focus_on(struct draw_screen *s, const struct scene_picked *picked)
 {
 	struct style_whole whole = s->whole;
 	struct style_focus *f = &whole.focus;
 	struct camera c = easel_camera(s->easel);
-	double away2 = 0;
+	double away2 = 0, px[2], depth_m;
 	for (int k = 0; k < 3; k++)
-		away2 += (place_m[k] - c.eye_m[k]) * (place_m[k] - c.eye_m[k]);
+		away2 += (picked->place_m[k] - c.eye_m[k]) * (picked->place_m[k] - c.eye_m[k]);
 	draw_screen_will_slide(s, "focus place", _("Focus"));
-	if (!style_focus_is_there(f)) {
-		f->amount = FOCUS_AMOUNT;
-		f->abstraction = FOCUS_ABSTRACTION;
-		f->radius_m = (float)(FOCUS_RADIUS_PART * sqrt(away2));
-		f->falloff_m = FALLOFF_PART * f->radius_m;
+	if (!style_focus_is_there(f))
+		begin_focus(f, sqrt(away2));
+	if (f->on == FOCUS_PICTURE && camera_project(&c, picked->place_m, px, &depth_m)) {
+		f->across = (float)CLAMP(px[0] / c.width, 0, 1);
+		f->down = (float)CLAMP(px[1] / c.height, 0, 1);
 	}
-	f->x_m = (float)place_m[0];
-	f->y_m = (float)place_m[1];
-	f->z_m = (float)place_m[2];
+	f->x_m = (float)picked->place_m[0];
+	f->y_m = (float)picked->place_m[1];
+	f->z_m = (float)picked->place_m[2];
+	if (f->on != FOCUS_SEGMENT) {
+		set_focus(s, f);
+		glide(s, &whole);
+		return;
+	}
+	/* Which things are in focus is of the drawing. */
+	f->segment = (float)picked->leaf;
 	set_focus(s, f);
-	show(s, &whole);
+	draw_screen_redraw(s, false);
+	draw_accents_refresh(s);
+}
+
+/* ---- the focus goes from place to place ---- */
+
+#define GLIDE_MS    40
+#define GLIDE_STEPS 9
+
+/* Of the way there is so much behind it, softly at both ends. */
+static float between(float from, float to, float part)
+{
+	return from + (to - from) * part * part * (3 - 2 * part);
+}
+
+static gboolean glide_on(gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	struct style_whole now = s->glide_to;
+	float part = (float)++s->glide_step / GLIDE_STEPS;
+	const struct style_focus *from = &s->glide_from.focus, *to = &s->glide_to.focus;
+	float *at[] = { &now.focus.amount, &now.focus.abstraction, &now.focus.filters,
+		&now.focus.x_m, &now.focus.y_m, &now.focus.z_m, &now.focus.across,
+		&now.focus.down };
+	const float was[] = { from->amount, from->abstraction, from->filters, from->x_m, from->y_m,
+		from->z_m, from->across, from->down };
+	const float is[] = { to->amount, to->abstraction, to->filters, to->x_m, to->y_m, to->z_m,
+		to->across, to->down };
+	for (size_t n = 0; n < G_N_ELEMENTS(at); n++)
+		*at[n] = between(was[n], is[n], part);
+	show(s, &now);
+	if (s->glide_step < GLIDE_STEPS)
+		return G_SOURCE_CONTINUE;
+	s->glide = 0;
+	return G_SOURCE_REMOVE;
+}
+
+/* A focus that comes grows where it is. */
+static void glide(struct draw_screen *s, const struct style_whole *to)
+{
+	s->glide_from = s->whole;
+	s->glide_to = *to;
+	s->glide_step = 0;
+	if (!style_focus_is_there(&s->whole.focus)) {
+		struct style_focus *f = &s->glide_from.focus;
+		*f = to->focus;
+		f->amount = f->abstraction = f->filters = 0;
+	}
+	if (!s->glide)
+		s->glide = g_timeout_add(GLIDE_MS, glide_on, s);
 }
 
 /* Sideways it becomes larger or smaller, upwards what is around it fainter. */
@@ -145,9 +227,12 @@ static void drag_focus(struct draw_screen *s, double right_px, double down_px)
 		return;
 	}
 	draw_screen_will_slide(s, "focus", _("Focus"));
-	f->radius_m =
-		(float)CLAMP((double)f->radius_m * exp(right_px / FOCUS_GROWS_PX), 0.05, 1000);
+	draw_accents_stop(s);
+	float larger = (float)exp(right_px / FOCUS_GROWS_PX);
+	f->radius_m = CLAMP(f->radius_m * larger, 0.05f, 1000.f);
 	f->falloff_m = FALLOFF_PART * f->radius_m;
+	f->radius_px = CLAMP(f->radius_px * larger, 10.f, 2000.f);
+	f->falloff_px = CLAMP(f->falloff_px * larger, 20.f, 4000.f);
 	float by = (float)(-down_px / (FOCUS_FADES_PART * height_px));
 	/* Never both 0, which would be none. */
 	f->amount = CLAMP(f->amount + by, 0.05f, 1.f);
@@ -161,7 +246,7 @@ bool draw_accents_tapped(struct draw_screen *s, const struct scene_picked *picke
 	if (s->tool != DRAW_FOCUS)
 		return false;
 	if (picked)
-		focus_on(s, picked->place_m);
+		focus_on(s, picked);
 	return true;
 }
 
@@ -180,10 +265,18 @@ static void mark_focus(const struct draw_screen *s, cairo_t *cr, const struct ca
 {
 	const struct style_focus *f = &s->whole.focus;
 	const double at_m[3] = { (double)f->x_m, (double)f->y_m, (double)f->z_m };
-	double px[2], depth_m;
-	if (!style_focus_is_there(f) || !camera_project(c, at_m, px, &depth_m))
+	double px[2], depth_m, radius_px, dash[2] = { 12, 9 };
+	if (!style_focus_is_there(f) || f->on == FOCUS_SEGMENT)
 		return;
-	double radius_px = (double)f->radius_m * c->focal_px / depth_m, dash[2] = { 12, 9 };
+	if (f->on == FOCUS_PICTURE) {
+		px[0] = (double)f->across * c->width;
+		px[1] = (double)f->down * c->height;
+		radius_px = (double)f->radius_px * c->height / FRAME_STYLE_HEIGHT;
+	} else if (camera_project(c, at_m, px, &depth_m)) {
+		radius_px = (double)f->radius_m * c->focal_px / depth_m;
+	} else {
+		return;
+	}
 	cairo_new_path(cr);
 	cairo_arc(cr, px[0], px[1], MAX(radius_px, 8), 0, 2 * G_PI);
 	cairo_set_line_width(cr, 5);
@@ -255,7 +348,8 @@ static void without_pressed(GtkButton *b, gpointer user_data)
 		set_light(s, &whole.light);
 	} else {
 		draw_screen_will_change(s, _("No focus"));
-		whole.focus.amount = whole.focus.abstraction = 0;
+		draw_accents_stop(s);
+		whole.focus.amount = whole.focus.abstraction = whole.focus.filters = 0;
 		set_focus(s, &whole.focus);
 	}
 	g_clear_pointer(&s->last_slid, g_free);

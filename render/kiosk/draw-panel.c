@@ -29,6 +29,18 @@ static void slid(
 	draw_screen_redraw(s, true);
 }
 
+/* Of the filters of the picture of all. */
+static void picture_slid(
+	const char *step_id, const struct step_parameter *p, JsonNode *value, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	g_autofree char *what = g_strdup_printf("picture %s %s", step_id, p->name);
+	g_autofree char *did = g_strdup_printf(_("%s changed"), _("The whole picture"));
+	draw_screen_will_slide(s, what, did);
+	style_edit_change(s->edit, "picture", step_id, p->name, value);
+	draw_screen_redraw(s, true);
+}
+
 /* Of the whole picture; paper, light or focus. */
 static void section_slid(
 	const char *section, const struct step_parameter *p, JsonNode *value, gpointer user_data)
@@ -144,6 +156,17 @@ static GtkWidget *actions(struct draw_screen *s)
 	return row;
 }
 
+/* Where the style filters the picture of all. */
+static void append_picture(struct draw_screen *s, const style *now)
+{
+	g_autoptr(GArray) filters =
+		now && s->node == SEGMENT_SITE ? style_steps(now, NULL, STYLE_PICTURE, NULL) : NULL;
+	if (!filters || !filters->len)
+		return;
+	gtk_box_append(GTK_BOX(s->panel_box), kit_text(_("The whole picture"), "soft"));
+	gtk_box_append(GTK_BOX(s->panel_box), step_sliders_new(filters, picture_slid, s));
+}
+
 void draw_panel_fill(struct draw_screen *s)
 {
 	if (!s->edit || !gtk_widget_get_visible(s->panel))
@@ -164,6 +187,7 @@ void draw_panel_fill(struct draw_screen *s)
 		gtk_box_append(box, actions(s));
 	if (steps)
 		gtk_box_append(box, step_sliders_new(steps, slid, s));
+	append_picture(s, now);
 	if (now && s->node == SEGMENT_SITE)
 		gtk_box_append(box, section_sliders_new(&now->whole, section_slid, s));
 	gtk_box_append(box, kit_button("style-save", "document-save-symbolic", _("Keep as a style"),

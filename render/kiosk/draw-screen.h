@@ -33,6 +33,9 @@ struct draw_screen {
 	enum draw_tool tool;
 	GtkWidget *light_button, *focus_button, *tool_bar, *tool_hint;
 	struct style_whole whole; /* of the edit, while there is a tool */
+	/* The focus is on its way, in steps. */
+	guint glide, glide_step;
+	struct style_whole glide_from, glide_to;
 	/* The walk. */
 	guint station; /* that is stood at, from 1; 0: none */
 	GtkWidget *around;
@@ -62,6 +65,8 @@ bool draw_accents_dragged(struct draw_screen *s, double right_px, double down_px
 void draw_accents_marks(struct draw_screen *s, cairo_t *cr, const struct camera *c);
 /* One finger looks around again. */
 void draw_accents_end(struct draw_screen *s);
+/* A focus that is on its way goes no farther. */
+void draw_accents_stop(struct draw_screen *s);
 /* After the edit has changed otherwise. */
 void draw_accents_refresh(struct draw_screen *s);
 

@@ -338,6 +338,7 @@ static void destroyed(GtkWidget *w, gpointer user_data)
 	(void)w;
 	g_cancellable_cancel(s->gone);
 	kiosk_forget_undo(s->kiosk, s);
+	draw_accents_stop(s);
 	easel_free(s->easel);
 	s->easel = NULL;
 }

@@ -173,7 +173,7 @@ static GtkWidget *widget_of(struct slider *s, const void *values)
 static char *words_of(const char *name)
 {
 	g_autofree char *words = g_strdelimit(g_strdup(name), "_", ' ');
-	static const char *const units[] = { " px", " deg", " m" };
+	static const char *const units[] = { " px", " deg", " m", " s" };
 	for (size_t i = 0; i < G_N_ELEMENTS(units); i++)
 		if (g_str_has_suffix(words, units[i]))
 			words[strlen(words) - strlen(units[i])] = '\0';
@@ -211,7 +211,7 @@ static GtkWidget *parameter_row(const struct part *of, const struct step_paramet
 static bool is_for_people(const struct step_parameter *p)
 {
 	return p->type != PARAMETER_TEXTURE && p->type != PARAMETER_XTOON &&
-	       p->type != PARAMETER_PENCILS &&
+	       p->type != PARAMETER_PENCILS && p->type != PARAMETER_MODEL &&
 	       !(p->type == PARAMETER_NUMBER && p->slider_least >= p->slider_most);
 }
 

@@ -10,7 +10,7 @@ collect() {
 	sed -n 's/^ *"title": \("[^"]*"\).*/_(\1);/p' render/styles/*.json > "$work/style-titles.c"
 	# Parameters of steps and sections as step-sliders.c says them ("length_px" is "Length"), their choices, and what they are.
 	awk 'function say(text) { if (text != "") print "_(\"" text "\");" }
-		function titled(name) { sub(/_(px|deg|m)$/, "", name); gsub(/_/, " ", name)
+		function titled(name) { sub(/_(px|deg|m|s)$/, "", name); gsub(/_/, " ", name)
 			return toupper(substr(name, 1, 1)) substr(name, 2) }
 		{ indent = match($0, /[^ ]/) - 1; split($0, part, "\""); key = part[2] }
 		indent == 4 { is_kind = key !~ /^(change|node|step|segments)/; if (key ~ /^(paper|light|focus)$/) say(titled(key)) }

@@ -1,0 +1,573 @@
+#include "render/depth-inpaint.h"
+#include "render/draw-private.h"
+#include "render/large.h"
+#include "render/surface-pass.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Parts of r->pictures. */
+enum {
+	PART_SHEET, /* as it is drawn, as large as the picture */
+	PART_RGBA,
+	PART_SPARE,
+	PART_DEPTH,
+	PART_NORMAL,
+	PART_LEAF,
+	PART_AWAY,
+	PART_GREY, /* before filters */
+	PART_INPAINTED,
+	PART_WHOLE_DEPTH, /* of all sheets so far */
+	PART_WHOLE_NORMAL,
+	PART_WHOLE_LEAF,
+	PART_SOFT, /* the nearest of what filters drew beside things, as far as it does not cover what is behind it */
+	PART_SOFT_DEPTH,
+};
+_Static_assert(PART_SOFT_DEPTH < FILTER_ROOM_PARTS, "a place for each");
+
+struct box {
+	uint32_t left, top, right, bottom; /* ends are beyond */
+};
+
+struct sheet_job {
+	draw_room *room;
+	const frame *f;
+	struct picture_buffer *to;
+	struct draw_times t;
+	int64_t since_us;
+	bool wants_surface; /* the filters of the picture do */
+	float *depth_m, (*normal)[3]; /* of the picture so far */
+	uint16_t *leaf;
+	uint8_t (*soft)[4]; /* the last one: how much it covers */
+	float *soft_depth_m;
+	bool has_soft;
+	uint8_t paper[4];
+};
+
+/* ---- what a sheet is of ---- */
+
+/* The order stays: from near to far. */
+static struct chunk_view *views_of_sheet(const frame *f, const struct chunk_view *all, uint32_t count,
+	uint32_t sheet, uint32_t *ret_count)
+{
+	struct chunk_view *ret = g_new(struct chunk_view, count + 1);
+	*ret_count = 0;
+	for (uint32_t n = 0; n < count; n++)
+		if (f->sheet_of[all[n].pipeline] == sheet)
+			ret[(*ret_count)++] = all[n];
+	return ret;
+}
+
+static uint32_t ink_reach(const frame *f, uint32_t sheet)
+{
+	float reach = 1;
+	for (uint32_t n = 0; n < f->layers; n++)
+		if (f->sheet_of[f->layer[n].pipeline] == sheet)
+			reach = fmaxf(reach,
+				f->layer[n].step->kind->radius_px(f->layer[n].step->bytes) *
+						f->ink_px * fmaxf(f->layer[n].ink.grow, 1) +
+					1);
+	return (uint32_t)fminf(reach, 1e4f);
+}
+
+static struct box box_of(const frame *f, const struct chunk_view *views, uint32_t count, float reach)
+{
+	float low[2] = { 1e9f, 1e9f }, high[2] = { -1e9f, -1e9f };
+	const float size[2] = { (float)f->camera.width, (float)f->camera.height };
+	for (uint32_t n = 0; n < count; n++)
+		for (int k = 0; k < 2; k++) {
+			low[k] = fminf(low[k], views[n].low_px[k] - views[n].margin_px);
+			high[k] = fmaxf(high[k], views[n].high_px[k] + views[n].margin_px);
+		}
+	struct box b = { 0 };
+	uint32_t *from[2] = { &b.left, &b.top }, *end[2] = { &b.right, &b.bottom };
+	for (int k = 0; k < 2; k++) {
+		*from[k] = (uint32_t)CLAMP(low[k] - reach, 0, size[k]);
+		*end[k] = (uint32_t)CLAMP(ceilf(high[k] + reach), 0, size[k]);
+	}
+	return b;
+}
+
+/* ---- a sheet as a picture with depths ---- */
+
+/* As far as it was: what the mask pushed it back is taken away again. */
+static float depth_of(const frame *f, int32_t key)
+{
+	if (key >= MASK_EMPTY)
+		return FILTER_FAR;
+	const struct mask_step *m = &frame_pipeline(f, key & 255)->mask;
+	return (mask_depth(key) - m->offset_m) / (1 + m->offset_relative);
+}
+
+static void take_depths(const frame *f, const visibility_mask *m, float *to)
+{
+#pragma omp parallel for num_threads((int)frame_threads(f))
+	for (uint32_t y = 0; y < m->height; y++)
+		for (uint32_t x = 0; x < m->width; x++)
+			to[(size_t)y * m->width + x] =
+				depth_of(f, mask_key(m, (int32_t)x, (int32_t)y));
+}
+
+static float away_at(const frame *f, const visibility_mask *m, uint32_t x, uint32_t y, float depth_m)
+{
+	float by_focal = 1 / (float)f->camera.focal_px;
+	int32_t key = mask_key(m, (int32_t)x, (int32_t)y);
+	/* What nothing is behind counts by where it is in the picture: as deep as the focus. */
+	if (depth_m >= FILTER_FAR)
+		depth_m = fmaxf(f->focus.at_m[2], (float)f->camera.near_m);
+	float at_m[3] = { ((float)x + 0.5f - (float)f->camera.width / 2) * by_focal * depth_m,
+		((float)y + 0.5f - (float)f->camera.height / 2) * by_focal * depth_m, depth_m };
+	return frame_away(&f->focus, at_m,
+		key < MASK_EMPTY && frame_pipeline(f, key & 255)->is_focus);
+}
+
+static void take_away(struct filter_job *j, const visibility_mask *m)
+{
+	struct filter_image *i = &j->image;
+#pragma omp parallel for num_threads((int)frame_threads(j->f))
+	for (uint32_t y = 0; y < i->height; y++)
+		for (uint32_t x = 0; x < i->width; x++) {
+			size_t at = (size_t)y * i->width + x;
+			i->away[at] = away_at(j->f, m, x + i->left, y + i->top, i->depth_m[at]);
+		}
+}
+
+/* The part of a plane of the whole picture that is in the box. */
+static void cut(const void *from, void *to, size_t bytes, uint32_t width, const struct box *b)
+{
+	size_t row = (b->right - b->left) * bytes;
+#pragma omp parallel for
+	for (uint32_t y = b->top; y < b->bottom; y++)
+		memcpy((char *)to + (y - b->top) * row,
+			(const char *)from + ((size_t)y * width + b->left) * bytes, row);
+}
+
+static struct filter_job job_of(struct sheet_job *s, const struct box *b)
+{
+	struct filter_job j = { .f = s->f,
+		.room = &s->room->filters,
+		.lanes = s->f->lanes,
+		.px = s->f->px,
+		.time_s = s->f->time_s,
+		.image = { .width = b->right - b->left,
+			.height = b->bottom - b->top,
+			.left = b->left,
+			.top = b->top,
+			.paper = s->paper } };
+	filter_room *r = &s->room->pictures;
+	size_t pixels = filter_pixels(&j.image);
+	j.image.rgba = filter_room_part(r, PART_RGBA, pixels * 4);
+	j.image.spare = filter_room_part(r, PART_SPARE, pixels * 4);
+	j.image.depth_m = filter_room_part(r, PART_DEPTH, pixels * sizeof(float));
+	if (s->f->focus.is_there)
+		j.image.away = filter_room_part(r, PART_AWAY, pixels * sizeof(float));
+	return j;
+}
+
+/* ---- compositing ---- */
+
+struct merging {
+	const struct sheet_job *s;
+	const struct filter_image *image;
+	const float *depth_m; /* to compare by */
+	int32_t by;
+};
+
+/* Of the largest change of a channel, the least that covers what is behind it. */
+#define COVERS 80
+
+static int change_of(const struct sheet_job *s, const uint8_t rgba[4])
+{
+	int most = 0;
+	for (int k = 0; k < 3; k++)
+		most = MAX(most, abs((int)rgba[k] - (int)s->paper[k]));
+	return most;
+}
+
+/* Beside things bare paper shows through what filters drew, where that is thin: the soft borders of lines, what was blurred. It must not
+ * hide what is behind the thing. */
+static bool is_soft(const struct sheet_job *s, const struct filter_image *i, size_t at)
+{
+	return i->depth_m[at] >= FILTER_FAR && change_of(s, i->rgba[at]) < COVERS;
+}
+
+/* Without the paper, and how much it covers. */
+static void put_soft(const struct sheet_job *s, const struct filter_image *i, size_t at, size_t to,
+	float depth_m)
+{
+	int change = change_of(s, i->rgba[at]);
+	if (!change || depth_m >= s->soft_depth_m[to])
+		return;
+	for (int k = 0; k < 3; k++) {
+		int full = s->paper[k] + ((int)i->rgba[at][k] - (int)s->paper[k]) * COVERS / change;
+		s->soft[to][k] = (uint8_t)CLAMP(full, 0, 255);
+	}
+	s->soft[to][3] = (uint8_t)(change * 255 / COVERS);
+	s->soft_depth_m[to] = depth_m;
+}
+
+static void merge_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct merging *m = data;
+	const struct filter_image *i = m->image;
+	const struct sheet_job *s = m->s;
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < i->width; x++) {
+			size_t at = (size_t)y * i->width + x,
+			       to = (size_t)(y + i->top) * s->to->width + x + i->left;
+			if (s->has_soft && is_soft(s, i, at)) {
+				put_soft(s, i, at, to, m->depth_m[at]);
+				continue;
+			}
+			bool shows = m->by == COMPOSITE_LAYERS
+					     ? m->depth_m[at] < FILTER_FAR ||
+						       memcmp(i->rgba[at], s->paper, 3) != 0
+					     : m->depth_m[at] < s->depth_m[to];
+			if (!shows)
+				continue;
+			memcpy(s->to->rgba[to], i->rgba[at], 4);
+			s->depth_m[to] = m->depth_m[at];
+			if (s->wants_surface && i->normal) {
+				memcpy(s->normal[to], i->normal[at], sizeof *s->normal);
+				s->leaf[to] = i->leaf[at];
+			}
+		}
+}
+
+/* The same of a sheet that nothing filters, as it was drawn. */
+static void merge_drawn(
+	struct sheet_job *s, const struct box *b, const struct picture_buffer *drawn)
+{
+	const visibility_mask *m = s->room->mask;
+#pragma omp parallel for num_threads((int)frame_threads(s->f))
+	for (uint32_t y = b->top; y < b->bottom; y++) {
+		const uint32_t *from = (const void *)drawn->rgba[(size_t)y * drawn->width];
+		uint32_t *to = (void *)s->to->rgba[(size_t)y * drawn->width];
+		float *depth_m = s->depth_m + (size_t)y * drawn->width;
+		for (uint32_t x = b->left; x < b->right; x++) {
+			float here_m = depth_of(s->f, mask_key(m, (int32_t)x, (int32_t)y));
+			/* Ink that reaches over what it is on lies on the paper, if nothing is there. */
+			bool is_ink = here_m >= FILTER_FAR && depth_m[x] >= FILTER_FAR &&
+				      memcmp(&from[x], s->paper, 3) != 0;
+			if (here_m < depth_m[x] || is_ink) {
+				to[x] = from[x];
+				depth_m[x] = here_m;
+			}
+		}
+	}
+	s->t.composite_s += draw_lap(&s->since_us);
+}
+
+/* Ink beside things is no part of them yet: points have left bare paper there. */
+static void grey_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct filter_image *i = data;
+	for (size_t at = (size_t)from * i->width; at < (size_t)end * i->width; at++)
+		i->grey_before[at] = depth_inpaint_grey(
+			i->depth_m[at] < FILTER_FAR ? i->rgba[at] : i->paper);
+}
+
+/* What the style leaves to us. Filters draw as far beside things as they reach, at most, and what they draw there must find a depth across
+ * the gaps between points; but where other segments are all around, a wide circle would take depths of other parts of a thing. */
+#define THRESHOLD     0.03f
+#define RADIUS_MOST   12
+#define RADIUS_CLOSE  0.5f /* of it, where all is close to other sheets */
+static float spacing_px(const frame *f, const struct chunk_view *views, uint32_t count)
+{
+	double sum = 0, points = 0;
+	for (uint32_t n = 0; n < count; n++) {
+		const struct chunk_view *v = &views[n];
+		double middle_m = ((double)v->near_m + (double)v->far_m) / 2;
+		sum += (double)v->chunk->count * (double)v->chunk->spacing_most_m *
+		       f->camera.focal_px / MAX(middle_m, 1e-3);
+		points += v->chunk->count;
+	}
+	return points > 0 ? (float)(sum / points) : 0;
+}
+
+/* The part of the chunks in whose boxes on the screen, and in depth, others of another sheet are. */
+static float overlap_of(const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
+{
+	enum { SIDE = 64, DEEP = 24 };
+	g_autofree uint64_t *own = g_new0(uint64_t, SIDE * SIDE), *other = g_new0(uint64_t, SIDE * SIDE);
+	for (uint32_t n = 0; n < count; n++) {
+		const struct chunk_view *v = &all[n];
+		uint64_t *to = f->sheet_of[v->pipeline] == sheet ? own : other;
+		float size[2] = { (float)f->camera.width, (float)f->camera.height };
+		uint32_t low[2], high[2];
+		for (int k = 0; k < 2; k++) {
+			low[k] = (uint32_t)(CLAMP(v->low_px[k] / size[k], 0, 0.999f) * SIDE);
+			high[k] = (uint32_t)(CLAMP(v->high_px[k] / size[k], 0, 0.999f) * SIDE);
+		}
+		int from = (int)CLAMP(4 * log2f(v->near_m + 1), 0, DEEP - 1),
+		    end = (int)CLAMP(4 * log2f(v->far_m + 1), 0, DEEP - 1);
+		uint64_t deep = ((uint64_t)2 << end) - ((uint64_t)1 << from);
+		for (uint32_t y = low[1]; y <= high[1]; y++)
+			for (uint32_t x = low[0]; x <= high[0]; x++)
+				to[y * SIDE + x] |= deep;
+	}
+	uint32_t cells = 0, shared = 0;
+	for (uint32_t n = 0; n < SIDE * SIDE; n++) {
+		cells += (uint32_t)__builtin_popcountll(own[n]);
+		shared += (uint32_t)__builtin_popcountll(own[n] & other[n]);
+	}
+	return cells ? (float)shared / (float)cells : 0;
+}
+
+/* ---- a sheet ---- */
+
+static bool draw_sheet(struct sheet_job *s, const struct chunk_view *views, uint32_t count,
+	const struct box *b, struct picture_buffer *to)
+{
+	draw_room *r = s->room;
+	struct draw_job j = { .f = s->f,
+		.to = to,
+		.views = views,
+		.count = count,
+		.flat = true,
+		.lists = r->lists,
+		.first_row = b->top,
+		.end_row = b->bottom };
+	j.mask = r->mask = visibility_mask_renew(r->mask, s->f, views, count);
+	s->t.chunks_hidden += r->mask->chunks_hidden;
+	s->t.mask_s += draw_lap(&s->since_us);
+	if (frame_is_stopped(s->f))
+		return false;
+	r->of_layer = stroke_room_fill_some(
+		r->strokes, s->f, j.mask, views, count, frame_layers_over(s->f, false));
+	s->t.choose_s += draw_lap(&s->since_us);
+	for (uint32_t n = 0; n < s->f->layers; n++) {
+		band_lists_fill(&r->lists[n], &r->of_layer[n], to->height, s->f->single_thread);
+		s->t.strokes += r->of_layer[n].count;
+	}
+	s->t.bin_s += draw_lap(&s->since_us);
+	if (b->bottom > b->top)
+		draw_bands(r, &j);
+	s->t.draw_s += draw_lap(&s->since_us);
+	return !frame_is_stopped(s->f);
+}
+
+/* Normals and segments of the box's pixels, if anybody wants them. */
+static void take_surface(struct sheet_job *s, struct filter_job *j, const struct box *b,
+	const struct chunk_view *views, uint32_t count, float *depth_m)
+{
+	const frame *f = s->f;
+	size_t whole = (size_t)f->camera.width * f->camera.height, pixels = filter_pixels(&j->image);
+	filter_room *r = &s->room->pictures;
+	g_autofree char *memory = NULL;
+	struct surface_planes to = { depth_m, NULL, NULL };
+	/* Behind each other in the room: of the whole picture, then of the box. */
+	char *normals = filter_room_part(r, PART_NORMAL, (whole + pixels) * sizeof *to.normal),
+	     *leaves = filter_room_part(r, PART_LEAF, (whole + pixels) * sizeof *to.leaf);
+	to.normal = (float(*)[3])(void *)normals;
+	to.leaf = (uint16_t *)(void *)leaves;
+	surface_pass(f, s->room->mask, views, count, &to);
+	j->image.normal = to.normal + whole;
+	j->image.leaf = to.leaf + whole;
+	cut(to.normal, j->image.normal, sizeof *to.normal, f->camera.width, b);
+	cut(to.leaf, j->image.leaf, sizeof *to.leaf, f->camera.width, b);
+}
+
+static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *b,
+	const struct chunk_view *views, uint32_t count, float overlap, const struct picture_buffer *drawn)
+{
+	const frame *f = s->f;
+	uint32_t filters;
+	const struct step *step = frame_filters(f, sheet, &filters);
+	const struct inpaint_step *by = frame_inpaint(f, sheet);
+	filter_room *r = &s->room->pictures;
+	struct filter_job j = job_of(s, b);
+	size_t pixels = filter_pixels(&j.image),
+	       whole = (size_t)f->camera.width * f->camera.height;
+	float *depth_m = filter_room_part(r, PART_INPAINTED, whole * sizeof(float));
+	take_depths(f, s->room->mask, depth_m);
+	if (s->wants_surface || filter_wants_surface(step, filters))
+		take_surface(s, &j, b, views, count, depth_m);
+	cut(depth_m, j.image.depth_m, sizeof(float), f->camera.width, b);
+	cut(drawn->rgba, j.image.rgba, 4, f->camera.width, b);
+	if (j.image.away)
+		take_away(&j, s->room->mask);
+	struct merging m = { s, &j.image, j.image.depth_m, f->drawing->composite_by };
+	struct depth_inpainting d = { .image = &j.image, .to = depth_m };
+	if (filters) {
+		j.image.grey_before = filter_room_part(r, PART_GREY, pixels);
+		float radius = by->radius_px * f->px;
+		if (by->radius_px <= 0)
+			radius = fminf(2 + fmaxf((float)filter_reach(step, filters, f->px) / 2,
+						   1.5f * spacing_px(f, views, count)),
+					 RADIUS_MOST) *
+				 (1 - (1 - RADIUS_CLOSE) * overlap);
+		d.radius = MAX((int)rintf(radius), 1);
+		d.threshold = by->threshold > 0 ? by->threshold : THRESHOLD;
+		filter_each_rows(&j, grey_rows, &j.image, j.image.height, 64);
+		s->t.composite_s += draw_lap(&s->since_us);
+		for (uint32_t n = 0; n < filters; n++)
+			if (step_is_filter(&step[n]))
+				filter_apply(&j, &step[n]);
+		s->t.filter_s += draw_lap(&s->since_us);
+		if (m.by == COMPOSITE_INPAINTED) {
+			depth_inpaint(&j, &d);
+			m.depth_m = d.to;
+		}
+	}
+	filter_each_rows(&j, merge_rows, &m, j.image.height, 64);
+	s->t.composite_s += draw_lap(&s->since_us);
+}
+
+static bool do_sheet(struct sheet_job *s, const struct chunk_view *all, uint32_t all_count,
+	uint32_t sheet)
+{
+	const frame *f = s->f;
+	uint32_t count, filters;
+	g_autofree struct chunk_view *views = views_of_sheet(f, all, all_count, sheet, &count);
+	const struct step *step = frame_filters(f, sheet, &filters);
+	if (!count)
+		return true;
+	struct box b = box_of(f, views, count,
+		(float)(ink_reach(f, sheet) + filter_reach(step, filters, f->px)));
+	struct picture_buffer drawn = { s->to->width, s->to->height,
+		filter_room_part(&s->room->pictures, PART_SHEET,
+			(size_t)s->to->width * s->to->height * 4) };
+	if (!draw_sheet(s, views, count, &b, &drawn))
+		return false;
+	s->room->joined = visibility_mask_join(s->room->joined, f, s->room->mask);
+	if (!filters && !s->wants_surface)
+		merge_drawn(s, &b, &drawn);
+	else
+		filter_sheet(s, sheet, &b, views, count, filters ? overlap_of(f, all, all_count, sheet) : 0, &drawn);
+	return !frame_is_stopped(f);
+}
+
+/* ---- the picture ---- */
+
+/* What covers only in part comes over what is behind it, once all of that is known. */
+static void blend_soft(struct sheet_job *s)
+{
+	size_t pixels = (size_t)s->to->width * s->to->height;
+#pragma omp parallel for num_threads((int)frame_threads(s->f))
+	for (size_t at = 0; at < pixels; at++) {
+		if (!(s->soft_depth_m[at] < s->depth_m[at]))
+			continue;
+		uint8_t *to = s->to->rgba[at];
+		for (int k = 0; k < 3; k++) {
+			int by = ((int)s->soft[at][k] - (int)to[k]) * s->soft[at][3];
+			to[k] = (uint8_t)(to[k] + (by + (by < 0 ? -127 : 127)) / 255);
+		}
+		if (s->depth_m[at] >= FILTER_FAR)
+			s->depth_m[at] = s->soft_depth_m[at];
+	}
+	s->t.composite_s += draw_lap(&s->since_us);
+}
+
+static void begin(struct sheet_job *s)
+{
+	const frame *f = s->f;
+	size_t pixels = (size_t)s->to->width * s->to->height;
+	filter_room *r = &s->room->pictures;
+	memcpy(s->paper, f->drawing->whole.paper.colour, 3);
+	s->paper[3] = 255;
+	s->wants_surface =
+		filter_wants_surface(f->drawing->picture.steps, f->drawing->picture.filters);
+	s->depth_m = filter_room_part(r, PART_WHOLE_DEPTH, pixels * sizeof(float));
+	for (uint32_t n = 0; n < f->sheets; n++) {
+		uint32_t filters;
+		frame_filters(f, n, &filters);
+		s->has_soft |= filters && f->drawing->composite_by == COMPOSITE_INPAINTED;
+	}
+	if (s->has_soft) {
+		s->soft = filter_room_part(r, PART_SOFT, pixels * sizeof *s->soft);
+		s->soft_depth_m = filter_room_part(r, PART_SOFT_DEPTH, pixels * sizeof(float));
+	}
+	if (s->wants_surface) {
+		s->normal = filter_room_part(r, PART_WHOLE_NORMAL, pixels * sizeof *s->normal);
+		s->leaf = filter_room_part(r, PART_WHOLE_LEAF, pixels * sizeof *s->leaf);
+		memset(s->normal, 0, pixels * sizeof *s->normal);
+		memset(s->leaf, 0, pixels * sizeof *s->leaf);
+	}
+#pragma omp parallel for num_threads((int)frame_threads(f))
+	for (size_t at = 0; at < pixels; at++) {
+		memcpy(s->to->rgba[at], s->paper, 4);
+		s->depth_m[at] = FILTER_FAR;
+		if (s->has_soft)
+			s->soft_depth_m[at] = FILTER_FAR;
+	}
+	s->room->joined = visibility_mask_join(s->room->joined, f, NULL);
+	if (!s->room->strokes)
+		s->room->strokes = stroke_room_new();
+}
+
+static void filter_whole(struct sheet_job *s)
+{
+	const struct pipeline *p = &s->f->drawing->picture;
+	struct box b = { 0, 0, s->to->width, s->to->height };
+	struct filter_job j = job_of(s, &b);
+	j.image.rgba = s->to->rgba; /* where it stays, if it is swapped an even number of times */
+	j.image.depth_m = s->depth_m;
+	j.image.normal = s->normal;
+	j.image.leaf = s->leaf;
+	if (j.image.away)
+		take_away(&j, s->room->joined);
+	s->t.composite_s += draw_lap(&s->since_us);
+	for (uint32_t n = 0; n < p->filters; n++)
+		filter_apply(&j, &p->steps[n]);
+	if (j.image.rgba != s->to->rgba)
+		cut(j.image.rgba, s->to->rgba, 4, s->to->width, &b);
+	s->t.filter_s += draw_lap(&s->since_us);
+}
+
+static bool is_finished(const frame *f, uint64_t over)
+{
+	return !over && !(f->focus.amount > 0) && !(f->drawing->whole.paper.grain > 0);
+}
+
+/* Paper's grain, what fades away from the focus, and strokes that lie over. */
+static void finish(struct sheet_job *s, const struct chunk_view *views, uint32_t count, uint64_t over)
+{
+	draw_room *r = s->room;
+	struct draw_job j = { .f = s->f,
+		.mask = r->joined,
+		.views = views,
+		.count = count,
+		.to = s->to,
+		.ground = s->to };
+	if (over) {
+		r->of_layer = stroke_room_fill_some(r->strokes, s->f, r->joined, views, count, over);
+		s->t.choose_s += draw_lap(&s->since_us);
+		for (uint32_t n = 0; n < s->f->layers; n++) {
+			band_lists_fill(
+				&r->lists[n], &r->of_layer[n], s->to->height, s->f->single_thread);
+			s->t.strokes += r->of_layer[n].count;
+		}
+		s->t.bin_s += draw_lap(&s->since_us);
+		j.lists = r->lists;
+	}
+	draw_bands(r, &j);
+	s->t.draw_s += draw_lap(&s->since_us);
+}
+
+void draw_sheets(draw_room *r, const frame *f, bool over, struct picture_buffer *to,
+	struct draw_times *ret_times)
+{
+	int64_t begin_us = g_get_monotonic_time();
+	struct sheet_job s = { .room = r, .f = f, .to = to, .since_us = begin_us };
+	uint32_t count;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	uint64_t layers_over = over ? frame_layers_over(f, true) : 0;
+	bool going = true;
+	begin(&s);
+	s.t.cull_s = draw_lap(&s.since_us);
+	for (uint32_t n = 0; going && n < f->sheets; n++)
+		going = do_sheet(&s, views, count, n);
+	if (going && s.has_soft)
+		blend_soft(&s);
+	if (going && f->drawing->picture.filters)
+		filter_whole(&s);
+	if (going && !is_finished(f, layers_over))
+		finish(&s, views, count, layers_over);
+	s.t.chunks_in_view = count;
+	for (uint32_t n = 0; n < count; n++)
+		s.t.points_in_view += views[n].chunk->count;
+	s.t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
+	if (ret_times)
+		*ret_times = s.t;
+}

@@ -1,0 +1,204 @@
+/* Filters that ask how deep things are: swaying, shade in corners, eye-dome lighting of a whole picture. */
+#include "render/filter-planes.h"
+#include "render/filter-solid.h"
+#include "render/grain.h"
+#include <math.h>
+#include <string.h>
+
+/* ---- swaying ---- */
+
+struct swaying {
+	const struct filter_job *j;
+	const struct filter_image *image;
+	float wave[2], way[2], amplitude, phase;
+	float *depth_m, (*normal)[3];
+	uint16_t *leaf;
+	uint8_t *grey;
+};
+
+/* Of the four pixels around some are of something, some of nothing. */
+static bool is_border(const struct filter_image *i, float x, float y)
+{
+	uint32_t left = (uint32_t)CLAMP(x, 0, (float)(i->width - 1)),
+		 top = (uint32_t)CLAMP(y, 0, (float)(i->height - 1)),
+		 right = MIN(left + 1, i->width - 1), below = MIN(top + 1, i->height - 1);
+	const float *upper = i->depth_m + (size_t)top * i->width,
+		    *lower = i->depth_m + (size_t)below * i->width;
+	int there = (upper[left] < FILTER_FAR) + (upper[right] < FILTER_FAR) +
+		    (lower[left] < FILTER_FAR) + (lower[right] < FILTER_FAR);
+	return there && there < 4;
+}
+
+static void sway_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct swaying *s = data;
+	const struct filter_image *i = s->image;
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < i->width; x++) {
+			float at[2] = { (float)(x + i->left), (float)(y + i->top) };
+			float by = s->amplitude *
+				   sinf(at[0] * s->wave[0] + at[1] * s->wave[1] + s->phase);
+			float from_x = (float)x - by * s->way[0], from_y = (float)y - by * s->way[1],
+			      rgb[3];
+			size_t to = (size_t)y * i->width + x;
+			size_t near = (size_t)CLAMP(from_y + 0.5f, 0, (float)(i->height - 1)) * i->width +
+				      (size_t)CLAMP(from_x + 0.5f, 0, (float)(i->width - 1));
+			/* Between things there is nothing: depths are of the nearest pixel, and so are colours beside bare paper. */
+			s->depth_m[to] = i->depth_m[near];
+			filter_colour_between(i, from_x, from_y, rgb);
+			filter_put(i->spare[to], rgb);
+			if (is_border(i, from_x, from_y))
+				memcpy(i->spare[to], i->rgba[near], 4);
+			if (i->normal)
+				memcpy(s->normal[to], i->normal[near], sizeof *s->normal);
+			if (i->leaf)
+				s->leaf[to] = i->leaf[near];
+			if (i->grey_before)
+				s->grey[to] = i->grey_before[near];
+		}
+}
+
+void filter_warp(struct filter_job *j, const struct step *s)
+{
+	const struct warp_step *w = &s->warp;
+	struct filter_image *i = &j->image;
+	size_t pixels = filter_pixels(i);
+	float turn = w->angle_deg * (float)(G_PI / 180), way = w->direction_deg * (float)(G_PI / 180),
+	      by_length = (float)(2 * G_PI) / (w->wavelength_px * j->px);
+	struct swaying sway = { .j = j,
+		.image = i,
+		.wave = { cosf(turn) * by_length, -sinf(turn) * by_length },
+		.way = { cosf(way), -sinf(way) },
+		.amplitude = w->amplitude_px * j->px,
+		.phase = (float)(-2 * G_PI * fmod(j->time_s / (double)w->period_s, 1)),
+		.depth_m = filter_room_part(j->room, 0, pixels * sizeof(float)),
+		.normal = filter_room_part(j->room, 1, pixels * 3 * sizeof(float)),
+		.leaf = filter_room_part(j->room, 2, pixels * sizeof(uint16_t)),
+		.grey = filter_room_part(j->room, 3, pixels) };
+	filter_each_rows(j, sway_rows, &sway, i->height, 16);
+	memcpy(i->depth_m, sway.depth_m, pixels * sizeof(float));
+	if (i->normal)
+		memcpy(i->normal, sway.normal, pixels * sizeof *i->normal);
+	if (i->leaf)
+		memcpy(i->leaf, sway.leaf, pixels * sizeof *i->leaf);
+	if (i->grey_before)
+		memcpy(i->grey_before, sway.grey, pixels);
+	filter_swap(i);
+}
+
+/* ---- shade in corners ---- */
+
+struct shading {
+	const struct filter_job *j;
+	const struct occlusion_step *step;
+	const struct edl_step *edl;
+	float *shade, *smooth;
+};
+
+#define RING 12
+/* Pixels that are looked at lie no farther. */
+#define REACH_MOST_PX 120.f
+/* Surface before a pixel hides the sky from this part of the radius on: what is plane hides nothing. */
+#define BEFORE_LEAST 0.08f
+
+/* Places on a spiral around it that lie before it, by how much of the radius. */
+static void shade_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct shading *s = data;
+	const struct filter_image *i = &s->j->image;
+	float focal = (float)s->j->f->camera.focal_px, radius_m = s->step->radius_m;
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < i->width; x++) {
+			size_t at = (size_t)y * i->width + x;
+			float here = i->depth_m[at], sum = 0;
+			s->shade[at] = 1;
+			if (here >= FILTER_FAR)
+				continue;
+			float reach = fminf(radius_m * focal / here, REACH_MOST_PX);
+			/* Pairs on both sides: what is as far before as the other is behind is a slope. */
+			float turn = (float)G_PI * grain_unit(x & 3, y & 3, 21) / RING;
+			for (int n = 0; n < RING; n++) {
+				float angle = (float)G_PI * (float)n / RING + turn,
+				      away = reach * ((float)(n * 5 % RING) + 1) / RING;
+				int dx = (int)lrintf(cosf(angle) * away), dy = (int)lrintf(sinf(angle) * away);
+				float both = 0;
+				for (int side = -1; side <= 1; side += 2) {
+					int px = CLAMP((int)x + side * dx, 0, (int)i->width - 1),
+					    py = CLAMP((int)y + side * dy, 0, (int)i->height - 1);
+					float there = i->depth_m[(size_t)py * i->width + (size_t)px];
+					float before = there >= FILTER_FAR ? -radius_m : here - there;
+					both += CLAMP(before, -radius_m, radius_m);
+				}
+				float part = both / (2 * radius_m) - BEFORE_LEAST * away / fmaxf(reach, 1);
+				/* Far before it, it is another thing. */
+				sum += part > 0 ? fminf(part * 4, 1) : 0;
+			}
+			s->shade[at] = expf(-1.6f * s->step->strength * sum / RING);
+		}
+}
+
+static void darken_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct shading *s = data;
+	const struct filter_image *i = &s->j->image;
+	for (size_t at = (size_t)from * i->width; at < (size_t)end * i->width; at++) {
+		float rgb[3];
+		for (int k = 0; k < 3; k++)
+			rgb[k] = (float)i->rgba[at][k] *
+				 (i->depth_m[at] < FILTER_FAR ? s->smooth[at] : 1);
+		filter_put(i->spare[at], rgb);
+	}
+}
+
+void filter_occlusion(struct filter_job *j, const struct step *step)
+{
+	size_t bytes = filter_pixels(&j->image) * sizeof(float);
+	struct shading s = { .j = j,
+		.step = &step->occlusion,
+		.shade = filter_room_part(j->room, 0, bytes),
+		.smooth = filter_room_part(j->room, 1, bytes) };
+	filter_each_rows(j, shade_rows, &s, j->image.height, 16);
+	struct filter_blur b = { s.shade, s.smooth, false, j->image.width, j->image.height, 1, 0, NULL };
+	filter_blur_run(j, &b, 2);
+	filter_each_rows(j, darken_rows, &s, j->image.height, 32);
+	filter_swap(&j->image);
+}
+
+/* ---- eye-dome lighting (edl.h) ---- */
+
+static float log_depth(const struct shading *s, int x, int y)
+{
+	const struct filter_image *i = &s->j->image;
+	x = CLAMP(x, 0, (int)i->width - 1);
+	y = CLAMP(y, 0, (int)i->height - 1);
+	return log2f(fminf(i->depth_m[(size_t)y * i->width + (size_t)x], (float)s->j->f->camera.far_m));
+}
+
+static void dome_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct shading *s = data;
+	const struct filter_image *i = &s->j->image;
+	float radius = fmaxf(s->edl->radius_px * s->j->px, 1);
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < i->width; x++) {
+			size_t at = (size_t)y * i->width + x;
+			float sum = 0, here = log_depth(s, (int)x, (int)y);
+			for (int n = 0; n < 8; n++) {
+				float angle = (float)n * (float)(G_PI / 4);
+				sum += fmaxf(here - log_depth(s, (int)x + (int)lrintf(radius * cosf(angle)),
+							    (int)y + (int)lrintf(radius * sinf(angle))),
+					0);
+			}
+			s->smooth[at] = expf(-30 * s->edl->strength * sum / 8);
+		}
+}
+
+void filter_edl(struct filter_job *j, const struct step *step)
+{
+	struct shading s = { .j = j,
+		.edl = &step->edl,
+		.smooth = filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)) };
+	filter_each_rows(j, dome_rows, &s, j->image.height, 16);
+	filter_each_rows(j, darken_rows, &s, j->image.height, 32);
+	filter_swap(&j->image);
+}

@@ -1,0 +1,78 @@
+/* Blur, and gaps that are closed. */
+#include "render/filter-planes.h"
+#include <math.h>
+
+void filter_gaussian(struct filter_job *j, const struct step *s)
+{
+	struct filter_blur b = { j->image.rgba, j->image.spare, true, j->image.width,
+		j->image.height, 4, 0, NULL };
+	filter_blur_run(j, &b, s->gaussian.sigma_px * j->px);
+	filter_finish(j, s->gaussian.where);
+}
+
+/* ---- gaps ---- */
+
+struct closing {
+	struct filter_image *image;
+	int radius;
+	float *depth_m; /* as it becomes */
+};
+
+struct around {
+	float rgb[3], depth_m, weight;
+	unsigned sides; /* a bit for each eighth of the circle where something is */
+};
+
+static void add_around(const struct closing *c, int x, int y, int dx, int dy, struct around *a)
+{
+	const struct filter_image *i = c->image;
+	int at_x = x + dx, at_y = y + dy;
+	if (at_x < 0 || at_y < 0 || at_x >= (int)i->width || at_y >= (int)i->height)
+		return;
+	size_t at = (size_t)at_y * i->width + (size_t)at_x;
+	if (i->depth_m[at] >= FILTER_FAR)
+		return;
+	float weight = 1 / (float)(dx * dx + dy * dy);
+	for (int k = 0; k < 3; k++)
+		a->rgb[k] += weight * (float)i->rgba[at][k];
+	a->depth_m += weight * i->depth_m[at];
+	a->weight += weight;
+	a->sides |= 1u << ((dx > 0) | (dy > 0) << 1 | (abs(dx) > abs(dy)) << 2);
+}
+
+/* What has something on most sides is a gap; what lies beside a thing is not. */
+#define SIDES_LEAST 6
+
+static void close_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct closing *c = data;
+	const struct filter_image *i = c->image;
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < i->width; x++) {
+			size_t at = (size_t)y * i->width + x;
+			struct around a = { 0 };
+			memcpy(i->spare[at], i->rgba[at], 4);
+			c->depth_m[at] = i->depth_m[at];
+			if (i->depth_m[at] < FILTER_FAR)
+				continue;
+			for (int dy = -c->radius; dy <= c->radius; dy++)
+				for (int dx = -c->radius; dx <= c->radius; dx++)
+					if ((dx || dy) && dx * dx + dy * dy <= c->radius * c->radius)
+						add_around(c, (int)x, (int)y, dx, dy, &a);
+			if (__builtin_popcount(a.sides) < SIDES_LEAST)
+				continue;
+			for (int k = 0; k < 3; k++)
+				a.rgb[k] /= a.weight;
+			filter_put(i->spare[at], a.rgb);
+			c->depth_m[at] = a.depth_m / a.weight;
+		}
+}
+
+void filter_gaps(struct filter_job *j, const struct step *s)
+{
+	struct closing c = { &j->image, MAX((int)rintf(s->gaps.radius_px * j->px), 1),
+		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)) };
+	filter_each_rows(j, close_rows, &c, j->image.height, 16);
+	memcpy(j->image.depth_m, c.depth_m, filter_pixels(&j->image) * sizeof(float));
+	filter_swap(&j->image);
+}

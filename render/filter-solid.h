@@ -1,0 +1,42 @@
+#ifndef RENDER_FILTER_SOLID_H
+#define RENDER_FILTER_SOLID_H
+/* What is known of a pixel beside its colour: whether it is of something solid, where it is in the site, and noise that sticks to that.
+ * Internal to filters. */
+#include "render/filter-planes.h"
+
+/* 0..1: how sure a pixel is to be of something solid. Single points on bare paper are not, borders of things are: what draws lines
+ * multiplies them by it, or every point gets a line around it (Wegen et al. 2024, section 5.3, "validity of pixel information"). */
+#define FILTER_SOLID_BLOCK 4u
+struct filter_solid {
+	uint32_t width, height; /* in blocks */
+	float *part;
+};
+/* In a part of the room. */
+struct filter_solid filter_solidity(struct filter_job *j, uint32_t part);
+static inline float filter_solid_at(const struct filter_solid *s, uint32_t x, uint32_t y)
+{
+	return filter_between(s->part, s->width, s->height,
+		((float)x + 0.5f) / FILTER_SOLID_BLOCK - 0.5f,
+		((float)y + 0.5f) / FILTER_SOLID_BLOCK - 0.5f);
+}
+
+/* -1..1, standard deviation about 0.3, of each pixel: noise in the site, whose grain is about so many pixels wide on the screen from any
+ * distance. Octaves of it come and go as one gets nearer (Benard, Bousseau & Thollot 2009, "Dynamic Solid Textures"). Where nothing is it
+ * is noise of the picture. In a part of the room. */
+const float *filter_noise(struct filter_job *j, uint32_t part, float grain_px, uint32_t seed);
+
+/* Octaves of metres that there may be. */
+#define FILTER_NOISE_LOWEST  -24
+#define FILTER_NOISE_OCTAVES 48
+struct filter_noise_job {
+	const struct filter_job *j;
+	float grain_px;
+	uint32_t seed;
+	float *to;
+	/* Where the eye is in the lattice of each octave: its cell, and where in it. */
+	int32_t cell[3][FILTER_NOISE_OCTAVES];
+	float within[3][FILTER_NOISE_OCTAVES];
+};
+LANES_DECLARE(void, filter_noise_rows, (const void *job, uint32_t from, uint32_t end));
+
+#endif

@@ -1,0 +1,124 @@
+#include "render/filter.h"
+#include "render/large.h"
+#include <math.h>
+#include <string.h>
+
+/* ---- memory ---- */
+
+void *filter_room_part(filter_room *r, uint32_t part, size_t bytes)
+{
+	g_assert(part < FILTER_ROOM_PARTS);
+	if (r->bytes[part] < bytes) {
+		large_free(r->memory[part]);
+		r->bytes[part] = bytes + bytes / 8;
+		r->memory[part] = large_new(r->bytes[part]);
+	}
+	return r->memory[part];
+}
+
+void filter_room_clear(filter_room *r)
+{
+	for (uint32_t n = 0; n < FILTER_ROOM_PARTS; n++)
+		large_free(r->memory[n]);
+	*r = (filter_room){ 0 };
+}
+
+/* ---- the table ---- */
+
+static const struct row {
+	const char *name; /* of the kind */
+	filter_run *run;
+	bool wants_surface;
+} rows[] = {
+	{ "kuwahara", filter_kuwahara, false },
+	{ "anisotropic-kuwahara", filter_anisotropic, false },
+	{ "bilateral", filter_bilateral, false },
+	{ "gaussian", filter_gaussian, false },
+	{ "gaps", filter_gaps, false },
+	{ "quantise", filter_quantise, false },
+	{ "dog", filter_dog, false },
+	{ "edges", filter_edges, true },
+	{ "watercolour", filter_watercolour, false },
+	{ "flow", filter_flow, false },
+	{ "oil", filter_oil, false },
+	{ "pencil", filter_pencil, false },
+	{ "grade", filter_grade, true },
+	{ "warp", filter_warp, false },
+	{ "occlusion", filter_occlusion, false },
+	{ "edl", filter_edl, false },
+	{ "neural", filter_neural, false },
+};
+
+static const struct row *row_of(const struct step *s)
+{
+	for (size_t n = 0; n < G_N_ELEMENTS(rows); n++)
+		if (strcmp(rows[n].name, s->kind->name) == 0)
+			return &rows[n];
+	g_assert_not_reached();
+}
+
+void filter_apply(struct filter_job *j, const struct step *s)
+{
+	if (j->image.width && j->image.height && !frame_is_stopped(j->f))
+		row_of(s)->run(j, s);
+}
+
+bool filter_wants_surface(const struct step *filters, uint32_t count)
+{
+	for (uint32_t n = 0; n < count; n++)
+		if (row_of(&filters[n])->wants_surface)
+			return true;
+	return false;
+}
+
+uint32_t filter_reach(const struct step *filters, uint32_t count, float px)
+{
+	float reach = 2;
+	for (uint32_t n = 0; n < count; n++)
+		reach += filters[n].kind->radius_px(filters[n].bytes) * px + 1;
+	return (uint32_t)ceilf(fminf(reach, 1e5f));
+}
+
+/* ---- for filters ---- */
+
+void filter_each_rows(const struct filter_job *j, filter_rows *run, const void *data,
+	uint32_t height, uint32_t at_once)
+{
+#pragma omp parallel for schedule(dynamic, 1) num_threads((int)frame_threads(j->f))
+	for (uint32_t from = 0; from < height; from += at_once)
+		if (!frame_is_stopped(j->f))
+			run(data, from, MIN(from + at_once, height));
+}
+
+struct mixing {
+	const struct filter_job *j;
+	int32_t where;
+	float times, less;
+};
+
+static void mix_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct mixing *m = data;
+	const struct filter_image *i = &m->j->image;
+	for (size_t at = (size_t)from * i->width; at < (size_t)end * i->width; at++) {
+		float weight = filter_weight(m->j, m->where, at) * m->times - m->less;
+		int part = (int)(CLAMP(weight, 0, 1) * 256 + 0.5f);
+		for (int k = 0; k < 3; k++) {
+			int was = i->rgba[at][k], is = i->spare[at][k];
+			i->spare[at][k] = (uint8_t)(was + (((is - was) * part + 128) >> 8));
+		}
+	}
+}
+
+void filter_finish_part(struct filter_job *j, int32_t where, float times, float less)
+{
+	struct mixing m = { j, where, times, less };
+	if (filter_is_weighted(j, where))
+		filter_each_rows(j, mix_rows, &m, j->image.height, 64);
+	filter_swap(&j->image);
+}
+
+void filter_finish(struct filter_job *j, int32_t where)
+{
+	filter_finish_part(j, where, 1, 0);
+}

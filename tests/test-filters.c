@@ -1,0 +1,586 @@
+/* Filters beside straightforward ones, which do what their papers say pixel by pixel. */
+#include "render/depth-inpaint.h"
+#include "render/filter-planes.h"
+#include "render/light.h"
+#include "tests/filter-made.h"
+#include <stdlib.h>
+
+#define WIDTH  157u
+#define HEIGHT 93u
+
+static const uint8_t *pixel_at(const struct filter_image *i, const uint8_t (*from)[4], int x, int y)
+{
+	x = CLAMP(x, 0, (int)i->width - 1);
+	y = CLAMP(y, 0, (int)i->height - 1);
+	return from[(size_t)y * i->width + (size_t)x];
+}
+
+/* What a filter had before it; caller frees. */
+static uint8_t (*copy_of(const struct filter_image *i))[4]
+{
+	return g_memdup2(i->rgba, filter_pixels(i) * 4);
+}
+
+/* Of the reference's picture: the share of pixels that are off by more than least, and the mean difference. */
+static void assert_alike(const struct filter_image *i, const double (*wanted)[3], double least,
+	double share_most, double mean_most, const char *what)
+{
+	double mean = 0;
+	size_t off = 0;
+	for (size_t at = 0; at < filter_pixels(i); at++) {
+		double most = 0;
+		for (int k = 0; k < 3; k++) {
+			double here = fabs((double)i->rgba[at][k] - wanted[at][k]);
+			mean += here / 3;
+			most = MAX(most, here);
+		}
+		off += most > least;
+	}
+	mean /= (double)filter_pixels(i);
+	double share = (double)off / (double)filter_pixels(i);
+	g_test_message("%s: mean %.3f, %.4f %% off by more than %g", what, mean, 100 * share, least);
+	g_assert_cmpfloat(mean, <=, mean_most);
+	g_assert_cmpfloat(share, <=, share_most);
+}
+
+/* ---- Kuwahara: Redmond & Dingliana 2007, section 3.1 ---- */
+
+struct square {
+	double mean[3], variance;
+};
+
+static struct square square_of(
+	const struct filter_image *i, const uint8_t (*from)[4], int left, int top, int side)
+{
+	struct square s = { 0 };
+	double squares = 0, count = side * side;
+	for (int y = top; y < top + side; y++)
+		for (int x = left; x < left + side; x++)
+			for (int k = 0; k < 3; k++) {
+				double v = pixel_at(i, from, x, y)[k];
+				s.mean[k] += v / count;
+				squares += v * v / count;
+			}
+	s.variance = squares;
+	for (int k = 0; k < 3; k++)
+		s.variance -= s.mean[k] * s.mean[k];
+	return s;
+}
+
+/* The mean of the square of the least variance; of two that are as even, either one. */
+static void check_kuwahara(int radius)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	struct filter_image *i = &m.job.image;
+	g_autofree uint8_t(*before)[4] = copy_of(i);
+	g_autofree char *step = g_strdup_printf("\"kuwahara\",\"radius_px\":%d", radius);
+	filter_made_run(&m, step);
+	for (int y = 0; y < (int)HEIGHT; y++)
+		for (int x = 0; x < (int)WIDTH; x++) {
+			struct square of[4];
+			double least = 1e9;
+			bool is_one = false;
+			for (int n = 0; n < 4; n++) {
+				of[n] = square_of(i, (const uint8_t(*)[4])before,
+					n & 1 ? x : x - radius, n & 2 ? y : y - radius, radius + 1);
+				least = MIN(least, of[n].variance);
+			}
+			const uint8_t *is = i->rgba[(size_t)y * WIDTH + (size_t)x];
+			for (int n = 0; n < 4; n++) {
+				bool same = of[n].variance <= least + 0.02;
+				for (int k = 0; k < 3; k++)
+					same &= fabs(is[k] - of[n].mean[k]) <= 0.51;
+				is_one |= same;
+			}
+			g_assert_true(is_one);
+			g_assert_cmpuint(is[3], ==, 255);
+		}
+	filter_made_clear(&m);
+}
+
+static void test_kuwahara(void)
+{
+	check_kuwahara(2); /* 3 x 3 */
+	check_kuwahara(4); /* 5 x 5 */
+	check_kuwahara(13);
+}
+
+/* ---- Gaussian, difference of Gaussians ---- */
+
+static void blur(const struct filter_image *i, const double *from, double sigma, double *to)
+{
+	int radius = (int)ceil(3 * sigma);
+	for (int y = 0; y < (int)i->height; y++)
+		for (int x = 0; x < (int)i->width; x++) {
+			double sum = 0, weights = 0;
+			for (int dy = -radius; dy <= radius; dy++)
+				for (int dx = -radius; dx <= radius; dx++) {
+					int at_x = CLAMP(x + dx, 0, (int)i->width - 1),
+					    at_y = CLAMP(y + dy, 0, (int)i->height - 1);
+					double w = exp(-(dx * dx + dy * dy) / (2 * sigma * sigma));
+					sum += w * from[at_y * (int)i->width + at_x];
+					weights += w;
+				}
+			to[y * (int)i->width + x] = sum / weights;
+		}
+}
+
+static void test_gaussian(void)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	struct filter_image *i = &m.job.image;
+	g_autofree double(*wanted)[3] = g_malloc_n(filter_pixels(i), sizeof *wanted);
+	g_autofree double *from = g_new(double, filter_pixels(i)), *to = g_new(double, filter_pixels(i));
+	for (int k = 0; k < 3; k++) {
+		for (size_t at = 0; at < filter_pixels(i); at++)
+			from[at] = i->rgba[at][k];
+		blur(i, from, 2.5, to);
+		for (size_t at = 0; at < filter_pixels(i); at++)
+			wanted[at][k] = to[at];
+	}
+	filter_made_run(&m, "\"gaussian\",\"sigma_px\":2.5");
+	assert_alike(i, (const double(*)[3])wanted, 0.51, 0, 0.3, "gaussian");
+	filter_made_clear(&m);
+}
+
+/* D = G(sigma) - G(1.6 sigma), dark where it is below a threshold: section 3.2, with the soft border of Winnemoeller et al. 2006. */
+static void check_dog(double sharpness, double threshold)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	struct filter_image *i = &m.job.image;
+	size_t pixels = filter_pixels(i);
+	g_autofree double(*wanted)[3] = g_malloc_n(pixels, sizeof *wanted);
+	g_autofree double *light = g_new(double, pixels), *fine = g_new(double, pixels),
+			  *coarse = g_new(double, pixels);
+	for (size_t at = 0; at < pixels; at++) {
+		i->depth_m[at] = 5; /* all is something solid */
+		light[at] = (0.30078125 * i->rgba[at][0] + 0.5859375 * i->rgba[at][1] +
+				    0.11328125 * i->rgba[at][2]) /
+			    255;
+	}
+	blur(i, light, 1.2, fine);
+	blur(i, light, 1.2 * 1.6, coarse);
+	for (size_t at = 0; at < pixels; at++) {
+		double d = sharpness > 0 ? (1 + sharpness) * fine[at] - sharpness * coarse[at]
+					 : fine[at] - coarse[at];
+		double line = d >= threshold ? 0 : -tanh(40 * (d - threshold));
+		for (int k = 0; k < 3; k++)
+			wanted[at][k] = i->rgba[at][k] + line * (16 - i->rgba[at][k]);
+	}
+	g_autofree char *step = g_strdup_printf("\"dog\",\"sigma_px\":1.2,\"contrast\":40,"
+						"\"sharpness\":%g,\"threshold\":%g",
+		sharpness, threshold);
+	filter_made_run(&m, step);
+	assert_alike(i, (const double(*)[3])wanted, 1, 0.001, 0.35, "difference of Gaussians");
+	filter_made_clear(&m);
+}
+
+static void test_dog(void)
+{
+	check_dog(0, -0.01);
+	check_dog(8, 0.5);
+}
+
+/* ---- bilateral: Winnemoeller et al. 2006, section 3.1, along rows and columns ---- */
+
+static double lab_f(double t)
+{
+	return t > 216.0 / 24389 ? cbrt(t) : (24389.0 / 27 * t + 16) / 116;
+}
+
+static double lab_back(double f)
+{
+	return f * f * f > 216.0 / 24389 ? f * f * f : (116 * f - 16) * 27 / 24389;
+}
+
+static const double matrix[3][3] = { { 0.4124564, 0.3575761, 0.1804375 },
+	{ 0.2126729, 0.7151522, 0.0721750 }, { 0.0193339, 0.1191920, 0.9503041 } };
+static const double white[3] = { 0.95047, 1, 1.08883 };
+
+static void to_lab(const uint8_t rgb[4], double ret[3])
+{
+	double f[3];
+	for (int k = 0; k < 3; k++) {
+		double sum = 0;
+		for (int n = 0; n < 3; n++)
+			sum += matrix[k][n] * (double)light_of_srgb((float)rgb[n] / 255);
+		f[k] = lab_f(sum / white[k]);
+	}
+	ret[0] = 116 * f[1] - 16;
+	ret[1] = 500 * (f[0] - f[1]);
+	ret[2] = 200 * (f[1] - f[2]);
+}
+
+static void of_lab(const double lab[3], double ret[3])
+{
+	static const double back[3][3] = { { 3.2404542, -1.5371385, -0.4985314 },
+		{ -0.9692660, 1.8760108, 0.0415560 }, { 0.0556434, -0.2040259, 1.0572252 } };
+	double y = (lab[0] + 16) / 116;
+	double xyz[3] = { white[0] * lab_back(y + lab[1] / 500), lab_back(y),
+		white[2] * lab_back(y - lab[2] / 200) };
+	for (int k = 0; k < 3; k++) {
+		double sum = 0;
+		for (int n = 0; n < 3; n++)
+			sum += back[k][n] * xyz[n];
+		ret[k] = 255 * (double)light_to_srgb((float)CLAMP(sum, 0, 1));
+	}
+}
+
+static void bilateral_pass(const struct filter_image *i, const double (*from)[3], bool down,
+	double sigma, double tone, double (*to)[3])
+{
+	int radius = (int)ceil(2 * sigma);
+	for (int y = 0; y < (int)i->height; y++)
+		for (int x = 0; x < (int)i->width; x++) {
+			const double *here = from[y * (int)i->width + x];
+			double sum[3] = { 0 }, weights = 0;
+			for (int n = -radius; n <= radius; n++) {
+				int at_x = CLAMP(down ? x : x + n, 0, (int)i->width - 1),
+				    at_y = CLAMP(down ? y + n : y, 0, (int)i->height - 1);
+				const double *there = from[at_y * (int)i->width + at_x];
+				double away2 = 0;
+				for (int k = 0; k < 3; k++)
+					away2 += (there[k] - here[k]) * (there[k] - here[k]);
+				double w = exp(-n * n / (2 * sigma * sigma) - away2 / (2 * tone * tone));
+				for (int k = 0; k < 3; k++)
+					sum[k] += w * there[k];
+				weights += w;
+			}
+			for (int k = 0; k < 3; k++)
+				to[y * (int)i->width + x][k] = sum[k] / weights;
+		}
+}
+
+static void test_bilateral(void)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	struct filter_image *i = &m.job.image;
+	size_t pixels = filter_pixels(i);
+	g_autofree double(*one)[3] = g_malloc_n(pixels, sizeof *one),
+	(*other)[3] = g_malloc_n(pixels, sizeof *other);
+	for (size_t at = 0; at < pixels; at++)
+		to_lab(i->rgba[at], one[at]);
+	for (int n = 0; n < 2; n++) {
+		bilateral_pass(i, (const double(*)[3])one, false, 2.5, 6, other);
+		bilateral_pass(i, (const double(*)[3])other, true, 2.5, 6, one);
+	}
+	for (size_t at = 0; at < pixels; at++)
+		of_lab(one[at], other[at]);
+	filter_made_run(&m, "\"bilateral\",\"sigma_px\":2.5,\"sigma_tone\":6,\"passes\":2");
+	assert_alike(i, (const double(*)[3])other, 1.5, 0.001, 0.4, "bilateral");
+	filter_made_clear(&m);
+}
+
+/* ---- structure tensor ---- */
+
+static void test_tensor(void)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	const struct filter_image *i = &m.job.image;
+	m.job.room = &m.room;
+	struct filter_flow_plane flow = filter_flow_find(&m.job, 4);
+	int width = ((int)WIDTH + 1) / 2, height = ((int)HEIGHT + 1) / 2;
+	size_t half_pixels = (size_t)width * (size_t)height;
+	g_assert_cmpuint(flow.width, ==, (guint)width);
+	struct filter_image half = { .width = (uint32_t)width, .height = (uint32_t)height };
+	double *v[3], *t[3], *smooth[3];
+	for (int k = 0; k < 3; k++) {
+		v[k] = g_new(double, half_pixels);
+		t[k] = g_new0(double, half_pixels);
+		smooth[k] = g_new(double, half_pixels);
+	}
+	for (int k = 0; k < 3; k++)
+		for (int y = 0; y < height; y++)
+			for (int x = 0; x < width; x++) {
+				double sum = 0;
+				for (int n = 0; n < 4; n++)
+					sum += pixel_at(i, (const uint8_t(*)[4])i->rgba, 2 * x + n % 2, 2 * y + n / 2)[k];
+				v[k][y * width + x] = sum / 1020;
+			}
+	for (int y = 0; y < height; y++)
+		for (int x = 0; x < width; x++)
+			for (int k = 0; k < 3; k++) {
+				static const int sobel[3] = { 1, 2, 1 };
+				double gx = 0, gy = 0;
+				for (int n = -1; n <= 1; n++) {
+					int up = CLAMP(y - 1, 0, height - 1), low = CLAMP(y + 1, 0, height - 1),
+					    left = CLAMP(x - 1, 0, width - 1), right = CLAMP(x + 1, 0, width - 1),
+					    at_x = CLAMP(x + n, 0, width - 1), at_y = CLAMP(y + n, 0, height - 1);
+					gx += sobel[n + 1] * (v[k][at_y * width + right] - v[k][at_y * width + left]) / 4;
+					gy += sobel[n + 1] * (v[k][low * width + at_x] - v[k][up * width + at_x]) / 4;
+				}
+				t[0][y * width + x] += gx * gx;
+				t[1][y * width + x] += gx * gy;
+				t[2][y * width + x] += gy * gy;
+			}
+	for (int k = 0; k < 3; k++)
+		blur(&half, t[k], 2, smooth[k]);
+	double off_most = 0;
+	for (size_t at = 0; at < half_pixels; at++) {
+		double xx = smooth[0][at], xy = smooth[1][at], yy = smooth[2][at];
+		double l1 = (xx + yy + sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)) / 2, l2 = xx + yy - l1;
+		double anisotropy = l1 + l2 > 0 ? (l1 - l2) / (l1 + l2) : 0;
+		g_assert_cmpfloat(fabs(anisotropy - (double)flow.at[at].anisotropy), <=, 2e-3);
+		if (anisotropy < 0.05)
+			continue; /* nothing runs anywhere */
+		double turn = 0.5 * atan2(2 * xy, xx - yy) + G_PI / 2; /* across the gradient */
+		double across = flow.at[at].along[0] * sin(turn) - flow.at[at].along[1] * cos(turn);
+		off_most = MAX(off_most, fabs(across));
+	}
+	g_test_message("directions are off by %.5f at most", off_most);
+	g_assert_cmpfloat(off_most, <=, 0.01);
+	for (int k = 0; k < 3; k++) {
+		g_free(v[k]);
+		g_free(t[k]);
+		g_free(smooth[k]);
+	}
+	filter_made_clear(&m);
+}
+
+/* ---- anisotropic Kuwahara: Kyprianidis et al. 2010, without tables ---- */
+
+static void sector_weights(double x, double y, double radius, double ret[8])
+{
+	double zeta = 2 / radius, eta = (zeta + cos(0.58)) / (sin(0.58) * sin(0.58)), sum = 0;
+	for (int half = 0; half < 2; half++) {
+		double vxx = zeta - eta * x * x, vyy = zeta - eta * y * y;
+		double z[4] = { MAX(0, y + vxx), MAX(0, -x + vyy), MAX(0, -y + vxx), MAX(0, x + vyy) };
+		for (int k = 0; k < 4; k++)
+			sum += ret[2 * k + half] = z[k] * z[k];
+		double next = G_SQRT2 / 2 * (x - y);
+		y = G_SQRT2 / 2 * (x + y);
+		x = next;
+	}
+	for (int k = 0; k < 8; k++)
+		ret[k] *= exp(-3.125 * (x * x + y * y)) / MAX(sum, 1e-9);
+}
+
+static void anisotropic_at(const struct filter_image *i, const uint8_t (*from)[4],
+	const struct filter_flow *flow, int x, int y, double radius, double ret[3])
+{
+	double along = radius * (1 + flow->anisotropy), across = radius / (1 + flow->anisotropy);
+	double mean[8][3] = { { 0 } }, squares[8] = { 0 }, weights[8] = { 0 };
+	int reach = (int)ceil(2 * radius);
+	for (int dy = -reach; dy <= reach; dy++)
+		for (int dx = -reach; dx <= reach; dx++) {
+			double u = (dx * flow->along[0] + dy * flow->along[1]) / along,
+			       v = (dy * flow->along[0] - dx * flow->along[1]) / across, w[8];
+			if (u * u + v * v > 1)
+				continue;
+			sector_weights(u, v, radius, w);
+			const uint8_t *rgb = pixel_at(i, from, x + dx, y + dy);
+			for (int k = 0; k < 8; k++) {
+				weights[k] += w[k];
+				for (int c = 0; c < 3; c++) {
+					mean[k][c] += w[k] * rgb[c] / 255.0;
+					squares[k] += w[k] * rgb[c] * rgb[c] / 255.0 / 255.0;
+				}
+			}
+		}
+	double sum = 0;
+	ret[0] = ret[1] = ret[2] = 0;
+	for (int k = 0; k < 8; k++) {
+		double variance = squares[k] / weights[k];
+		for (int c = 0; c < 3; c++) {
+			mean[k][c] /= weights[k];
+			variance -= mean[k][c] * mean[k][c];
+		}
+		double w = 1 / (1 + pow(1000 * fabs(variance), 4));
+		for (int c = 0; c < 3; c++)
+			ret[c] += w * mean[k][c];
+		sum += w;
+	}
+	for (int c = 0; c < 3; c++)
+		ret[c] *= 255 / sum;
+}
+
+static void test_anisotropic(void)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	struct filter_image *i = &m.job.image;
+	g_autofree uint8_t(*before)[4] = copy_of(i);
+	g_autofree double(*wanted)[3] = g_malloc_n(filter_pixels(i), sizeof *wanted);
+	m.job.room = &m.room;
+	struct filter_flow_plane flow = filter_flow_find(&m.job, 2);
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++)
+			anisotropic_at(i, (const uint8_t(*)[4])before, filter_flow_at(&flow, x, y),
+				(int)x, (int)y, 5, wanted[y * WIDTH + x]);
+	filter_made_run(&m, "\"anisotropic-kuwahara\",\"radius_px\":5");
+	/* Directions and lengths of ellipses are rounded to steps. */
+	assert_alike(i, (const double(*)[3])wanted, 8, 0.01, 0.8, "anisotropic Kuwahara");
+	filter_made_clear(&m);
+}
+
+/* ---- steps of tone ---- */
+
+static void test_quantise(void)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	struct filter_image *i = &m.job.image;
+	g_autofree double(*wanted)[3] = g_malloc_n(filter_pixels(i), sizeof *wanted);
+	for (size_t at = 0; at < filter_pixels(i); at++)
+		for (int k = 0; k < 3; k++)
+			wanted[at][k] = round(round(i->rgba[at][k] / 255.0 * 4) / 4 * 255);
+	filter_made_run(&m, "\"quantise\",\"by\":\"channels\",\"levels\":5");
+	assert_alike(i, (const double(*)[3])wanted, 1, 0, 0.6, "posterised");
+	/* Of lightness: as many steps as were asked for, when they are hard. */
+	filter_made_fill(i, 8);
+	filter_made_run(&m, "\"quantise\",\"levels\":6,\"softness\":0");
+	size_t near = 0, all = 0;
+	for (size_t at = 0; at < filter_pixels(i); at++) {
+		double lab[3], step = 20;
+		to_lab(i->rgba[at], lab);
+		bool inside = true; /* of what sRGB has */
+		for (int k = 0; k < 3; k++)
+			inside &= i->rgba[at][k] > 2 && i->rgba[at][k] < 253;
+		all += inside;
+		near += inside && fabs(lab[0] - round(lab[0] / step) * step) < 2.5;
+	}
+	g_assert_cmpfloat((double)near, >=, 0.8 * (double)all);
+	filter_made_clear(&m);
+}
+
+/* ---- depth inpainting: Wegen et al. 2024, listing 1 ---- */
+
+static float listing_1(const struct filter_image *i, const uint8_t *grey, int x, int y,
+	float mask_threshold, int kernel_size)
+{
+	size_t at = (size_t)y * i->width + (size_t)x;
+	int after = (77 * i->rgba[at][0] + 150 * i->rgba[at][1] + 29 * i->rgba[at][2] + 128) >> 8;
+	if (abs(after - grey[at]) / 255.0f <= mask_threshold)
+		return i->depth_m[at];
+	double counter = 0, final = 0;
+	for (int dy = -kernel_size; dy <= kernel_size; dy++)
+		for (int dx = -kernel_size; dx <= kernel_size; dx++) {
+			if (dx * dx + dy * dy > kernel_size * kernel_size || x + dx < 0 || y + dy < 0 ||
+				x + dx >= (int)i->width || y + dy >= (int)i->height)
+				continue;
+			float neighbour = i->depth_m[(size_t)(y + dy) * i->width + (size_t)(x + dx)];
+			if (neighbour >= FILTER_FAR)
+				continue; /* the far plane */
+			final += neighbour;
+			counter++;
+		}
+	return counter > 0 ? (float)(final / counter) : i->depth_m[at];
+}
+
+static void test_inpaint(void)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+	struct filter_image *i = &m.job.image;
+	g_autofree uint8_t *grey = g_new(uint8_t, filter_pixels(i));
+	g_autofree float *depth_m = g_new(float, filter_pixels(i));
+	for (size_t at = 0; at < filter_pixels(i); at++)
+		grey[at] = depth_inpaint_grey(i->rgba[at]);
+	i->grey_before = grey;
+	filter_made_run(&m, "\"gaussian\",\"sigma_px\":3");
+	size_t changed = 0, given = 0;
+	static const int radius[] = { 1, 4, 7 };
+	for (int n = 0; n < 3; n++) {
+		struct depth_inpainting d = {
+			.image = i, .threshold = 0.02f + 0.03f * (float)n, .radius = radius[n], .to = depth_m
+		};
+		depth_inpaint(&m.job, &d);
+		for (int y = 0; y < (int)HEIGHT; y++)
+			for (int x = 0; x < (int)WIDTH; x++) {
+				size_t at = (size_t)y * WIDTH + (size_t)x;
+				float wanted = listing_1(i, grey, x, y, d.threshold, d.radius);
+				g_assert_cmpfloat(fabsf(depth_m[at] - wanted), <=, 1e-5f * wanted);
+				changed += depth_m[at] != i->depth_m[at];
+				given += i->depth_m[at] >= FILTER_FAR && depth_m[at] < FILTER_FAR;
+			}
+	}
+	g_assert_cmpuint(changed, >, 100);
+	g_assert_cmpuint(given, >, 10);
+	filter_made_clear(&m);
+}
+
+/* ---- all of them ---- */
+
+static const char *const all_steps[] = { "\"kuwahara\",\"passes\":2", "\"kuwahara\",\"radius_px\":12",
+	"\"anisotropic-kuwahara\"", "\"bilateral\"", "\"gaussian\"", "\"gaps\"", "\"quantise\"",
+	"\"dog\"", "\"dog\",\"flow_px\":3", "\"edges\",\"wobble_px\":1", "\"watercolour\"",
+	"\"flow\"", "\"oil\"", "\"pencil\"", "\"grade\",\"segments\":0.5,\"hue_shift_deg\":40",
+	"\"warp\"", "\"occlusion\"", "\"edl\"" };
+
+/* The same bytes for any vectors and any number of threads; and in one pixel, a row, a column. */
+static void test_bytes(void)
+{
+	for (size_t n = 0; n < G_N_ELEMENTS(all_steps); n++) {
+		struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
+		struct filter_image *i = &m.job.image;
+		g_autofree uint8_t(*first)[4] = NULL;
+		for (int path = 0; path <= (int)lanes_path_widest(); path++)
+			for (int single = 0; single < 2; single++) {
+				filter_made_fill(i, 5);
+				m.job.lanes = (enum lanes_path)path;
+				m.frame->single_thread = single;
+				filter_made_run(&m, all_steps[n]);
+				if (!first)
+					first = copy_of(i);
+				if (memcmp(first, i->rgba, filter_pixels(i) * 4) != 0)
+					g_error("%s: other bytes by vectors %d, threads %s", all_steps[n],
+						path, single ? "one" : "all");
+			}
+		filter_made_clear(&m);
+		static const uint32_t sizes[][2] = { { 1, 1 }, { 40, 1 }, { 1, 40 }, { 9, 2 } };
+		for (size_t k = 0; k < G_N_ELEMENTS(sizes); k++) {
+			struct filter_made small = filter_made_new(sizes[k][0], sizes[k][1], "");
+			filter_made_run(&small, all_steps[n]);
+			for (size_t at = 0; at < filter_pixels(&small.job.image); at++)
+				g_assert_cmpuint(small.job.image.rgba[at][3], ==, 255);
+			filter_made_clear(&small);
+		}
+	}
+}
+
+/* What is away from the focus is filtered, what is in it is as it was; between them it comes bit by bit, and a focus that moves by a
+ * pixel changes no pixel by much: no pop. */
+static void test_focus(void)
+{
+	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "\"focus\":{\"filters\":1,\"on\":\"picture\"},");
+	struct filter_image *i = &m.job.image;
+	g_autofree uint8_t(*before)[4] = copy_of(i), (*last)[4] = NULL;
+	i->away = m.memory[5];
+	for (int moved = 0; moved < 30; moved++) {
+		filter_made_fill(i, 5);
+		for (size_t at = 0; at < filter_pixels(i); at++) {
+			double away = (hypot((double)(at % WIDTH) - 60 - moved, (double)(at / WIDTH) - 45) - 15) / 40;
+			i->away[at] = (float)CLAMP(away, 0, 1);
+		}
+		filter_made_run(&m, "\"kuwahara\",\"radius_px\":4,\"passes\":3,\"where\":\"away\"");
+		size_t same = 0, other = 0, near = 0;
+		for (size_t at = 0; at < filter_pixels(i); at++) {
+			bool is_same = memcmp(before[at], i->rgba[at], 4) == 0;
+			near += i->away[at] <= 0;
+			same += is_same && i->away[at] <= 0;
+			other += !is_same && i->away[at] >= 1;
+			if (!last)
+				continue;
+			for (int k = 0; k < 3; k++)
+				g_assert_cmpint(abs(i->rgba[at][k] - last[at][k]), <=, 24);
+		}
+		g_assert_cmpuint(same, ==, near);
+		g_assert_cmpuint(other, >, 1000);
+		g_free(last);
+		last = copy_of(i);
+	}
+	filter_made_clear(&m);
+}
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/filters/kuwahara", test_kuwahara);
+	g_test_add_func("/filters/gaussian", test_gaussian);
+	g_test_add_func("/filters/dog", test_dog);
+	g_test_add_func("/filters/bilateral", test_bilateral);
+	g_test_add_func("/filters/tensor", test_tensor);
+	g_test_add_func("/filters/anisotropic", test_anisotropic);
+	g_test_add_func("/filters/quantise", test_quantise);
+	g_test_add_func("/filters/inpaint", test_inpaint);
+	g_test_add_func("/filters/bytes", test_bytes);
+	g_test_add_func("/filters/focus", test_focus);
+	return g_test_run();
+}
