@@ -9,6 +9,7 @@
 #include "process/bench-register.h"
 #include "process/bench-segments.h"
 #include "render/bench-coherence.h"
+#include "render/bench-filters.h"
 #include "render/bench-hatching.h"
 #include "render/bench-render.h"
 #include <stdio.h>
@@ -30,9 +31,11 @@ static const GOptionEntry entries[] = {
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_folder,
-		"process, segments, render, coherence: a site (default: simulated)", "SITE" },
+		"process, segments, render, coherence, filters: a site (default: simulated)",
+		"SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
-		"process, render, hatching: how often each is measured; the least time counts "
+		"process, render, hatching, filters: how often each is measured; the least time "
+		"counts "
 		"(default 5)",
 		"N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
@@ -55,7 +58,9 @@ static const GOptionEntry entries[] = {
 		"coherence: pairs of neighbouring frames of each path, at most 39 (default 8)",
 		"N" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
-		"model, export: that the scanners measured (default 20)", "N" },
+		"model, export: that the scanners measured; filters: at most in one scene (default "
+		"20)",
+		"N" },
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
 		"model: what building may keep in memory (default 1024)", "MIB" },
 	{ "folder", 0, 0, G_OPTION_ARG_FILENAME, &folder,
@@ -232,6 +237,18 @@ static int run_hatching(void)
 	return bench_hatching(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_filters(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_filters_options options = { .place = place_options(),
+		.repeats = (uint32_t)repeats,
+		.million_points_most = million_points,
+		.json = json };
+	if (repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND, "repeats go from 1 to 1000, seeds from 0 to 1000000000");
+	return bench_filters(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static const struct part {
 	const char *name;
 	int (*run)(void);
@@ -246,6 +263,7 @@ static const struct part {
 	{ "render", run_render },
 	{ "coherence", run_coherence },
 	{ "hatching", run_hatching },
+	{ "filters", run_filters },
 	{ NULL },
 };
 
@@ -263,7 +281,7 @@ int main(int argc, char **argv)
 	if (!cli_parse(COMMAND,
 		    "[acquire | process | register | model | export | segments | features | render "
 		    "| "
-		    "coherence | hatching]",
+		    "coherence | hatching | filters]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
 		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
@@ -281,7 +299,9 @@ int main(int argc, char **argv)
 		    "installed.\n"
 		    "coherence: how calm drawings are when the camera moves, and how dark.\n"
 		    "hatching: draws closed things of as many points as two papers have, and tells "
-		    "how long it takes.\n",
+		    "how long it takes.\n"
+		    "filters: how long filters of pictures take, each alone and in whole frames as "
+		    "two papers have them.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
@@ -289,7 +309,7 @@ int main(int argc, char **argv)
 		return cli_misuse(COMMAND,
 			"there is no bench '%s': acquire, process, register, model, export, "
 			"segments, "
-			"features, render, coherence, hatching",
+			"features, render, coherence, hatching, filters",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(
