@@ -13,7 +13,8 @@ struct bench {
 	JsonObject *json; /* NULL: printed */
 };
 
-static struct camera camera_of(const struct bench *b, uint32_t width, uint32_t height, GError **error)
+static struct camera camera_of(
+	const struct bench *b, uint32_t width, uint32_t height, GError **error)
 {
 	struct view_sources sources = b->place->sources;
 	g_autoptr(view) v = NULL;
@@ -60,7 +61,8 @@ static const struct single {
 	{ "Kuwahara, 5 x 5", "{\"step\":\"kuwahara\",\"radius_px\":4.444}", 10 },
 	{ "Kuwahara, 13 x 13", "{\"step\":\"kuwahara\",\"radius_px\":13.333}", 0 },
 	{ "Gaussian, sigma 5", "{\"step\":\"gaussian\",\"sigma_px\":5.5556}", 15 },
-	{ "anisotropic Kuwahara, 5", "{\"step\":\"anisotropic-kuwahara\",\"radius_px\":5.5556}", 150 },
+	{ "anisotropic Kuwahara, 5", "{\"step\":\"anisotropic-kuwahara\",\"radius_px\":5.5556}",
+		150 },
 	{ "bilateral, once", "{\"step\":\"bilateral\",\"passes\":1}", 0 },
 	{ "DoG", "{\"step\":\"dog\"}", 0 },
 	{ "DoG along the flow", "{\"step\":\"dog\",\"flow_px\":3}", 0 },
@@ -182,12 +184,9 @@ static bool measure_redmond(struct bench *b, GError **error)
 {
 	g_autofree char *path = g_build_filename(b->place->work, "few.model", NULL);
 	bool is_large = model_count(b->place->model) > REDMOND_POINTS;
-	if (is_large &&
-		!bench_subset_write(b->place->model, REDMOND_POINTS, path, error))
+	if (is_large && !bench_subset_write(b->place->model, REDMOND_POINTS, path, error))
 		return false;
-	g_autoptr(model) few = is_large
-				       ? model_open_file(path, error)
-				       : NULL;
+	g_autoptr(model) few = is_large ? model_open_file(path, error) : NULL;
 	if (is_large && !few)
 		return false;
 	g_autoptr(scene) s = scene_new(few ? few : b->place->model, error);
@@ -205,8 +204,7 @@ static bool measure_redmond(struct bench *b, GError **error)
 
 /* ---- Wegen et al. 2024, table 2 ---- */
 
-#define CARTOON                                                                                    \
-	"{\"step\":\"bilateral\",\"passes\":1},{\"step\":\"quantise\"},{\"step\":\"dog\"}"
+#define CARTOON "{\"step\":\"bilateral\",\"passes\":1},{\"step\":\"quantise\"},{\"step\":\"dog\"}"
 static const struct wegen_row {
 	const char *figure, *what, *steps;
 	double million_points, paper_fps;
@@ -240,7 +238,8 @@ static bool measure_wegen_row(
 		json_object_set_double_member(o, "paper_fps", row->paper_fps);
 		add_row(b, "wegen_table_2", o);
 	} else {
-		printf("  %-12s %5.1f M  %-22s %6.1f fps  of %2.0f   points %6.1f ms, filters %6.1f ms, composition %5.1f ms\n",
+		printf("  %-12s %5.1f M  %-22s %6.1f fps  of %2.0f   points %6.1f ms, filters "
+		       "%6.1f ms, composition %5.1f ms\n",
 			row->figure, row->million_points, row->what, 1 / t.all_s, row->paper_fps,
 			(t.all_s - t.filter_s - t.composite_s) * 1e3, t.filter_s * 1e3,
 			t.composite_s * 1e3);
@@ -256,7 +255,8 @@ static bool measure_wegen(struct bench *b, GError **error)
 	g_autoptr(scene) s = NULL;
 	double made = 0;
 	if (!b->json)
-		printf("\nWegen et al. 2024, table 2: frames a second at 1920 x 1080, of the paper's "
+		printf("\nWegen et al. 2024, table 2: frames a second at 1920 x 1080, of the "
+		       "paper's "
 		       "GeForce RTX 3090, which were capped at 60\n");
 	for (size_t n = 0; n < G_N_ELEMENTS(wegen_rows); n++) {
 		const struct wegen_row *row = &wegen_rows[n];

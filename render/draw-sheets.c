@@ -35,7 +35,7 @@ struct sheet_job {
 	struct picture_buffer *to;
 	struct draw_times t;
 	int64_t since_us;
-	bool wants_surface; /* the filters of the picture do */
+	bool wants_surface;           /* the filters of the picture do */
 	float *depth_m, (*normal)[3]; /* of the picture so far */
 	uint16_t *leaf;
 	uint8_t (*soft)[4]; /* the last one: how much it covers */
@@ -47,8 +47,8 @@ struct sheet_job {
 /* ---- what a sheet is of ---- */
 
 /* The order stays: from near to far. */
-static struct chunk_view *views_of_sheet(const frame *f, const struct chunk_view *all, uint32_t count,
-	uint32_t sheet, uint32_t *ret_count)
+static struct chunk_view *views_of_sheet(const frame *f, const struct chunk_view *all,
+	uint32_t count, uint32_t sheet, uint32_t *ret_count)
 {
 	struct chunk_view *ret = g_new(struct chunk_view, count + 1);
 	*ret_count = 0;
@@ -63,14 +63,15 @@ static uint32_t ink_reach(const frame *f, uint32_t sheet)
 	float reach = 1;
 	for (uint32_t n = 0; n < f->layers; n++)
 		if (f->sheet_of[f->layer[n].pipeline] == sheet)
-			reach = fmaxf(reach,
-				f->layer[n].step->kind->radius_px(f->layer[n].step->bytes) *
-						f->ink_px * fmaxf(f->layer[n].ink.grow, 1) +
-					1);
+			reach = fmaxf(
+				reach, f->layer[n].step->kind->radius_px(f->layer[n].step->bytes) *
+						       f->ink_px * fmaxf(f->layer[n].ink.grow, 1) +
+					       1);
 	return (uint32_t)fminf(reach, 1e4f);
 }
 
-static struct box box_of(const frame *f, const struct chunk_view *views, uint32_t count, float reach)
+static struct box box_of(
+	const frame *f, const struct chunk_view *views, uint32_t count, float reach)
 {
 	float low[2] = { 1e9f, 1e9f }, high[2] = { -1e9f, -1e9f };
 	const float size[2] = { (float)f->camera.width, (float)f->camera.height };
@@ -108,7 +109,8 @@ static void take_depths(const frame *f, const visibility_mask *m, float *to)
 				depth_of(f, mask_key(m, (int32_t)x, (int32_t)y));
 }
 
-static float away_at(const frame *f, const visibility_mask *m, uint32_t x, uint32_t y, float depth_m)
+static float away_at(
+	const frame *f, const visibility_mask *m, uint32_t x, uint32_t y, float depth_m)
 {
 	float by_focal = 1 / (float)f->camera.focal_px;
 	int32_t key = mask_key(m, (int32_t)x, (int32_t)y);
@@ -117,8 +119,8 @@ static float away_at(const frame *f, const visibility_mask *m, uint32_t x, uint3
 		depth_m = fmaxf(f->focus.at_m[2], (float)f->camera.near_m);
 	float at_m[3] = { ((float)x + 0.5f - (float)f->camera.width / 2) * by_focal * depth_m,
 		((float)y + 0.5f - (float)f->camera.height / 2) * by_focal * depth_m, depth_m };
-	return frame_away(&f->focus, at_m,
-		key < MASK_EMPTY && frame_pipeline(f, key & 255)->is_focus);
+	return frame_away(
+		&f->focus, at_m, key < MASK_EMPTY && frame_pipeline(f, key & 255)->is_focus);
 }
 
 static void take_away(struct filter_job *j, const visibility_mask *m)
@@ -263,15 +265,15 @@ static void grey_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct filter_image *i = data;
 	for (size_t at = (size_t)from * i->width; at < (size_t)end * i->width; at++)
-		i->grey_before[at] = depth_inpaint_grey(
-			i->depth_m[at] < FILTER_FAR ? i->rgba[at] : i->paper);
+		i->grey_before[at] =
+			depth_inpaint_grey(i->depth_m[at] < FILTER_FAR ? i->rgba[at] : i->paper);
 }
 
 /* What the style leaves to us. Filters draw as far beside things as they reach, at most, and what they draw there must find a depth across
  * the gaps between points; but where other segments are all around, a wide circle would take depths of other parts of a thing. */
-#define THRESHOLD     0.03f
-#define RADIUS_MOST   12
-#define RADIUS_CLOSE  0.5f /* of it, where all is close to other sheets */
+#define THRESHOLD    0.03f
+#define RADIUS_MOST  12
+#define RADIUS_CLOSE 0.5f /* of it, where all is close to other sheets */
 static float spacing_px(const frame *f, const struct chunk_view *views, uint32_t count)
 {
 	double sum = 0, points = 0;
@@ -286,10 +288,12 @@ static float spacing_px(const frame *f, const struct chunk_view *views, uint32_t
 }
 
 /* The part of the chunks in whose boxes on the screen, and in depth, others of another sheet are. */
-static float overlap_of(const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
+static float overlap_of(
+	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
 {
 	enum { SIDE = 64, DEEP = 24 };
-	g_autofree uint64_t *own = g_new0(uint64_t, SIDE * SIDE), *other = g_new0(uint64_t, SIDE * SIDE);
+	g_autofree uint64_t *own = g_new0(uint64_t, SIDE * SIDE),
+			    *other = g_new0(uint64_t, SIDE * SIDE);
 	for (uint32_t n = 0; n < count; n++) {
 		const struct chunk_view *v = &all[n];
 		uint64_t *to = f->sheet_of[v->pipeline] == sheet ? own : other;
@@ -352,7 +356,8 @@ static void take_surface(struct sheet_job *s, struct filter_job *j, const struct
 	const struct chunk_view *views, uint32_t count, float *depth_m)
 {
 	const frame *f = s->f;
-	size_t whole = (size_t)f->camera.width * f->camera.height, pixels = filter_pixels(&j->image);
+	size_t whole = (size_t)f->camera.width * f->camera.height,
+	       pixels = filter_pixels(&j->image);
 	filter_room *r = &s->room->pictures;
 	g_autofree char *memory = NULL;
 	struct surface_planes to = { depth_m, NULL, NULL };
@@ -369,7 +374,8 @@ static void take_surface(struct sheet_job *s, struct filter_job *j, const struct
 }
 
 static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *b,
-	const struct chunk_view *views, uint32_t count, float overlap, const struct picture_buffer *drawn)
+	const struct chunk_view *views, uint32_t count, float overlap,
+	const struct picture_buffer *drawn)
 {
 	const frame *f = s->f;
 	uint32_t filters;
@@ -377,8 +383,7 @@ static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *
 	const struct inpaint_step *by = frame_inpaint(f, sheet);
 	filter_room *r = &s->room->pictures;
 	struct filter_job j = job_of(s, b);
-	size_t pixels = filter_pixels(&j.image),
-	       whole = (size_t)f->camera.width * f->camera.height;
+	size_t pixels = filter_pixels(&j.image), whole = (size_t)f->camera.width * f->camera.height;
 	float *depth_m = filter_room_part(r, PART_INPAINTED, whole * sizeof(float));
 	take_depths(f, s->room->mask, depth_m);
 	if (s->wants_surface || filter_wants_surface(step, filters))
@@ -414,8 +419,8 @@ static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *
 	s->t.composite_s += draw_lap(&s->since_us);
 }
 
-static bool do_sheet(struct sheet_job *s, const struct chunk_view *all, uint32_t all_count,
-	uint32_t sheet)
+static bool do_sheet(
+	struct sheet_job *s, const struct chunk_view *all, uint32_t all_count, uint32_t sheet)
 {
 	const frame *f = s->f;
 	uint32_t count, filters;
@@ -423,18 +428,19 @@ static bool do_sheet(struct sheet_job *s, const struct chunk_view *all, uint32_t
 	const struct step *step = frame_filters(f, sheet, &filters);
 	if (!count)
 		return true;
-	struct box b = box_of(f, views, count,
-		(float)(ink_reach(f, sheet) + filter_reach(step, filters, f->px)));
+	struct box b = box_of(
+		f, views, count, (float)(ink_reach(f, sheet) + filter_reach(step, filters, f->px)));
 	struct picture_buffer drawn = { s->to->width, s->to->height,
-		filter_room_part(&s->room->pictures, PART_SHEET,
-			(size_t)s->to->width * s->to->height * 4) };
+		filter_room_part(
+			&s->room->pictures, PART_SHEET, (size_t)s->to->width * s->to->height * 4) };
 	if (!draw_sheet(s, views, count, &b, &drawn))
 		return false;
 	s->room->joined = visibility_mask_join(s->room->joined, f, s->room->mask);
 	if (!filters && !s->wants_surface)
 		merge_drawn(s, &b, &drawn);
 	else
-		filter_sheet(s, sheet, &b, views, count, filters ? overlap_of(f, all, all_count, sheet) : 0, &drawn);
+		filter_sheet(s, sheet, &b, views, count,
+			filters ? overlap_of(f, all, all_count, sheet) : 0, &drawn);
 	return !frame_is_stopped(f);
 }
 
@@ -521,7 +527,8 @@ static bool is_finished(const frame *f, uint64_t over)
 }
 
 /* Paper's grain, what fades away from the focus, and strokes that lie over. */
-static void finish(struct sheet_job *s, const struct chunk_view *views, uint32_t count, uint64_t over)
+static void finish(
+	struct sheet_job *s, const struct chunk_view *views, uint32_t count, uint64_t over)
 {
 	draw_room *r = s->room;
 	struct draw_job j = { .f = s->f,
@@ -531,7 +538,8 @@ static void finish(struct sheet_job *s, const struct chunk_view *views, uint32_t
 		.to = s->to,
 		.ground = s->to };
 	if (over) {
-		r->of_layer = stroke_room_fill_some(r->strokes, s->f, r->joined, views, count, over);
+		r->of_layer =
+			stroke_room_fill_some(r->strokes, s->f, r->joined, views, count, over);
 		s->t.choose_s += draw_lap(&s->since_us);
 		for (uint32_t n = 0; n < s->f->layers; n++) {
 			band_lists_fill(

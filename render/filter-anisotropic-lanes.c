@@ -37,22 +37,9 @@ INLINE float sum_of(vf x)
 	return x[0] + x[1];
 }
 
-INLINE void paint(const struct anisotropic_pass *p, const v4 *middle, uint32_t ellipse, uint8_t to[4])
+/* From the means of the eight sectors: red, green, blue, squares. */
+INLINE void put(const struct anisotropic_pass *p, float mean[4][LANES], uint8_t to[4])
 {
-	float mean[4][LANES]; /* red, green, blue, squares; of the eight sectors */
-	const uint32_t *first = &p->first[ellipse * ANISOTROPIC_SECTORS];
-	for (uint32_t k = 0; k < ANISOTROPIC_SECTORS; k++) {
-		v4 one = { 0 }, other = { 0 };
-		const struct anisotropic_tap *tap = p->tap + first[k], *end = p->tap + first[k + 1];
-		for (; tap < end; tap++) {
-			one += middle[tap->offset] * tap->weight;
-			other += middle[-tap->offset] * tap->weight;
-		}
-		for (int c = 0; c < 4; c++) {
-			mean[c][k] = one[c];
-			mean[c][k + ANISOTROPIC_SECTORS] = other[c];
-		}
-	}
 	vf c[3], variance = load(mean[3]);
 	for (int n = 0; n < 3; n++) {
 		c[n] = load(mean[n]);
@@ -65,16 +52,38 @@ INLINE void paint(const struct anisotropic_pass *p, const v4 *middle, uint32_t e
 	to[3] = 255;
 }
 
+/* Two pixels side by side, whose ellipse is the same; count: how many of them there are. */
+INLINE void paint(const struct anisotropic_pass *p, const float *middle, uint32_t ellipse,
+	uint8_t (*to)[4], uint32_t count)
+{
+	float mean[2][4][LANES];
+	const uint32_t *first = &p->first[ellipse * ANISOTROPIC_SECTORS];
+	for (int k = 0; k < ANISOTROPIC_SECTORS; k++) {
+		vf one = { 0 }, other = { 0 };
+		const struct anisotropic_tap *tap = p->tap + first[k], *end = p->tap + first[k + 1];
+		for (; tap < end; tap++) {
+			one += load(middle + 4 * (ptrdiff_t)tap->offset) * tap->weight;
+			other += load(middle - 4 * (ptrdiff_t)tap->offset) * tap->weight;
+		}
+		for (int n = 0; n < 2; n++)
+			for (int c = 0; c < 4; c++) {
+				mean[n][c][k] = one[4 * n + c];
+				mean[n][c][k + ANISOTROPIC_SECTORS] = other[4 * n + c];
+			}
+	}
+	for (uint32_t n = 0; n < count; n++)
+		put(p, mean[n], to[n]);
+}
+
 void LANES_NAME(filter_anisotropic_rows)(const void *data, uint32_t from, uint32_t end)
 {
 	const struct anisotropic_pass *p = data;
 	const struct filter_image *i = p->image;
 	for (uint32_t y = from; y < end; y++) {
-		const v4 *row = (const v4 *)(const void *)(p->wide +
-							   (size_t)(y + p->reach) * p->pitch +
-							   p->reach);
+		const float *row = p->wide[(size_t)(y + p->reach) * p->pitch + p->reach];
 		const uint16_t *ellipse = p->ellipse + (size_t)(y / 2) * p->flow.width;
-		for (uint32_t x = 0; x < i->width; x++)
-			paint(p, row + x, ellipse[x / 2], i->spare[(size_t)y * i->width + x]);
+		for (uint32_t x = 0; x < i->width; x += 2)
+			paint(p, row + 4 * (size_t)x, ellipse[x / 2],
+				i->spare + (size_t)y * i->width + x, MIN(2, i->width - x));
 	}
 }

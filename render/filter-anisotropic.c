@@ -91,13 +91,13 @@ void filter_anisotropic(struct filter_job *j, const struct step *s)
 	const struct anisotropic_step *k = &s->anisotropic;
 	float radius = fmaxf(k->radius_px * j->px, 1);
 	int passes = (int)k->passes;
-	struct anisotropic_pass p = { .image = &j->image,
-		.stretch = k->stretch,
-		.sharpness = k->sharpness };
+	struct anisotropic_pass p = {
+		.image = &j->image, .stretch = k->stretch, .sharpness = k->sharpness
+	};
 	p.reach = MIN((uint32_t)ceilf(radius * 2), ANISOTROPIC_REACH_MOST);
 	p.pitch = j->image.width + 2 * p.reach;
 	p.wide = filter_room_part(j->room, 3,
-		(size_t)p.pitch * (j->image.height + 2 * p.reach) * sizeof *p.wide);
+		((size_t)p.pitch * (j->image.height + 2 * p.reach) + 1) * sizeof *p.wide);
 	g_autoptr(GArray) taps = list_all(&p, radius);
 	for (int n = 0; n < passes && !frame_is_stopped(j->f); n++) {
 		p.flow = filter_flow_find(j, k->tensor_px);
@@ -106,8 +106,8 @@ void filter_anisotropic(struct filter_job *j, const struct step *s)
 		filter_each_rows(j, ellipse_rows, &p, p.flow.height, 32);
 		filter_each_rows(j, LANES_OF(j->lanes, filter_anisotropic_widen), &p,
 			j->image.height + 2 * p.reach, 32);
-		filter_each_rows(j, LANES_OF(j->lanes, filter_anisotropic_rows), &p,
-			j->image.height, 8);
+		filter_each_rows(
+			j, LANES_OF(j->lanes, filter_anisotropic_rows), &p, j->image.height, 8);
 		filter_finish_part(j, k->where, (float)passes, (float)n);
 	}
 }

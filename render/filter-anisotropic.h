@@ -6,9 +6,9 @@
  * a pixel then only adds up products. Of the eight sectors four are listed; the others are their mirror images. */
 #include "render/filter-planes.h"
 
-#define ANISOTROPIC_WAYS      48 /* directions, half around */
-#define ANISOTROPIC_LENGTHS   8  /* steps of anisotropy, 0 to 1 */
-#define ANISOTROPIC_SECTORS   4
+#define ANISOTROPIC_WAYS       48 /* directions, half around */
+#define ANISOTROPIC_LENGTHS    8  /* steps of anisotropy, 0 to 1 */
+#define ANISOTROPIC_SECTORS    4
 #define ANISOTROPIC_REACH_MOST 64
 
 struct anisotropic_tap {
@@ -37,8 +37,8 @@ static inline uint32_t anisotropic_ellipse(
 	float turn = atan2f(flow->along[1], flow->along[0]) * (float)(1 / G_PI);
 	int way = (int)lrintf(turn * (float)ways);
 	way = way < 0 ? way + (int)ways : way;
-	uint32_t length = (uint32_t)lrintf(
-		CLAMP(flow->anisotropy * stretch, 0, 1) * (float)(lengths - 1));
+	uint32_t length =
+		(uint32_t)lrintf(CLAMP(flow->anisotropy * stretch, 0, 1) * (float)(lengths - 1));
 	return ((uint32_t)way % ways) * lengths + length;
 }
 

@@ -16,7 +16,8 @@ struct bilateral_desk {
 	size_t pitch;
 };
 
-INLINE void fetch(const struct bilateral_pass *p, uint32_t y, uint32_t margin, float *const plane[3])
+INLINE void fetch(
+	const struct bilateral_pass *p, uint32_t y, uint32_t margin, float *const plane[3])
 {
 	const float(*row)[3] = p->from + (size_t)y * p->width;
 	for (uint32_t n = 0; n < p->width + 2 * margin; n++) {

@@ -25,8 +25,8 @@ void filter_bilateral(struct filter_job *j, const struct step *s)
 			p.is_down = down;
 			p.from = (const float(*)[3])(down ? other : one);
 			p.to = down ? one : other;
-			filter_each_rows(j, LANES_OF(j->lanes, filter_bilateral_rows), &p,
-				p.height, 16);
+			filter_each_rows(
+				j, LANES_OF(j->lanes, filter_bilateral_rows), &p, p.height, 16);
 		}
 	filter_of_lab(j, (const float(*)[3])one, j->image.spare);
 	filter_finish(j, k->where);

@@ -90,7 +90,8 @@ INLINE void blur_columns(const struct blur_desk *d, const struct filter_blur *b,
 		for (int c = 0; c < BLOCK / LANES; c++)
 			sum[c] = load(d->row[radius] + n + c * LANES) * b->weight[0];
 		for (uint32_t k = 1; k <= radius; k++) {
-			const float *above = d->row[radius - k] + n, *below = d->row[radius + k] + n;
+			const float *above = d->row[radius - k] + n,
+				    *below = d->row[radius + k] + n;
 			for (int c = 0; c < BLOCK / LANES; c++)
 				sum[c] += (load(above + c * LANES) + load(below + c * LANES)) *
 					  b->weight[k];

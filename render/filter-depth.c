@@ -38,11 +38,12 @@ static void sway_rows(const void *data, uint32_t from, uint32_t end)
 			float at[2] = { (float)(x + i->left), (float)(y + i->top) };
 			float by = s->amplitude *
 				   sinf(at[0] * s->wave[0] + at[1] * s->wave[1] + s->phase);
-			float from_x = (float)x - by * s->way[0], from_y = (float)y - by * s->way[1],
-			      rgb[3];
+			float from_x = (float)x - by * s->way[0],
+			      from_y = (float)y - by * s->way[1], rgb[3];
 			size_t to = (size_t)y * i->width + x;
-			size_t near = (size_t)CLAMP(from_y + 0.5f, 0, (float)(i->height - 1)) * i->width +
-				      (size_t)CLAMP(from_x + 0.5f, 0, (float)(i->width - 1));
+			size_t near =
+				(size_t)CLAMP(from_y + 0.5f, 0, (float)(i->height - 1)) * i->width +
+				(size_t)CLAMP(from_x + 0.5f, 0, (float)(i->width - 1));
 			/* Between things there is nothing: depths are of the nearest pixel, and so are colours beside bare paper. */
 			s->depth_m[to] = i->depth_m[near];
 			filter_colour_between(i, from_x, from_y, rgb);
@@ -63,7 +64,8 @@ void filter_warp(struct filter_job *j, const struct step *s)
 	const struct warp_step *w = &s->warp;
 	struct filter_image *i = &j->image;
 	size_t pixels = filter_pixels(i);
-	float turn = w->angle_deg * (float)(G_PI / 180), way = w->direction_deg * (float)(G_PI / 180),
+	float turn = w->angle_deg * (float)(G_PI / 180),
+	      way = w->direction_deg * (float)(G_PI / 180),
 	      by_length = (float)(2 * G_PI) / (w->wavelength_px * j->px);
 	struct swaying sway = { .j = j,
 		.image = i,
@@ -88,14 +90,20 @@ void filter_warp(struct filter_job *j, const struct step *s)
 
 /* ---- shade in corners ---- */
 
+#define RING   12
+#define TURNS  16
+#define AROUND 8
+
 struct shading {
 	const struct filter_job *j;
 	const struct occlusion_step *step;
 	const struct edl_step *edl;
 	float *shade, *smooth;
+	float way[TURNS][RING][2]; /* of occlusion: where it looks, of pixels that lie in turns */
+	float reach[RING];         /* 0..1, how far */
+	int ring[AROUND][2];       /* of eye-dome lighting, in pixels */
 };
 
-#define RING 12
 /* Pixels that are looked at lie no farther. */
 #define REACH_MOST_PX 120.f
 /* Surface before a pixel hides the sky from this part of the radius on: what is plane hides nothing. */
@@ -114,23 +122,28 @@ static void shade_rows(const void *data, uint32_t from, uint32_t end)
 			s->shade[at] = 1;
 			if (here >= FILTER_FAR)
 				continue;
-			float reach = fminf(radius_m * focal / here, REACH_MOST_PX);
+			float reach = fminf(radius_m * focal / here, REACH_MOST_PX * s->j->px);
 			/* Pairs on both sides: what is as far before as the other is behind is a slope. */
-			float turn = (float)G_PI * grain_unit(x & 3, y & 3, 21) / RING;
+			const float(*way)[2] = s->way[(x & 3) | (y & 3) << 2];
 			for (int n = 0; n < RING; n++) {
-				float angle = (float)G_PI * (float)n / RING + turn,
-				      away = reach * ((float)(n * 5 % RING) + 1) / RING;
-				int dx = (int)lrintf(cosf(angle) * away), dy = (int)lrintf(sinf(angle) * away);
+				float away = reach * s->reach[n];
+				int dx = (int)lrintf(way[n][0] * away),
+				    dy = (int)lrintf(way[n][1] * away);
 				float both = 0;
 				for (int side = -1; side <= 1; side += 2) {
 					int px = CLAMP((int)x + side * dx, 0, (int)i->width - 1),
 					    py = CLAMP((int)y + side * dy, 0, (int)i->height - 1);
-					float there = i->depth_m[(size_t)py * i->width + (size_t)px];
-					float before = there >= FILTER_FAR ? -radius_m : here - there;
-					both += CLAMP(before, -radius_m, radius_m);
+					float there =
+						i->depth_m[(size_t)py * i->width + (size_t)px];
+					float before =
+						there >= FILTER_FAR ? -radius_m : here - there;
+					/* What stands farther before it is another thing, with air between. */
+					if (before > radius_m)
+						before = fmaxf(2 * radius_m - before, 0);
+					both += fmaxf(before, -radius_m);
 				}
-				float part = both / (2 * radius_m) - BEFORE_LEAST * away / fmaxf(reach, 1);
-				/* Far before it, it is another thing. */
+				float part = both / (2 * radius_m) -
+					     BEFORE_LEAST * away / fmaxf(reach, 1);
 				sum += part > 0 ? fminf(part * 4, 1) : 0;
 			}
 			s->shade[at] = expf(-1.6f * s->step->strength * sum / RING);
@@ -150,6 +163,20 @@ static void darken_rows(const void *data, uint32_t from, uint32_t end)
 	}
 }
 
+/* A spiral, turned a little for each of sixteen pixels that lie together. */
+static void set_ways(struct shading *s)
+{
+	for (int n = 0; n < RING; n++) {
+		s->reach[n] = ((float)(n * 5 % RING) + 1) / RING;
+		for (uint32_t k = 0; k < TURNS; k++) {
+			float angle =
+				(float)G_PI * ((float)n + grain_unit(k & 3, k >> 2, 21)) / RING;
+			s->way[k][n][0] = cosf(angle);
+			s->way[k][n][1] = sinf(angle);
+		}
+	}
+}
+
 void filter_occlusion(struct filter_job *j, const struct step *step)
 {
 	size_t bytes = filter_pixels(&j->image) * sizeof(float);
@@ -157,8 +184,10 @@ void filter_occlusion(struct filter_job *j, const struct step *step)
 		.step = &step->occlusion,
 		.shade = filter_room_part(j->room, 0, bytes),
 		.smooth = filter_room_part(j->room, 1, bytes) };
+	set_ways(&s);
 	filter_each_rows(j, shade_rows, &s, j->image.height, 16);
-	struct filter_blur b = { s.shade, s.smooth, false, j->image.width, j->image.height, 1, 0, NULL };
+	struct filter_blur b = { s.shade, s.smooth, false, j->image.width, j->image.height, 1, 0,
+		NULL };
 	filter_blur_run(j, &b, 2);
 	filter_each_rows(j, darken_rows, &s, j->image.height, 32);
 	filter_swap(&j->image);
@@ -166,30 +195,30 @@ void filter_occlusion(struct filter_job *j, const struct step *step)
 
 /* ---- eye-dome lighting (edl.h) ---- */
 
-static float log_depth(const struct shading *s, int x, int y)
+static void log_rows(const void *data, uint32_t from, uint32_t end)
 {
+	const struct shading *s = data;
 	const struct filter_image *i = &s->j->image;
-	x = CLAMP(x, 0, (int)i->width - 1);
-	y = CLAMP(y, 0, (int)i->height - 1);
-	return log2f(fminf(i->depth_m[(size_t)y * i->width + (size_t)x], (float)s->j->f->camera.far_m));
+	float far_m = (float)s->j->f->camera.far_m;
+	for (size_t at = (size_t)from * i->width; at < (size_t)end * i->width; at++)
+		s->shade[at] = log2f(fminf(i->depth_m[at], far_m));
 }
 
 static void dome_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct shading *s = data;
 	const struct filter_image *i = &s->j->image;
-	float radius = fmaxf(s->edl->radius_px * s->j->px, 1);
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x;
-			float sum = 0, here = log_depth(s, (int)x, (int)y);
-			for (int n = 0; n < 8; n++) {
-				float angle = (float)n * (float)(G_PI / 4);
-				sum += fmaxf(here - log_depth(s, (int)x + (int)lrintf(radius * cosf(angle)),
-							    (int)y + (int)lrintf(radius * sinf(angle))),
-					0);
+			float sum = 0, here = s->shade[at];
+			for (int n = 0; n < AROUND; n++) {
+				int at_x = CLAMP((int)x + s->ring[n][0], 0, (int)i->width - 1),
+				    at_y = CLAMP((int)y + s->ring[n][1], 0, (int)i->height - 1);
+				sum += fmaxf(
+					here - s->shade[(size_t)at_y * i->width + (size_t)at_x], 0);
 			}
-			s->smooth[at] = expf(-30 * s->edl->strength * sum / 8);
+			s->smooth[at] = expf(-30 * s->edl->strength * sum / AROUND);
 		}
 }
 
@@ -197,7 +226,15 @@ void filter_edl(struct filter_job *j, const struct step *step)
 {
 	struct shading s = { .j = j,
 		.edl = &step->edl,
-		.smooth = filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)) };
+		.smooth = filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)),
+		.shade = filter_room_part(j->room, 1, filter_pixels(&j->image) * sizeof(float)) };
+	float radius = fmaxf(step->edl.radius_px * j->px, 1);
+	for (int n = 0; n < AROUND; n++) {
+		float angle = (float)n * (float)(G_PI / 4);
+		s.ring[n][0] = (int)lrintf(radius * cosf(angle));
+		s.ring[n][1] = (int)lrintf(radius * sinf(angle));
+	}
+	filter_each_rows(j, log_rows, &s, j->image.height, 64);
 	filter_each_rows(j, dome_rows, &s, j->image.height, 16);
 	filter_each_rows(j, darken_rows, &s, j->image.height, 32);
 	filter_swap(&j->image);

@@ -21,9 +21,12 @@ static float *along_flow(struct filter_job *j, struct dog_pass *p, float sigma)
 {
 	const struct dog_step *k = p->step;
 	size_t bytes = filter_pixels(&j->image) * sizeof(float);
-	struct filter_trace t = { .j = j, .by = TRACE_MEAN, .is_across = true, .from = p->lightness };
+	struct filter_trace t = {
+		.j = j, .by = TRACE_MEAN, .is_across = true, .from = p->lightness
+	};
 	t.flow = filter_flow_find(j, 2 * k->sigma_px + 1);
-	float *fine = filter_room_part(j->room, 3, bytes), *coarse = filter_room_part(j->room, 5, bytes);
+	float *fine = filter_room_part(j->room, 3, bytes),
+	      *coarse = filter_room_part(j->room, 5, bytes);
 	t.to = fine;
 	filter_trace_weigh(&t, sigma);
 	filter_trace_run(&t);
@@ -46,8 +49,7 @@ static float *along_flow(struct filter_job *j, struct dog_pass *p, float sigma)
 static float line_at(const struct dog_pass *p, uint32_t x, uint32_t y)
 {
 	size_t at = (size_t)y * p->j->image.width + x;
-	float d = p->difference ? p->difference[at]
-				: combined(p->step, p->fine[at], p->coarse[at]);
+	float d = p->difference ? p->difference[at] : combined(p->step, p->fine[at], p->coarse[at]);
 	float over = d - p->step->threshold;
 	if (over >= 0)
 		return 0;
@@ -82,7 +84,8 @@ void filter_dog(struct filter_job *j, const struct step *s)
 	const struct dog_step *k = &s->dog;
 	const struct filter_image *i = &j->image;
 	size_t bytes = filter_pixels(i) * sizeof(float);
-	float sigma = fmaxf(k->sigma_px * j->px, 0.3f), *plane = filter_room_part(j->room, 4, bytes);
+	float sigma = fmaxf(k->sigma_px * j->px, 0.3f),
+	      *plane = filter_room_part(j->room, 4, bytes);
 	struct dog_pass p = { .j = j, .step = k, .lightness = plane };
 	p.solid = filter_solidity(j, 6);
 	filter_lightness_plane(j, plane);

@@ -7,8 +7,8 @@ struct edges_pass {
 	const struct edges_step *step;
 	struct filter_solid solid;
 	float bend_cosine;
-	float *found;  /* of each pixel, 0: it is none */
-	float *linked; /* the same without what is alone */
+	float *found;       /* of each pixel, 0: it is none */
+	float *linked;      /* the same without what is alone */
 	const float *crowd; /* means of found around */
 	float *wide, *line;
 	const float *sway[2]; /* noise, for wobbling */
@@ -16,7 +16,8 @@ struct edges_pass {
 };
 
 /* Depth at a place, so many pixels on in one of four ways; FAR beyond the picture too. */
-static float depth_on(const struct filter_image *i, uint32_t x, uint32_t y, const int way[2], int pixels)
+static float depth_on(
+	const struct filter_image *i, uint32_t x, uint32_t y, const int way[2], int pixels)
 {
 	int at_x = (int)x + way[0] * pixels, at_y = (int)y + way[1] * pixels;
 	if (at_x < 0 || at_y < 0 || at_x >= (int)i->width || at_y >= (int)i->height)
@@ -40,8 +41,7 @@ static bool steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, const
 			return n > 1;
 		if (there >= FILTER_FAR)
 			continue;
-		if (p->step->depth <= 0 ||
-			there - here - slope * (float)n <= p->step->depth * here)
+		if (p->step->depth <= 0 || there - here - slope * (float)n <= p->step->depth * here)
 			return false;
 	}
 	return depth_on(i, x, y, way, 1) >= 0;
@@ -50,7 +50,8 @@ static bool steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, const
 static bool bends(const struct edges_pass *p, size_t a, size_t b)
 {
 	const float *n = p->j->image.normal[a], *m = p->j->image.normal[b];
-	float na = n[0] * n[0] + n[1] * n[1] + n[2] * n[2], nb = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
+	float na = n[0] * n[0] + n[1] * n[1] + n[2] * n[2],
+	      nb = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
 	if (p->step->bend_deg <= 0 || na < 0.5f || nb < 0.5f)
 		return false;
 	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < p->bend_cosine * sqrtf(na * nb);
@@ -112,7 +113,8 @@ static void link_rows(const void *data, uint32_t from, uint32_t end)
 			p->linked[at] = 0;
 			if (!(p->found[at] > 0))
 				continue;
-			for (uint32_t at_y = y > 1 ? y - 2 : 0; at_y < MIN(y + 3, i->height); at_y++)
+			for (uint32_t at_y = y > 1 ? y - 2 : 0; at_y < MIN(y + 3, i->height);
+				at_y++)
 				for (uint32_t at_x = x > 1 ? x - 2 : 0; at_x < MIN(x + 3, i->width);
 					at_x++)
 					sum += p->found[(size_t)at_y * i->width + at_x] > 0;

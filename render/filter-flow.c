@@ -18,8 +18,7 @@ void filter_trace_weigh(struct filter_trace *t, float sigma)
 
 void filter_trace_run(const struct filter_trace *t)
 {
-	filter_each_rows(
-		t->j, LANES_OF(t->j->lanes, filter_trace_rows), t, t->j->image.height, 16);
+	filter_each_rows(t->j, LANES_OF(t->j->lanes, filter_trace_rows), t, t->j->image.height, 16);
 }
 
 void filter_flow(struct filter_job *j, const struct step *s)
@@ -111,8 +110,7 @@ void filter_oil(struct filter_job *j, const struct step *s)
 {
 	float width = fmaxf(s->oil.width_px * j->px, 1.2f);
 	struct filter_trace t = { .j = j, .by = TRACE_NOISE };
-	float *height =
-		filter_room_part(j->room, 4, filter_pixels(&j->image) * sizeof *height);
+	float *height = filter_room_part(j->room, 4, filter_pixels(&j->image) * sizeof *height);
 	t.flow = filter_flow_find(j, s->oil.tensor_px);
 	t.from = filter_noise(j, 3, width, 5);
 	t.to = height;

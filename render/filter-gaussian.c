@@ -57,7 +57,8 @@ static void close_rows(const void *data, uint32_t from, uint32_t end)
 				continue;
 			for (int dy = -c->radius; dy <= c->radius; dy++)
 				for (int dx = -c->radius; dx <= c->radius; dx++)
-					if ((dx || dy) && dx * dx + dy * dy <= c->radius * c->radius)
+					if ((dx || dy) &&
+						dx * dx + dy * dy <= c->radius * c->radius)
 						add_around(c, (int)x, (int)y, dx, dy, &a);
 			if (__builtin_popcount(a.sides) < SIDES_LEAST)
 				continue;

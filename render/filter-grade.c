@@ -5,14 +5,15 @@
 struct grading {
 	const struct filter_job *j;
 	const struct grade_step *step;
-	float turn[3][3];  /* of hues */
-	float curve[256];  /* of gamma, brightness and contrast; 0..1 */
+	float turn[3][3]; /* of hues */
+	float curve[256]; /* of gamma, brightness and contrast; 0..1 */
 };
 
 /* About the grey axis. */
 static void turn_of(float degrees, float ret[3][3])
 {
-	float cosine = cosf(degrees * (float)(G_PI / 180)), sine = sinf(degrees * (float)(G_PI / 180));
+	float cosine = cosf(degrees * (float)(G_PI / 180)),
+	      sine = sinf(degrees * (float)(G_PI / 180));
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 3; c++) {
 			float around = r == c ? 0 : (c - r + 3) % 3 == 1 ? -1 : 1;
@@ -60,7 +61,8 @@ static void grade_rows(const void *data, uint32_t from, uint32_t end)
 		for (int k = 0; k < 3; k++)
 			in[k] = g->curve[i->rgba[at][k]];
 		for (int k = 0; k < 3; k++)
-			c[k] = g->turn[k][0] * in[0] + g->turn[k][1] * in[1] + g->turn[k][2] * in[2];
+			c[k] = g->turn[k][0] * in[0] + g->turn[k][1] * in[1] +
+			       g->turn[k][2] * in[2];
 		float grey = 0.299f * c[0] + 0.587f * c[1] + 0.114f * c[2];
 		for (int k = 0; k < 3; k++)
 			c[k] = grey + s->saturation * (c[k] - grey);

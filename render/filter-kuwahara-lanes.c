@@ -66,8 +66,7 @@ INLINE void add(struct kuwahara_desk *d, const struct filter_image *i, uint32_t 
 	}
 }
 
-INLINE void put_squares(
-	struct kuwahara_desk *d, const vi sum[SUMS], float by_count, uint32_t to)
+INLINE void put_squares(struct kuwahara_desk *d, const vi sum[SUMS], float by_count, uint32_t to)
 {
 	vf mean[3], variance = __builtin_convertvector(sum[SQUARES], vf) * by_count;
 	vi packed = { 0 };
@@ -130,8 +129,8 @@ INLINE void write_row(const struct kuwahara_desk *d, const struct filter_image *
 	uint32_t above, uint32_t below, uint32_t y)
 {
 	uint8_t *to = i->spare[(size_t)y * i->width];
-	const uint32_t corner[4] = { above * d->pitch, above * d->pitch + radius,
-		below * d->pitch, below * d->pitch + radius };
+	const uint32_t corner[4] = { above * d->pitch, above * d->pitch + radius, below * d->pitch,
+		below * d->pitch + radius };
 	for (uint32_t x = 0; x < i->width; x += LANES) {
 		vf variance = load(d->variance + corner[0] + x);
 		vi mean = load_mask(d->mean + corner[0] + x);

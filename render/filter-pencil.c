@@ -1,57 +1,120 @@
+/* Strokes lie where planes cut through the site, evenly apart: so they run along walls and grounds as these are seen, and stay on them when
+ * the camera moves. How far apart planes are goes by octaves, of which every second plane fades, so that strokes are as dense on the
+ * screen from any distance and at any slant. */
 #include "render/filter-planes.h"
+#include "render/filter-solid.h"
 #include "render/grain.h"
 #include <math.h>
+#include <string.h>
 
 #define LAYERS_MOST 6
+
+/* Planes of a layer, across a direction of the site. */
+struct sketch_layer {
+	float across[3]; /* as the camera sees it */
+	/* Where the eye is, in planes of each octave. */
+	float eye[FILTER_NOISE_OCTAVES];
+	int32_t eye_whole[FILTER_NOISE_OCTAVES];
+};
 
 struct sketch {
 	const struct filter_job *j;
 	const struct pencil_step *step;
-	const float *lightness;
+	const float *lightness, *press, *sway; /* the latter two are noise */
 	int layers;
-	float way[LAYERS_MOST][2];
+	struct sketch_layer layer[LAYERS_MOST];
 };
 
-/* A long way between repeats of noise. */
-#define PERIOD 1 << 20
+/* What is seen at a pixel. */
+struct sketched {
+	float ray[3]; /* of depth 1 */
+	float normal[3];
+	float depth_m;
+};
 
-/* 0..1: how much a row of strokes of a layer covers a pixel. Each has its own place beside where it would be in even rows, its own length
- * and pressure, and thins out towards its ends; it is as wide as it is dark there. */
-static float row_at(const struct sketch *s, uint32_t salt, float along, float across, int number, float dark)
+static struct sketched sketched_at(const struct filter_job *j, uint32_t x, uint32_t y)
 {
-	const struct pencil_step *k = s->step;
-	float px = s->j->px, spacing = k->spacing_px * px;
-	uint32_t which = (uint32_t)number;
-	float length = (90 + 160 * grain_unit(which, salt, 3)) * px;
-	float part = along / length + grain_unit(which, salt, 5), whole = floorf(part),
-	      within = part - whole;
-	uint32_t piece = (uint32_t)(int32_t)whole;
-	float middle = ((float)number + 0.5f + 0.6f * (grain_unit(which, piece, 11 + salt) - 0.5f)) *
-		       spacing;
-	float taper = grain_step(0, 0.25f, within) * grain_step(1, 0.7f, within);
-	float press = 0.55f + 0.45f * grain_unit(which, piece, 7 + salt);
-	float half = k->width_px * px / 2 * (0.4f + 0.6f * dark) * (0.4f + 0.6f * taper);
-	return grain_step(half + 0.7f, half - 0.5f, fabsf(across - middle)) * taper * press;
+	const struct camera *c = &j->f->camera;
+	const struct filter_image *i = &j->image;
+	size_t at = (size_t)y * i->width + x;
+	float by_focal = 1 / (float)c->focal_px;
+	struct sketched s = {
+		.ray = { ((float)(x + i->left) + 0.5f - (float)c->width / 2) * by_focal,
+			((float)(y + i->top) + 0.5f - (float)c->height / 2) * by_focal, 1 },
+		.depth_m = i->depth_m[at]
+	};
+	memcpy(s.normal, i->normal[at], sizeof s.normal);
+	/* Leaves face the eye; what is met at a low angle counts as met at a less low one. */
+	float along = 0, length = 0;
+	for (int k = 0; k < 3; k++) {
+		along += s.normal[k] * s.ray[k];
+		length += s.ray[k] * s.ray[k];
+	}
+	length = sqrtf(length);
+	if (along > -0.08f * length)
+		for (int k = 0; k < 3; k++)
+			s.normal[k] = -s.ray[k] / length;
+	return s;
 }
 
-/* What of the light a layer lets through. Two rows of strokes, one of which begins where the other ends. */
-static float light_through(const struct sketch *s, int layer, float x, float y, float dark)
+static float dot(const float a[3], const float b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* How many metres of a direction there are in a pixel of the surface, across its planes. */
+static float metres_a_pixel(
+	const struct filter_job *j, const struct sketched *s, const float across[3])
+{
+	float towards = dot(across, s->ray) / dot(s->normal, s->ray);
+	float right = across[0] - towards * s->normal[0], down = across[1] - towards * s->normal[1];
+	return s->depth_m / (float)j->f->camera.focal_px * sqrtf(right * right + down * down);
+}
+
+/* What of the light a layer lets through. */
+static float light_through(
+	const struct sketch *s, int layer, const struct sketched *at, size_t pixel, float dark)
 {
 	const struct pencil_step *k = s->step;
-	float px = s->j->px, spacing = k->spacing_px * px, light = 1;
-	float along = x * s->way[layer][0] + y * s->way[layer][1],
-	      across = y * s->way[layer][0] - x * s->way[layer][1];
-	across += k->wobble_px * px *
-		  grain_noise(along / (140 * px) + 4096, across / (90 * px) + 4096, PERIOD, PERIOD,
-			  17 + (uint32_t)layer);
-	for (uint32_t row = 0; row < 2; row++) {
-		float shifted = across + 0.5f * (float)row * spacing;
-		int number = (int)floorf(shifted / spacing);
-		uint32_t salt = 2 * (uint32_t)layer + row;
-		for (int n = number - 1; n <= number + 1; n++)
-			light *= 1 - k->pressure * fminf(dark * 1.5f, 1) *
-					     row_at(s, salt, along, shifted, n, dark);
-	}
+	const struct sketch_layer *l = &s->layer[layer];
+	float px = s->j->px, spacing = k->spacing_px * px;
+	float pixel_m = fmaxf(metres_a_pixel(s->j, at, l->across), 1e-7f);
+	float octave = log2f(spacing * pixel_m) + 1;
+	octave = CLAMP(octave, FILTER_NOISE_LOWEST, FILTER_NOISE_LOWEST + FILTER_NOISE_OCTAVES - 1);
+	float whole = floorf(octave), part = octave - whole;
+	int n = (int)whole - FILTER_NOISE_LOWEST;
+	float cell_m = ldexpf(0.5f, (int)whole);
+	/* In planes from the eye's; wobbling, but less than to the next one. */
+	float place = l->eye[n] + at->depth_m * dot(l->across, at->ray) / cell_m +
+		      0.7f * fminf(k->wobble_px / k->spacing_px, 1) * s->sway[pixel];
+	float number = rintf(place), away_px = fabsf(place - number) * cell_m / pixel_m;
+	/* Every second one fades while the next octave comes. */
+	int32_t which = (int32_t)number + l->eye_whole[n];
+	float there = which & 1 ? 1 - part : 1;
+	float press = s->press[pixel] +
+		      0.25f * (grain_unit((uint32_t)(which >> 1), (uint32_t)layer, 3) - 0.5f);
+	press = CLAMP(0.85f + 0.6f * press, 0, 1);
+	float half = k->width_px * px / 2 * (0.5f + 0.5f * dark) * (0.5f + 0.5f * press);
+	float line = grain_step(half + 0.7f, half - 0.5f, away_px) * press * there;
+	return 1 - k->pressure * fminf(dark * 1.6f, 1) * line;
+}
+
+/* Light tones stay bare; each layer begins where the one before is strong. */
+#define NEXT_LAYER 0.85f
+#define BARE       0.06f
+
+static float sketch_light(const struct sketch *s, uint32_t x, uint32_t y)
+{
+	const struct filter_image *i = &s->j->image;
+	size_t at = (size_t)y * i->width + x;
+	float light = 1, dark = 1 - s->lightness[at];
+	dark = dark * (0.5f + 0.6f * dark) * (float)s->layers * 1.2f;
+	if (i->depth_m[at] >= FILTER_FAR || dark <= BARE)
+		return 1;
+	struct sketched seen = sketched_at(s->j, x, y);
+	for (int n = 0; n < s->layers && dark > (float)n * NEXT_LAYER + BARE; n++)
+		light *= light_through(
+			s, n, &seen, at, fminf(dark - (float)n * NEXT_LAYER - BARE, 1));
 	return light;
 }
 
@@ -63,13 +126,9 @@ static void sketch_rows(const void *data, uint32_t from, uint32_t end)
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x;
-			float light = 1, rgb[3], dark = 1 - s->lightness[at];
-			/* Light tones stay bare; each layer begins where the one before is strong. */
-			dark = dark * (0.45f + 0.55f * dark) * (float)s->layers * 1.15f;
-			for (int n = 0; n < s->layers && dark > (float)n * 0.85f + 0.06f; n++)
-				light *= light_through(s, n, (float)(x + i->left), (float)(y + i->top),
-					fminf(dark - (float)n * 0.85f - 0.06f, 1));
-			float ink = (1 - light) * (1 + 0.8f * filter_relief(s->j, x, y));
+			float ink = (1 - sketch_light(s, x, y)) *
+				    (1 + 0.6f * filter_relief(s->j, x, y));
+			float rgb[3];
 			ink = CLAMP(ink, 0, 1);
 			for (int c = 0; c < 3; c++) {
 				float own = (float)i->rgba[at][c] * 0.8f,
@@ -81,21 +140,39 @@ static void sketch_rows(const void *data, uint32_t from, uint32_t end)
 		}
 }
 
+/* Across a direction that leans so much, and lies askew to walls that run along the site's axes. */
+static void set_layer(const struct filter_job *j, struct sketch_layer *l, float degrees, int number)
+{
+	const struct camera *c = &j->f->camera;
+	double lean = degrees * (G_PI / 180), turn = (35 + 47 * number) * (G_PI / 180);
+	double site[3] = { cos(lean) * cos(turn), cos(lean) * sin(turn), sin(lean) }, eye = 0;
+	const double *row[3] = { c->right, c->down, c->forward };
+	for (int k = 0; k < 3; k++) {
+		l->across[k] =
+			(float)(row[k][0] * site[0] + row[k][1] * site[1] + row[k][2] * site[2]);
+		eye += site[k] * j->f->eye_m[k];
+	}
+	for (int n = 0; n < FILTER_NOISE_OCTAVES; n++) {
+		double at = ldexp(eye, 1 - (n + FILTER_NOISE_LOWEST)), whole = floor(at);
+		l->eye[n] = (float)(at - whole);
+		l->eye_whole[n] = (int32_t)(uint32_t)(int64_t)whole;
+	}
+}
+
 void filter_pencil(struct filter_job *j, const struct step *s)
 {
-	static const float turn_deg[LAYERS_MOST] = { 0, 28, -33, 70, 12, -60 };
+	static const float lean_deg[LAYERS_MOST] = { 0, -75, 40, -35, 65, 15 };
 	float *lightness =
 		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof *lightness);
 	struct sketch k = { .j = j,
 		.step = &s->pencil,
 		.lightness = lightness,
 		.layers = (int)CLAMP(rintf(s->pencil.layers), 1, LAYERS_MOST) };
-	for (int n = 0; n < k.layers; n++) {
-		float angle = (s->pencil.angle_deg + turn_deg[n]) * (float)(G_PI / 180);
-		k.way[n][0] = cosf(angle);
-		k.way[n][1] = -sinf(angle);
-	}
+	for (int n = 0; n < k.layers; n++)
+		set_layer(j, &k.layer[n], s->pencil.angle_deg + lean_deg[n], n);
 	filter_lightness_plane(j, lightness);
+	k.press = filter_noise(j, 1, 45 * j->px, 17);
+	k.sway = filter_noise(j, 2, 60 * j->px, 23);
 	filter_each_rows(j, sketch_rows, &k, j->image.height, 16);
 	filter_swap(&j->image);
 }

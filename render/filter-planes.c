@@ -76,11 +76,9 @@ static const float to_xyz[3][3] = { { 0.4124564f / 0.95047f, 0.3575761f / 0.9504
 					    0.1804375f / 0.95047f },
 	{ 0.2126729f, 0.7151522f, 0.0721750f },
 	{ 0.0193339f / 1.08883f, 0.1191920f / 1.08883f, 0.9503041f / 1.08883f } };
-static const float of_xyz[3][3] = {
-	{ 3.2404542f * 0.95047f, -1.5371385f, -0.4985314f * 1.08883f },
+static const float of_xyz[3][3] = { { 3.2404542f * 0.95047f, -1.5371385f, -0.4985314f * 1.08883f },
 	{ -0.9692660f * 0.95047f, 1.8760108f, 0.0415560f * 1.08883f },
-	{ 0.0556434f * 0.95047f, -0.2040259f, 1.0572252f * 1.08883f }
-};
+	{ 0.0556434f * 0.95047f, -0.2040259f, 1.0572252f * 1.08883f } };
 
 static void to_lab_rows(const void *data, uint32_t from, uint32_t end)
 {
@@ -147,7 +145,7 @@ static void halve_rows(const void *data, uint32_t from, uint32_t end)
 	const struct filter_image *i = l->image;
 	for (uint32_t y = from; y < end; y++) {
 		const uint8_t(*upper)[4] = i->rgba + (size_t)(2 * y) * i->width,
-		     (*lower)[4] = i->rgba + (size_t)MIN(2 * y + 1, i->height - 1) * i->width;
+		      (*lower)[4] = i->rgba + (size_t)MIN(2 * y + 1, i->height - 1) * i->width;
 		float *to = l->half + (size_t)y * l->width * 3;
 		for (uint32_t x = 0; x < l->width; x++, to += 3) {
 			uint32_t left = 2 * x, right = MIN(left + 1, i->width - 1);

@@ -39,7 +39,7 @@ void filter_of_lab(const struct filter_job *j, const float (*from)[3], uint8_t (
 /* What runs where, at each pixel of a picture half as large (rounded up): means of 2 x 2 pixels, Sobel's derivatives of red, green and
  * blue summed up as a structure tensor, Gaussian means of it; then the direction of the lesser eigenvector, and (l1 - l2) / (l1 + l2). */
 struct filter_flow {
-	float along[2]; /* unit vector, x right and y down; 1 0 where nothing runs anywhere */
+	float along[2];   /* unit vector, x right and y down; 1 0 where nothing runs anywhere */
 	float anisotropy; /* 0..1 */
 };
 struct filter_flow_plane {
@@ -65,7 +65,8 @@ static inline float filter_between(
 		 below = MIN(top + 1, height - 1);
 	float u = x - (float)left, v = y - (float)top;
 	const float *a = plane + (size_t)top * width, *b = plane + (size_t)below * width;
-	float upper = a[left] + u * (a[right] - a[left]), lower = b[left] + u * (b[right] - b[left]);
+	float upper = a[left] + u * (a[right] - a[left]),
+	      lower = b[left] + u * (b[right] - b[left]);
 	return upper + v * (lower - upper);
 }
 static inline void filter_colour_between(

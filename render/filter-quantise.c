@@ -23,8 +23,7 @@ static float step_of(const struct quantise_step *s, float lightness, float gradi
 	float tanh_by = TANH_SOFT + sharp * sharp * (TANH_SHARP - TANH_SOFT);
 	/* tanh reaches its ends at the steps' borders, so that they join. */
 	float within = (lightness - nearest) / wide; /* -0.5 .. 0.5 */
-	return nearest + wide / 2 *
-				 (within < 0 ? -1 : 1) *
+	return nearest + wide / 2 * (within < 0 ? -1 : 1) *
 				 (1 - tanhf(tanh_by * (0.5f - fabsf(within))) / tanhf(tanh_by / 2));
 }
 

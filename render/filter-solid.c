@@ -38,14 +38,15 @@ static void count_rows(const void *data, uint32_t from, uint32_t end)
 
 struct filter_solid filter_solidity(struct filter_job *j, uint32_t part)
 {
-	struct counting c = { &j->image,
-		{ (j->image.width + BLOCK - 1) / BLOCK, (j->image.height + BLOCK - 1) / BLOCK, NULL } };
+	struct counting c = { &j->image, { (j->image.width + BLOCK - 1) / BLOCK,
+						 (j->image.height + BLOCK - 1) / BLOCK, NULL } };
 	size_t blocks = (size_t)c.solid.width * c.solid.height;
 	/* Counts stand behind what they become. */
 	float *whole = filter_room_part(j->room, part, 2 * blocks * sizeof(float));
 	c.solid.part = whole + blocks;
 	filter_each_rows(j, count_rows, &c, c.solid.height, 16);
-	struct filter_blur b = { c.solid.part, whole, false, c.solid.width, c.solid.height, 1, 0, NULL };
+	struct filter_blur b = { c.solid.part, whole, false, c.solid.width, c.solid.height, 1, 0,
+		NULL };
 	filter_blur_run(j, &b, SOLID_SIGMA_PX * j->px / BLOCK);
 	c.solid.part = whole;
 	for (size_t n = 0; n < blocks; n++)
@@ -63,7 +64,8 @@ const float *filter_noise(struct filter_job *j, uint32_t part, float grain_px, u
 		.to = filter_room_part(j->room, part, filter_pixels(&j->image) * sizeof(float)) };
 	for (int k = 0; k < 3; k++)
 		for (int o = 0; o < FILTER_NOISE_OCTAVES; o++) {
-			double at = ldexp(j->f->eye_m[k], -(o + FILTER_NOISE_LOWEST)), whole = floor(at);
+			double at = ldexp(j->f->eye_m[k], -(o + FILTER_NOISE_LOWEST)),
+			       whole = floor(at);
 			n.cell[k][o] = (int32_t)(uint32_t)(int64_t)whole;
 			n.within[k][o] = (float)(at - whole);
 		}

@@ -13,21 +13,22 @@ struct walk_sum {
 
 INLINE vi nearest(vf at, uint32_t count)
 {
-	return __builtin_convertvector(
-		least(most(at, all(0)), all((float)(count - 1))) + 0.5f, vi);
+	return __builtin_convertvector(least(most(at, all(0)), all((float)(count - 1))) + 0.5f, vi);
 }
 
 INLINE void directions_at(const struct filter_trace *t, vf x, vf y, vf ret[2])
 {
 	const struct filter_image *i = &t->j->image;
-	vi at = ((nearest(y, i->height) >> 1) * (int32_t)t->flow.width + (nearest(x, i->width) >> 1)) * 3;
+	vi at = ((nearest(y, i->height) >> 1) * (int32_t)t->flow.width +
+			(nearest(x, i->width) >> 1)) *
+		3;
 	_Static_assert(sizeof(struct filter_flow) == 3 * sizeof(float), "as it is gathered");
 	for (int k = 0; k < 2; k++)
 		ret[k] = (vf)gather(&t->flow.at->along[k], at, 4);
 }
 
-INLINE void add(const struct filter_trace *t, const struct walkers *w, float weight,
-	struct walk_sum *s)
+INLINE void add(
+	const struct filter_trace *t, const struct walkers *w, float weight, struct walk_sum *s)
 {
 	const struct filter_image *i = &t->j->image;
 	int32_t width = (int32_t)i->width;
@@ -35,7 +36,8 @@ INLINE void add(const struct filter_trace *t, const struct walkers *w, float wei
 	s->weight += by;
 	s->weight2 += by * by;
 	if (t->from_rgba) {
-		vi p = gather(t->from_rgba, nearest(w->y, i->height) * width + nearest(w->x, i->width), 4);
+		vi p = gather(t->from_rgba,
+			nearest(w->y, i->height) * width + nearest(w->x, i->width), 4);
 		for (int k = 0; k < 3; k++)
 			s->of[k] += by * __builtin_convertvector(p >> 8 * k & 255, vf);
 		return;
@@ -46,7 +48,8 @@ INLINE void add(const struct filter_trace *t, const struct walkers *w, float wei
 	vf u = x - __builtin_convertvector(left, vf), v = y - __builtin_convertvector(top, vf);
 	vi right = lower(left + 1, (vi){ 0 } + width - 1),
 	   below = lower(top + 1, (vi){ 0 } + (int32_t)i->height - 1);
-	vf a = (vf)gather(t->from, top * width + left, 4), b = (vf)gather(t->from, top * width + right, 4),
+	vf a = (vf)gather(t->from, top * width + left, 4),
+	   b = (vf)gather(t->from, top * width + right, 4),
 	   c = (vf)gather(t->from, below * width + left, 4),
 	   d = (vf)gather(t->from, below * width + right, 4);
 	vf upper = a + u * (b - a), under = c + u * (d - c);
@@ -89,7 +92,8 @@ INLINE void put(const struct filter_trace *t, size_t at, uint32_t count, const s
 	}
 	vi packed = (vi){ 0 } + (int32_t)0xff000000;
 	for (int k = 0; k < 3; k++)
-		packed |= __builtin_convertvector(least(s->of[k] * by, all(255)) + 0.5f, vi) << 8 * k;
+		packed |= __builtin_convertvector(least(s->of[k] * by, all(255)) + 0.5f, vi)
+			  << 8 * k;
 	memcpy(t->to_rgba[at], &packed, 4 * count);
 }
 

@@ -16,7 +16,8 @@ struct filter_trace {
 	const struct filter_job *j;
 	struct filter_flow_plane flow;
 	int steps; /* at most FILTER_TRACE_MOST; lines end where the picture does */
-	float weight[FILTER_TRACE_MOST + 1]; /* of the pixel itself, and of those so many steps away */
+	float weight[FILTER_TRACE_MOST +
+		     1]; /* of the pixel itself, and of those so many steps away */
 	enum filter_trace_by by;
 	bool is_across;
 	/* From a plane, between its pixels, to a plane; or from the nearest pixels of a picture to the same of another. */

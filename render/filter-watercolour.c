@@ -31,7 +31,8 @@ static void wobble_rows(const void *data, uint32_t from, uint32_t end)
 static void lightness_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct wash *w = data;
-	for (size_t at = (size_t)from * w->j->image.width; at < (size_t)end * w->j->image.width; at++)
+	for (size_t at = (size_t)from * w->j->image.width; at < (size_t)end * w->j->image.width;
+		at++)
 		w->edge[at] = filter_lightness(w->wobbled[at]);
 }
 
@@ -41,13 +42,14 @@ static float change_at(const struct wash *w, uint32_t x, uint32_t y)
 	const struct filter_image *i = &w->j->image;
 	size_t row = (size_t)y * i->width, above = (size_t)(y ? y - 1 : 0) * i->width,
 	       below = (size_t)MIN(y + 1, i->height - 1) * i->width;
-	float dx = w->lightness[row + MIN(x + 1, i->width - 1)] - w->lightness[row + (x ? x - 1 : 0)],
+	float dx = w->lightness[row + MIN(x + 1, i->width - 1)] -
+		   w->lightness[row + (x ? x - 1 : 0)],
 	      dy = w->lightness[below + x] - w->lightness[above + x];
 	return sqrtf(dx * dx + dy * dy) / 2 / w->j->px;
 }
 
 /* Most at edges, but for the steepest, which are no darker than that. */
-#define CHANGE_MOST 0.10f
+#define CHANGE_MOST       0.10f
 #define CHANGE_TO_DENSITY 7.f
 
 static float density_at(const struct wash *w, uint32_t x, uint32_t y)
@@ -56,7 +58,8 @@ static float density_at(const struct wash *w, uint32_t x, uint32_t y)
 	size_t at = (size_t)y * w->j->image.width + x;
 	float density = 1;
 	if (s->darkening > 0)
-		density += s->darkening * CHANGE_TO_DENSITY * fminf(change_at(w, x, y), CHANGE_MOST);
+		density +=
+			s->darkening * CHANGE_TO_DENSITY * fminf(change_at(w, x, y), CHANGE_MOST);
 	if (w->turbulence)
 		density += s->turbulence * 0.9f * w->turbulence[at];
 	if (w->dispersion)

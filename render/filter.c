@@ -41,7 +41,7 @@ static const struct row {
 	{ "watercolour", filter_watercolour, false },
 	{ "flow", filter_flow, false },
 	{ "oil", filter_oil, false },
-	{ "pencil", filter_pencil, false },
+	{ "pencil", filter_pencil, true },
 	{ "grade", filter_grade, true },
 	{ "warp", filter_warp, false },
 	{ "occlusion", filter_occlusion, false },

@@ -10,8 +10,8 @@
 /* Of each pixel, row by row without gaps. */
 struct filter_image {
 	uint32_t width, height;
-	uint32_t left, top; /* where it is in the whole picture */
-	uint8_t (*rgba)[4]; /* sRGB, the last 255 */
+	uint32_t left, top;  /* where it is in the whole picture */
+	uint8_t (*rgba)[4];  /* sRGB, the last 255 */
 	uint8_t (*spare)[4]; /* as large: what a filter writes before they are swapped */
 	float *depth_m; /* along the optical axis, 32 bits: as exact, for how far it is, near and far away */
 	/* NULL: no filter of these asks for them. */
@@ -19,7 +19,8 @@ struct filter_image {
 	uint16_t *leaf;     /* of the segment tree; 0 where nothing is */
 	/* NULL: there is no focus. 0..1: how far from it. */
 	float *away;
-	uint8_t *grey_before; /* before filters (depth-inpaint.h), moved with what filters move; NULL in the picture of all */
+	uint8_t *
+		grey_before; /* before filters (depth-inpaint.h), moved with what filters move; NULL in the picture of all */
 	const uint8_t *paper; /* [4], sRGB, the last 255 */
 };
 

@@ -81,7 +81,7 @@ struct oil_step {
 	float length_px, width_px, tensor_px, relief, shine, variation, canvas;
 };
 
-/* Strokes of a pencil across the picture, the more layers of them the darker it is. */
+/* Strokes of a pencil along surfaces, the more layers of them the darker it is. */
 struct pencil_step {
 	float spacing_px, width_px, layers, angle_deg, wobble_px, pressure, own_colour;
 	uint8_t colour[4];

@@ -43,8 +43,8 @@ INLINE void draw_disc(const struct band *b, const visibility_mask *m, const stru
 void LANES_NAME(surface_chunk)(const struct band *b, const frame *f, const visibility_mask *m,
 	const struct chunk_view *v, const struct surface_desk *desk)
 {
-	struct disc_pass p = disc_pass_of(
-		f, v, frame_pipeline(f, v->pipeline)->mask.disc, DISC_RADIUS_LEAST);
+	struct disc_pass p =
+		disc_pass_of(f, v, frame_pipeline(f, v->pipeline)->mask.disc, DISC_RADIUS_LEAST);
 	for (uint32_t i = 0; i < p.end; i += LANES) {
 		struct disc_lanes d;
 		disc_lanes_find(f->scene, &p, v, i, 0, &d);
@@ -68,8 +68,8 @@ void LANES_NAME(surface_chunk)(const struct band *b, const frame *f, const visib
 				{ d.half[0][k], d.half[1][k] },
 				{ squash * aside[0], squash * aside[1] },
 				{ slope * aside[0], slope * aside[1] }, d.depth_m[k],
-				{ normal[0][k], normal[1][k], normal[2][k] },
-				(float)v->chunk->leaf, v->pipeline };
+				{ normal[0][k], normal[1][k], normal[2][k] }, (float)v->chunk->leaf,
+				v->pipeline };
 			draw_disc(b, m, &s, desk);
 		}
 	}

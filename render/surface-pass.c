@@ -35,8 +35,8 @@ static void do_band(const frame *f, const visibility_mask *m, const struct chunk
 	uint32_t count, const struct band *b, float *memory, const struct surface_planes *to)
 {
 	size_t plane = (size_t)b->pitch * BAND_ROWS;
-	struct surface_desk d = { { memory, memory + plane, memory + 2 * plane }, memory + 3 * plane,
-		memory + 4 * plane };
+	struct surface_desk d = { { memory, memory + plane, memory + 2 * plane },
+		memory + 3 * plane, memory + 4 * plane };
 	clear(b, memory);
 	for (uint32_t n = 0; n < count; n++) {
 		float reach = 2 + frame_pipeline(f, views[n].pipeline)->mask.disc *
@@ -55,8 +55,7 @@ void surface_pass(const frame *f, const visibility_mask *m, const struct chunk_v
 	uint32_t pitch = (m->width + 2 * BAND_MARGIN + 7) / 8 * 8;
 #pragma omp parallel num_threads((int)frame_threads(f))
 	{
-		float *memory =
-			large_new(PLANES * (size_t)pitch * BAND_ROWS * sizeof *memory + 64);
+		float *memory = large_new(PLANES * (size_t)pitch * BAND_ROWS * sizeof *memory + 64);
 #pragma omp for schedule(dynamic, 1)
 		for (uint32_t from = 0; from < m->height; from += BAND_ROWS) {
 			struct band b = { m->width, from, MIN(BAND_ROWS, m->height - from), pitch };

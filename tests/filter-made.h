@@ -25,14 +25,16 @@ static inline void filter_made_fill(struct filter_image *i, uint32_t seed)
 	for (uint32_t y = 0; y < i->height; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x;
-			double stripe = sin(0.21 * x + 0.13 * y), away = hypot(x - 0.4 * i->width, y - 0.5 * i->height);
+			double stripe = sin(0.21 * x + 0.13 * y),
+			       away = hypot(x - 0.4 * i->width, y - 0.5 * i->height);
 			double rgb[3] = { 120 + 60 * stripe, 150 - 40 * stripe, 90 + 0.4 * x };
 			if (away < 0.3 * i->height) {
 				rgb[0] = 200;
 				rgb[1] = 60 + 0.5 * y;
 				rgb[2] = 40;
 			}
-			i->depth_m[at] = (float)(away < 0.3 * i->height ? 5 + 0.01 * x : 9 + 0.004 * y);
+			i->depth_m[at] =
+				(float)(away < 0.3 * i->height ? 5 + 0.01 * x : 9 + 0.004 * y);
 			for (int k = 0; k < 3; k++)
 				i->rgba[at][k] = (uint8_t)CLAMP(
 					rgb[k] + g_rand_double_range(r, -14, 14), 0, 255);
@@ -44,7 +46,9 @@ static inline void filter_made_fill(struct filter_image *i, uint32_t seed)
 			i->normal[at][0] = (float)sin(0.05 * x);
 			i->normal[at][1] = 0;
 			i->normal[at][2] = (float)-cos(0.05 * x);
-			i->leaf[at] = (uint16_t)(i->depth_m[at] < FILTER_FAR ? 1 + (away < 0.3 * i->height) : 0);
+			i->leaf[at] = (uint16_t)(i->depth_m[at] < FILTER_FAR
+							 ? 1 + (away < 0.3 * i->height)
+							 : 0);
 		}
 }
 
@@ -55,7 +59,8 @@ static inline struct filter_made filter_made_new(uint32_t width, uint32_t height
 	g_autoptr(GError) error = NULL;
 	static const double eye[3] = { 103, 195, 4.6 }, target[3] = { 103, 203, 4.2 };
 	struct camera c = camera_look_at(eye, target, 60, 1600, 1200);
-	g_autofree char *text = g_strdup_printf("{\"schema\":1,%s\"segments\":{\"site\":{\"steps\":[]}}}", focus);
+	g_autofree char *text =
+		g_strdup_printf("{\"schema\":1,%s\"segments\":{\"site\":{\"steps\":[]}}}", focus);
 	g_autoptr(style) s = style_parse(text, -1, "made.json", &error);
 	g_assert_no_error(error);
 	m.drawing = drawing_new(s, NULL, NULL, &error);
@@ -93,8 +98,9 @@ static inline void filter_made_clear(struct filter_made *m)
 static inline void filter_made_run(struct filter_made *m, const char *step)
 {
 	g_autoptr(GError) error = NULL;
-	g_autofree char *text = g_strdup_printf(
-		"{\"schema\":1,\"segments\":{\"site\":{\"steps\":[]},\"picture\":{\"steps\":[{\"step\":%s}]}}}", step);
+	g_autofree char *text = g_strdup_printf("{\"schema\":1,\"segments\":{\"site\":{\"steps\":[]"
+						"},\"picture\":{\"steps\":[{\"step\":%s}]}}}",
+		step);
 	g_autoptr(style) s = style_parse(text, -1, "made.json", &error);
 	g_assert_no_error(error);
 	drawing *d;

@@ -38,7 +38,8 @@ static void assert_alike(const struct filter_image *i, const double (*wanted)[3]
 	}
 	mean /= (double)filter_pixels(i);
 	double share = (double)off / (double)filter_pixels(i);
-	g_test_message("%s: mean %.3f, %.4f %% off by more than %g", what, mean, 100 * share, least);
+	g_test_message(
+		"%s: mean %.3f, %.4f %% off by more than %g", what, mean, 100 * share, least);
 	g_assert_cmpfloat(mean, <=, mean_most);
 	g_assert_cmpfloat(share, <=, share_most);
 }
@@ -130,7 +131,8 @@ static void test_gaussian(void)
 	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
 	struct filter_image *i = &m.job.image;
 	g_autofree double(*wanted)[3] = g_malloc_n(filter_pixels(i), sizeof *wanted);
-	g_autofree double *from = g_new(double, filter_pixels(i)), *to = g_new(double, filter_pixels(i));
+	g_autofree double *from = g_new(double, filter_pixels(i)),
+			  *to = g_new(double, filter_pixels(i));
 	for (int k = 0; k < 3; k++) {
 		for (size_t at = 0; at < filter_pixels(i); at++)
 			from[at] = i->rgba[at][k];
@@ -241,7 +243,8 @@ static void bilateral_pass(const struct filter_image *i, const double (*from)[3]
 				double away2 = 0;
 				for (int k = 0; k < 3; k++)
 					away2 += (there[k] - here[k]) * (there[k] - here[k]);
-				double w = exp(-n * n / (2 * sigma * sigma) - away2 / (2 * tone * tone));
+				double w = exp(
+					-n * n / (2 * sigma * sigma) - away2 / (2 * tone * tone));
 				for (int k = 0; k < 3; k++)
 					sum[k] += w * there[k];
 				weights += w;
@@ -257,7 +260,7 @@ static void test_bilateral(void)
 	struct filter_image *i = &m.job.image;
 	size_t pixels = filter_pixels(i);
 	g_autofree double(*one)[3] = g_malloc_n(pixels, sizeof *one),
-	(*other)[3] = g_malloc_n(pixels, sizeof *other);
+		   (*other)[3] = g_malloc_n(pixels, sizeof *other);
 	for (size_t at = 0; at < pixels; at++)
 		to_lab(i->rgba[at], one[at]);
 	for (int n = 0; n < 2; n++) {
@@ -294,7 +297,8 @@ static void test_tensor(void)
 			for (int x = 0; x < width; x++) {
 				double sum = 0;
 				for (int n = 0; n < 4; n++)
-					sum += pixel_at(i, (const uint8_t(*)[4])i->rgba, 2 * x + n % 2, 2 * y + n / 2)[k];
+					sum += pixel_at(i, (const uint8_t(*)[4])i->rgba,
+						2 * x + n % 2, 2 * y + n / 2)[k];
 				v[k][y * width + x] = sum / 1020;
 			}
 	for (int y = 0; y < height; y++)
@@ -303,11 +307,19 @@ static void test_tensor(void)
 				static const int sobel[3] = { 1, 2, 1 };
 				double gx = 0, gy = 0;
 				for (int n = -1; n <= 1; n++) {
-					int up = CLAMP(y - 1, 0, height - 1), low = CLAMP(y + 1, 0, height - 1),
-					    left = CLAMP(x - 1, 0, width - 1), right = CLAMP(x + 1, 0, width - 1),
-					    at_x = CLAMP(x + n, 0, width - 1), at_y = CLAMP(y + n, 0, height - 1);
-					gx += sobel[n + 1] * (v[k][at_y * width + right] - v[k][at_y * width + left]) / 4;
-					gy += sobel[n + 1] * (v[k][low * width + at_x] - v[k][up * width + at_x]) / 4;
+					int up = CLAMP(y - 1, 0, height - 1),
+					    low = CLAMP(y + 1, 0, height - 1),
+					    left = CLAMP(x - 1, 0, width - 1),
+					    right = CLAMP(x + 1, 0, width - 1),
+					    at_x = CLAMP(x + n, 0, width - 1),
+					    at_y = CLAMP(y + n, 0, height - 1);
+					gx += sobel[n + 1] *
+					      (v[k][at_y * width + right] -
+						      v[k][at_y * width + left]) /
+					      4;
+					gy += sobel[n + 1] *
+					      (v[k][low * width + at_x] - v[k][up * width + at_x]) /
+					      4;
 				}
 				t[0][y * width + x] += gx * gx;
 				t[1][y * width + x] += gx * gy;
@@ -318,11 +330,12 @@ static void test_tensor(void)
 	double off_most = 0;
 	for (size_t at = 0; at < half_pixels; at++) {
 		double xx = smooth[0][at], xy = smooth[1][at], yy = smooth[2][at];
-		double l1 = (xx + yy + sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)) / 2, l2 = xx + yy - l1;
+		double l1 = (xx + yy + sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)) / 2,
+		       l2 = xx + yy - l1;
 		double anisotropy = l1 + l2 > 0 ? (l1 - l2) / (l1 + l2) : 0;
 		g_assert_cmpfloat(fabs(anisotropy - (double)flow.at[at].anisotropy), <=, 2e-3);
 		if (anisotropy < 0.05)
-			continue; /* nothing runs anywhere */
+			continue;                                      /* nothing runs anywhere */
 		double turn = 0.5 * atan2(2 * xy, xx - yy) + G_PI / 2; /* across the gradient */
 		double across = flow.at[at].along[0] * sin(turn) - flow.at[at].along[1] * cos(turn);
 		off_most = MAX(off_most, fabs(across));
@@ -344,7 +357,8 @@ static void sector_weights(double x, double y, double radius, double ret[8])
 	double zeta = 2 / radius, eta = (zeta + cos(0.58)) / (sin(0.58) * sin(0.58)), sum = 0;
 	for (int half = 0; half < 2; half++) {
 		double vxx = zeta - eta * x * x, vyy = zeta - eta * y * y;
-		double z[4] = { MAX(0, y + vxx), MAX(0, -x + vyy), MAX(0, -y + vxx), MAX(0, x + vyy) };
+		double z[4] = { MAX(0, y + vxx), MAX(0, -x + vyy), MAX(0, -y + vxx),
+			MAX(0, x + vyy) };
 		for (int k = 0; k < 4; k++)
 			sum += ret[2 * k + half] = z[k] * z[k];
 		double next = G_SQRT2 / 2 * (x - y);
@@ -453,10 +467,11 @@ static float listing_1(const struct filter_image *i, const uint8_t *grey, int x,
 	double counter = 0, final = 0;
 	for (int dy = -kernel_size; dy <= kernel_size; dy++)
 		for (int dx = -kernel_size; dx <= kernel_size; dx++) {
-			if (dx * dx + dy * dy > kernel_size * kernel_size || x + dx < 0 || y + dy < 0 ||
-				x + dx >= (int)i->width || y + dy >= (int)i->height)
+			if (dx * dx + dy * dy > kernel_size * kernel_size || x + dx < 0 ||
+				y + dy < 0 || x + dx >= (int)i->width || y + dy >= (int)i->height)
 				continue;
-			float neighbour = i->depth_m[(size_t)(y + dy) * i->width + (size_t)(x + dx)];
+			float neighbour =
+				i->depth_m[(size_t)(y + dy) * i->width + (size_t)(x + dx)];
 			if (neighbour >= FILTER_FAR)
 				continue; /* the far plane */
 			final += neighbour;
@@ -478,9 +493,10 @@ static void test_inpaint(void)
 	size_t changed = 0, given = 0;
 	static const int radius[] = { 1, 4, 7 };
 	for (int n = 0; n < 3; n++) {
-		struct depth_inpainting d = {
-			.image = i, .threshold = 0.02f + 0.03f * (float)n, .radius = radius[n], .to = depth_m
-		};
+		struct depth_inpainting d = { .image = i,
+			.threshold = 0.02f + 0.03f * (float)n,
+			.radius = radius[n],
+			.to = depth_m };
 		depth_inpaint(&m.job, &d);
 		for (int y = 0; y < (int)HEIGHT; y++)
 			for (int x = 0; x < (int)WIDTH; x++) {
@@ -498,11 +514,11 @@ static void test_inpaint(void)
 
 /* ---- all of them ---- */
 
-static const char *const all_steps[] = { "\"kuwahara\",\"passes\":2", "\"kuwahara\",\"radius_px\":12",
-	"\"anisotropic-kuwahara\"", "\"bilateral\"", "\"gaussian\"", "\"gaps\"", "\"quantise\"",
-	"\"dog\"", "\"dog\",\"flow_px\":3", "\"edges\",\"wobble_px\":1", "\"watercolour\"",
-	"\"flow\"", "\"oil\"", "\"pencil\"", "\"grade\",\"segments\":0.5,\"hue_shift_deg\":40",
-	"\"warp\"", "\"occlusion\"", "\"edl\"" };
+static const char *const all_steps[] = { "\"kuwahara\",\"passes\":2",
+	"\"kuwahara\",\"radius_px\":12", "\"anisotropic-kuwahara\"", "\"bilateral\"",
+	"\"gaussian\"", "\"gaps\"", "\"quantise\"", "\"dog\"", "\"dog\",\"flow_px\":3",
+	"\"edges\",\"wobble_px\":1", "\"watercolour\"", "\"flow\"", "\"oil\"", "\"pencil\"",
+	"\"grade\",\"segments\":0.5,\"hue_shift_deg\":40", "\"warp\"", "\"occlusion\"", "\"edl\"" };
 
 /* The same bytes for any vectors and any number of threads; and in one pixel, a row, a column. */
 static void test_bytes(void)
@@ -520,8 +536,8 @@ static void test_bytes(void)
 				if (!first)
 					first = copy_of(i);
 				if (memcmp(first, i->rgba, filter_pixels(i) * 4) != 0)
-					g_error("%s: other bytes by vectors %d, threads %s", all_steps[n],
-						path, single ? "one" : "all");
+					g_error("%s: other bytes by vectors %d, threads %s",
+						all_steps[n], path, single ? "one" : "all");
 			}
 		filter_made_clear(&m);
 		static const uint32_t sizes[][2] = { { 1, 1 }, { 40, 1 }, { 1, 40 }, { 9, 2 } };
@@ -539,14 +555,18 @@ static void test_bytes(void)
  * pixel changes no pixel by much: no pop. */
 static void test_focus(void)
 {
-	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "\"focus\":{\"filters\":1,\"on\":\"picture\"},");
+	struct filter_made m =
+		filter_made_new(WIDTH, HEIGHT, "\"focus\":{\"filters\":1,\"on\":\"picture\"},");
 	struct filter_image *i = &m.job.image;
 	g_autofree uint8_t(*before)[4] = copy_of(i), (*last)[4] = NULL;
 	i->away = m.memory[5];
 	for (int moved = 0; moved < 30; moved++) {
 		filter_made_fill(i, 5);
 		for (size_t at = 0; at < filter_pixels(i); at++) {
-			double away = (hypot((double)(at % WIDTH) - 60 - moved, (double)(at / WIDTH) - 45) - 15) / 40;
+			double away = (hypot((double)(at % WIDTH) - 60 - moved,
+					       (double)(at / WIDTH) - 45) -
+					      15) /
+				      40;
 			i->away[at] = (float)CLAMP(away, 0, 1);
 		}
 		filter_made_run(&m, "\"kuwahara\",\"radius_px\":4,\"passes\":3,\"where\":\"away\"");

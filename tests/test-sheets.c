@@ -32,7 +32,8 @@ static made weave(void)
 				int column = upright ? n : k, row = upright ? k : n;
 				double x = column * PITCH_M, z = row * PITCH_M,
 				       edge = (PITCH_M - SLAT_M) / 2;
-				struct made_plane p = { .corner_m = { 100 + x + (upright ? edge : 0),
+				struct made_plane p = { .corner_m = { 100 + x +
+									      (upright ? edge : 0),
 								depth_of(upright, column, row),
 								3 + z + (upright ? 0 : edge) },
 					.a_m = { upright ? SLAT_M : PITCH_M, 0, 0 },
@@ -85,7 +86,8 @@ static enum shown truth_at(const struct camera *c, uint32_t x, uint32_t y, doubl
 		}
 		bool in_red = hits(true, at, 0), in_blue = hits(false, at, 0);
 		if (in_red != hits(true, at, margin_m) || in_red != hits(true, at, -margin_m) ||
-			in_blue != hits(false, at, margin_m) || in_blue != hits(false, at, -margin_m))
+			in_blue != hits(false, at, margin_m) ||
+			in_blue != hits(false, at, -margin_m))
 			return NOT_TOLD;
 		cells[side][0] = (int)floor((at[0] - 100) / PITCH_M);
 		cells[side][1] = (int)floor((at[1] - 3) / PITCH_M);
@@ -99,7 +101,8 @@ static enum shown truth_at(const struct camera *c, uint32_t x, uint32_t y, doubl
 /* Each segment's lines are of its own colour, so that it can be told what they are of. */
 #define CARTOON(colour)                                                                            \
 	"{\"step\":\"points\"},{\"step\":\"bilateral\",\"passes\":1},{\"step\":\"quantise\"},"     \
-	"{\"step\":\"edges\",\"width_px\":12,\"bend_deg\":0,\"segments\":false,\"colour\":\"" colour "\"}"
+	"{\"step\":\"edges\",\"width_px\":12,\"bend_deg\":0,\"segments\":false,\"colour\":"        \
+	"\"" colour "\"}"
 #define WOVEN(by)                                                                                  \
 	"\"building\":{\"steps\":[" CARTOON("#801010") "]},\"vegetation\":{\"steps\":[" CARTOON(   \
 		"#101080") "]},\"picture\":{\"steps\":[{\"step\":\"composite\",\"by\":\"" by       \
@@ -129,7 +132,8 @@ static double wrong_part(const scene *s, const char *nodes, const char *name)
 			bool is_wrong = shown_at(&p, (size_t)y * WIDTH + x) != truth;
 			wrong += is_wrong;
 			if (is_wrong && g_getenv("PLEINAIR_SHEETS"))
-				memcpy(p.rgba[(size_t)y * WIDTH + x], (uint8_t[4]){ 0, 255, 0, 255 }, 4);
+				memcpy(p.rgba[(size_t)y * WIDTH + x],
+					(uint8_t[4]){ 0, 255, 0, 255 }, 4);
 		}
 	g_test_message("%s: %.4f %% of %zu pixels show another segment", name,
 		100.0 * (double)wrong / (double)told, told);
@@ -154,9 +158,11 @@ static double lines_missed(const scene *s, const char *nodes, const char *name)
 			double t = (205 - BEFORE - c.eye_m[1]) / ray[1];
 			at[0] = c.eye_m[0] + t * ray[0];
 			at[1] = c.eye_m[2] + t * ray[2];
-			int cell[2] = { (int)floor((at[0] - 100) / PITCH_M), (int)floor((at[1] - 3) / PITCH_M) };
+			int cell[2] = { (int)floor((at[0] - 100) / PITCH_M),
+				(int)floor((at[1] - 3) / PITCH_M) };
 			bool red_first = (cell[0] + cell[1]) % 2 == 0;
-			double away[2] = { (at[0] - 100 - cell[0] * PITCH_M), (at[1] - 3 - cell[1] * PITCH_M) };
+			double away[2] = { (at[0] - 100 - cell[0] * PITCH_M),
+				(at[1] - 3 - cell[1] * PITCH_M) };
 			if (cell[0] < 0 || cell[1] < 0 || cell[0] >= SLATS || cell[1] >= SLATS)
 				continue;
 			/* Of the slat in front, a pixel outside of it, and well within the crossing. */
@@ -214,9 +220,9 @@ static void test_sheets(void)
 	g_autoptr(frame) two = made_frame(made_shared_court(), two_ways, &c);
 	g_assert_true(two->is_filtered);
 	g_assert_cmpuint(two->sheets, ==, 2);
-	g_autoptr(drawing) same = made_drawing(
-		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"kuwahara\"}]},"
-		"\"vegetation\":{\"change\":{\"points\":{\"saturation\":0}}}");
+	g_autoptr(drawing) same =
+		made_drawing("\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"kuwahara\"}]},"
+			     "\"vegetation\":{\"change\":{\"points\":{\"saturation\":0}}}");
 	g_autoptr(frame) merged = made_frame(made_shared_court(), same, &c);
 	g_assert_cmpuint(same->pipelines->len, ==, 2);
 	g_assert_cmpuint(merged->sheets, ==, 1);
@@ -227,8 +233,10 @@ static void test_nothing(void)
 {
 	static const char *const nodes[] = {
 		MADE_SITE("{\"step\":\"points\"},{\"step\":\"grade\"}"),
-		MADE_SITE("{\"step\":\"points\"}") ",\"vegetation\":{\"add\":[{\"step\":\"grade\"}]}",
-		MADE_SITE("{\"step\":\"points\"}") ",\"picture\":{\"steps\":[{\"step\":\"grade\"}]}",
+		MADE_SITE(
+			"{\"step\":\"points\"}") ",\"vegetation\":{\"add\":[{\"step\":\"grade\"}]}",
+		MADE_SITE(
+			"{\"step\":\"points\"}") ",\"picture\":{\"steps\":[{\"step\":\"grade\"}]}",
 		MADE_SITE("{\"step\":\"points\"},{\"step\":\"warp\",\"amplitude_px\":0}"),
 	};
 	struct camera c = before_court();
@@ -258,8 +266,8 @@ static void test_over(void)
 #define LINES "{\"step\":\"lines\",\"points\":\"surface\",\"copies\":1,\"over\":true}"
 	struct camera c = before_court();
 	g_autoptr(drawing) plain = made_drawing(MADE_SITE(LINES));
-	g_autoptr(drawing) blurred =
-		made_drawing(MADE_SITE(LINES) ",\"picture\":{\"steps\":[{\"step\":\"gaussian\",\"sigma_px\":20}]}");
+	g_autoptr(drawing) blurred = made_drawing(MADE_SITE(
+		LINES) ",\"picture\":{\"steps\":[{\"step\":\"gaussian\",\"sigma_px\":20}]}");
 	g_autoptr(frame) a = made_frame(made_shared_court(), plain, &c);
 	g_autoptr(frame) b = made_frame(made_shared_court(), blurred, &c);
 	struct picture_buffer p = made_picture(a), q = made_picture(b);
@@ -272,11 +280,14 @@ static void test_over(void)
 static void test_same(void)
 {
 	struct camera c = before_court();
-	g_autoptr(drawing) d = made_drawing(
-		MADE_SITE("{\"step\":\"points\"},{\"step\":\"edl\"},{\"step\":\"gaps\"},{\"step\":\"bilateral\"},"
-			  "{\"step\":\"quantise\"},{\"step\":\"edges\",\"wobble_px\":2}")
-		",\"vegetation\":{\"add\":[{\"step\":\"warp\"}]},\"picture\":{\"steps\":["
-		"{\"step\":\"watercolour\"},{\"step\":\"occlusion\"},{\"step\":\"oil\"}]}");
+	g_autoptr(drawing) d =
+		made_drawing(MADE_SITE("{\"step\":\"points\"},{\"step\":\"edl\"},{\"step\":"
+				       "\"gaps\"},{\"step\":\"bilateral\"},"
+				       "{\"step\":\"quantise\"},{\"step\":\"edges\",\"wobble_px\":"
+				       "2}") ",\"vegetation\":{\"add\":[{\"step\":\"warp\"}]},"
+					     "\"picture\":{\"steps\":["
+					     "{\"step\":\"watercolour\"},{\"step\":\"occlusion\"},{"
+					     "\"step\":\"oil\"}]}");
 	g_autoptr(frame) f = made_frame(made_shared_court(), d, &c);
 	struct picture_buffer first = made_picture(f), again = made_picture(f);
 	made_assert_same(&first, &again);
@@ -298,11 +309,13 @@ static void test_focus_on_segment(void)
 	struct camera c = before_court();
 	g_autoptr(GError) error = NULL;
 	g_autoptr(segments) tree = made_tree();
-	g_autofree char *text = g_strdup_printf(
-		"{\"schema\":1,\"paper\":{\"grain\":0},\"focus\":{\"on\":\"segment\",\"filters\":1,\"segment\":%d},"
-		"\"segments\":{\"site\":{\"steps\":[{\"step\":\"points\"}]},"
-		"\"picture\":{\"steps\":[{\"step\":\"kuwahara\",\"radius_px\":12,\"where\":\"away\"}]}}}",
-		MADE_LEAF + 1);
+	g_autofree char *text =
+		g_strdup_printf("{\"schema\":1,\"paper\":{\"grain\":0},\"focus\":{\"on\":"
+				"\"segment\",\"filters\":1,\"segment\":%d},"
+				"\"segments\":{\"site\":{\"steps\":[{\"step\":\"points\"}]},"
+				"\"picture\":{\"steps\":[{\"step\":\"kuwahara\",\"radius_px\":12,"
+				"\"where\":\"away\"}]}}}",
+			MADE_LEAF + 1);
 	g_autoptr(style) s = style_parse(text, -1, "made.json", &error);
 	g_assert_no_error(error);
 	g_autoptr(drawing) d = drawing_new(s, tree, NULL, &error);
@@ -340,7 +353,8 @@ static void test_time(void)
 {
 	struct camera c = before_court();
 	g_autoptr(drawing) d = made_drawing(
-		MADE_SITE("{\"step\":\"points\"}") ",\"vegetation\":{\"add\":[{\"step\":\"warp\",\"period_s\":2}]}");
+		MADE_SITE("{\"step\":\"points\"}") ",\"vegetation\":{\"add\":[{\"step\":\"warp\","
+						   "\"period_s\":2}]}");
 	g_autoptr(frame) f = made_frame(made_shared_court(), d, &c);
 	struct picture_buffer first = made_picture(f);
 	f->time_s = 2;
@@ -359,7 +373,8 @@ static void test_time(void)
 /* Reads the file of a network that makes negatives: 255 - v. */
 static char *write_net(uint64_t classes)
 {
-	static const float weight[16] = { -1, 0, 0, 0, -1, 0, 0, 0, -1 }, bias[4] = { 255, 255, 255 };
+	static const float weight[16] = { -1, 0, 0, 0, -1, 0, 0, 0, -1 },
+			   bias[4] = { 255, 255, 255 };
 	g_autoptr(GError) error = NULL;
 	g_autofree char *folder = g_dir_make_tmp("test-sheets-XXXXXX", &error);
 	g_assert_no_error(error);
@@ -380,8 +395,10 @@ static void remove_net(const char *path)
 
 static char *neural_nodes(const char *path)
 {
-	return g_strdup_printf(MADE_SITE("{\"step\":\"points\"}") ",\"picture\":{\"steps\":[{\"step\":"
-					       "\"neural\",\"side_px\":4096,\"model\":\"%s\"}]}",
+	return g_strdup_printf(
+		MADE_SITE(
+			"{\"step\":\"points\"}") ",\"picture\":{\"steps\":[{\"step\":"
+						 "\"neural\",\"side_px\":4096,\"model\":\"%s\"}]}",
 		path);
 }
 
