@@ -29,9 +29,23 @@ if [ ! -f "$court/model/points.model" ]; then
 	"$bin/pleinair" process "$court"
 fi
 
+yard="site=$(basename "$court")"
+# A style for each filter, over points in their own colours.
+mkdir -p "$folder/filters"
+filters=
+for filter in kuwahara anisotropic-kuwahara bilateral gaussian gaps quantise dog edges watercolour flow oil pencil grade warp occlusion edl; do
+	cat >"$folder/filters/$filter.json" <<END
+{ "schema": 1, "paper": { "colour": "#fbf8f0", "grain": 0.1 }, "segments": { "site": { "steps": [ { "step": "points" } ] },
+	"building": { "change": { "mask": { "backs": "hidden" } } }, "picture": { "steps": [ { "step": "$filter" } ] } } }
+END
+	filters=$filters${filters:+,}$folder/filters/$filter.json
+done
+filter() {
+	printf '%s/filters/%s.json:view=walk;%s' "$folder" "$1" "$yard"
+}
+
 # One line a sheet: TITLE | CAPTION | what pleinair-styles(1) says of --sweep. knot: from near by; yard: the courtyard alone.
 knot='site=knot;view="-3,-5,3.2:0.2,-0.6,1:22"'
-yard="site=$(basename "$court")"
 coarse='light.azimuth_deg=100;hatching.spacing_px=12;hatching.length_px=64;hatching.width_px=4.5;hatching.opacity=1'
 stout='hatching.spacing_px=6;hatching.length_px=44;hatching.width_px=3.4;hatching.opacity=1'
 while read -r line; do
@@ -79,6 +93,31 @@ Diffuse reflection | The nearest point of each texel of the light's view is left
 Specular reflection | Points whose share of the light's pixels is so much larger than of the eye's are left out. Stands beside Awano's Figure 14. | stipple-highlight:site=knot;stipple.epsilon=0,0.5,0.3,0.2
 Shadows | What the light does not see stays whole. Stands beside Awano's Figure 15. | stipple-shadow:light.azimuth_deg=120,180,240;light.elevation_deg=35
 The light of stippling | From where it comes, and from how near. Awano, section 2.2. | stipple-diffuse:site=knot;light.azimuth_deg=60,160,260,260;stipple.light_distance=0,0,0,1.5
+Every filter | Each alone, as it is without anything said, over points in their own colours. | $filters:view=walk;$yard
+Styles of filters | What the shipped styles make of them. Stands beside Wegen's Figures 1, 7, 8 and 10, Redmond's Figures 1, 3 and 4. | painterly,focus-place,focus-thing,watercolour-city,watercolour,ink-and-wash,cartoon,toon,posterised,oil,thick-oil,oil-edges,swimming,vegetation-map,pencil-sketch,woodcut,corners:view=walk;$yard
+Compositing | Pictures of segments, laid on each other as they are listed; by depths of points, which lines beside things have none of; and with depths for them. Stands beside Wegen's Figure 12. | cartoon:view=walk;$yard;composite.by=layers,depth,inpainted-depth
+Kuwahara, sampled regions | Of 3 x 3, 5 x 5, 9 x 9 and 17 x 17 pixels. Stands beside Redmond's Figures 1 and 2. | $(filter kuwahara);kuwahara.radius_px=2.4,4.8,9.6,19.2
+Kuwahara, iterated | 3 x 3 once, twice, four and eight times. Redmond, section 3.1. | $(filter kuwahara);kuwahara.radius_px=2.4;kuwahara.passes=1,2,4,8
+Painted patches | Patches along the picture, larger and larger. | $(filter anisotropic-kuwahara);anisotropic-kuwahara.radius_px=3,6,10,16
+Painted patches, round and long | From round ones to those that run along what is there. | $(filter anisotropic-kuwahara);anisotropic-kuwahara.radius_px=8;anisotropic-kuwahara.stretch=0,0.5,1
+Even colours | The more colours differ that are smoothed. | $(filter bilateral);bilateral.sigma_tone=2,5,10,25
+Steps of tone | Fewer and fewer; soft where lightness changes slowly, or hard. | $(filter quantise);quantise.levels=12,8,5,3;quantise.softness=0.5,0.5,0.5,0
+Poster | The same of red, green and blue each. | $(filter quantise);quantise.by=channels;quantise.levels=8,6,4,2
+Lines of the picture | How broad they are. Redmond, section 3.2. | $(filter dog);dog.sigma_px=0.7,1.2,2,3.5
+Lines along the flow | Joined along what the picture shows, farther and farther. | $(filter dog);dog.alone=true;dog.sigma_px=1.4;dog.flow_px=0,2,5,10
+Filled with black | Sharpness fills what is dark. | $(filter dog);dog.alone=true;dog.flow_px=4;dog.contrast=14;dog.threshold=0.45;dog.sharpness=4,10,20,50
+Edges of things | By depth alone, with bends, and where segments meet. | $(filter edges);edges.segments=false,false,true;edges.bend_deg=0,40,40
+Edges, wider and unsteady | A broad pen, and a hand that trembles. | $(filter edges);edges.width_px=1,3,6,3;edges.wobble_px=0,0,0,5
+Watercolour | Without wobbling; without dark edges; with more turbulence; grainy. | $(filter watercolour);watercolour.wobble_px=0,3,3,3;watercolour.darkening=1,0,1,1;watercolour.turbulence=0.5,0.5,1.5,0.5;watercolour.grain=0.5,0.5,0.5,1.5
+Oil | Bristles, broader and thicker. | $(filter oil);oil.width_px=1.5,3,5,8;oil.relief=0.4,0.8,1.2,2
+Colours drawn out | Along what the picture shows. | $(filter flow);flow.length_px=4,12,24,48
+Pencil | Layers on each other. | $(filter pencil);pencil.layers=1,2,4,6
+Colour grading | Warmer; greyer; tinted; each segment its own. | $(filter grade);grade.warmth=0.8,0,0,0;grade.saturation=1,0.2,1,1;grade.tint=-,-,"#3a6ea5",-;grade.tint_amount=0,0,0.9,0;grade.segments=0,0,0,0.9
+Swaying | Farther and farther. Stands beside Wegen's Figure 11. | $(filter warp);warp.amplitude_px=0,12,24,40
+Shade in corners | Farther and farther around. | $(filter occlusion);occlusion.radius_m=0.2,0.6,1.5,4
+Closed gaps | Wider and wider ones. | $(filter gaps);gaps.radius_px=1,3,6,10
+Focus on a place | Patches grow and edges fade with the distance from it. Stands beside Redmond's Figure 3. | focus-place:view=walk;$yard;focus.amount=0,0,0.5,0.9;focus.across=0.25,0.7,0.7,0.5
+Focus on a thing | One segment is as it is: buildings, vegetation, structures. Stands beside Redmond's Figure 4. | focus-thing:view=walk;$yard;focus.segment=3,4,6
 END
 shift 3
 echo "gallery: drawing a sheet for each of $(($# / 2)) parameters"
