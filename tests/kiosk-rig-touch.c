@@ -180,8 +180,13 @@ void rig_scroll_to(rig *r, const char *list, const char *name)
 		struct rig_place frame = rig_wait_for(r, list, wait_s);
 		if (!rig_find(r, name, &place))
 			rig_fail(r, "'%s' is not in '%s'", name, list);
-		if (place.reachable)
-			return;
+		/* What was flung goes on for a while. */
+		if (place.reachable) {
+			g_usleep(400000);
+			if (rig_find(r, name, &place) && place.reachable)
+				return;
+			continue;
+		}
 		double x = frame.x + frame.width / 2, y = frame.y + frame.height / 2;
 		double right = drag_towards(frame.x, frame.width, place.x, place.width);
 		double down = drag_towards(frame.y, frame.height, place.y, place.height);

@@ -169,7 +169,7 @@ static void draw_by_keys(rig *r)
 	press(r, "site-draw");
 	rig_wait_for(r, "style-ballpoint", limit_s);
 	check_screen(r, "draw");
-	press(r, "style-stippling"); /* Tab has left the strip at its end */
+	press(r, "style-wax-crayons"); /* Tab has left the strip at its end */
 	go_to(r, "draw-canvas");
 	key_changes(r, KEY_LEFT, "pace");
 	key_changes(r, KEY_EQUAL, "pace");

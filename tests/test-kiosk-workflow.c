@@ -302,6 +302,32 @@ static void light_and_focus(struct walk *w)
 	g_assert_cmpfloat(after[0] + after[1], ==, 0);
 }
 
+/* The filters of the whole picture stand in the panel; a style whose focus is on a thing is about the one that is tapped. */
+static void filters(struct walk *w)
+{
+	struct rig_place p = rig_wait_for(w->rig, "draw-canvas", limit_s);
+	double focus[3];
+	use_style(w, "style-watercolour");
+	g_usleep(6000000);
+	shot(w, "draw-watercolour");
+	rig_tap(w->rig, "draw-adjust");
+	struct rig_place step;
+	rig_wait_for(w->rig, "panel-close", limit_s);
+	g_assert_true(rig_find(w->rig, "step-watercolour", &step));
+	shot(w, "draw-filters");
+	rig_tap(w->rig, "panel-close");
+	rig_wait_gone(w->rig, "panel-close", limit_s);
+	use_style(w, "style-focus-thing");
+	rig_tap(w->rig, "draw-focus");
+	rig_tap_at(w->rig, p.x + p.width / 2, p.y + p.height / 2 + 30);
+	g_usleep(6000000);
+	shot(w, "draw-focus-thing");
+	rig_tap(w->rig, "tool-without");
+	rig_wait_gone(w->rig, "tool-hint", limit_s);
+	accents_of(w, "focus", focus);
+	g_assert_cmpfloat(focus[0] + focus[1], ==, 0);
+}
+
 static void draw_it(struct walk *w)
 {
 	rig_tap(w->rig, "site-draw");
@@ -319,6 +345,7 @@ static void draw_it(struct walk *w)
 	shot(w, "draw-turned");
 	/* None of that was a tap. */
 	g_assert_false(rig_find(w->rig, "node-name", &panel));
+	filters(w);
 	light_and_focus(w);
 	rig_tap(w->rig, "draw-overview");
 	g_usleep(3000000);
