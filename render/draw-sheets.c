@@ -161,7 +161,7 @@ static struct filter_job job_of(struct sheet_job *s, const struct box *b)
 	j.image.rgba = filter_room_part(r, PART_RGBA, pixels * 4);
 	j.image.spare = filter_room_part(r, PART_SPARE, pixels * 4);
 	j.image.depth_m = filter_room_part(r, PART_DEPTH, pixels * sizeof(float));
-	if (s->f->focus.is_there)
+	if (s->f->focus.is_there && s->f->focus.filters > 0)
 		j.image.away = filter_room_part(r, PART_AWAY, pixels * sizeof(float));
 	return j;
 }
@@ -208,6 +208,7 @@ static void put_soft(const struct sheet_job *s, const struct filter_image *i, si
 	s->soft_depth_m[to] = depth_m;
 }
 
+/* Ink that reaches over what it is on, and has no depth, lies on the paper, if nothing is there. */
 static void merge_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct merging *m = data;
@@ -217,14 +218,15 @@ static void merge_rows(const void *data, uint32_t from, uint32_t end)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x,
 			       to = (size_t)(y + i->top) * s->to->width + x + i->left;
-			if (s->has_soft && is_soft(s, i, at)) {
+			if (s->has_soft && m->depth_m[at] < FILTER_FAR && is_soft(s, i, at)) {
 				put_soft(s, i, at, to, m->depth_m[at]);
 				continue;
 			}
-			bool shows = m->by == COMPOSITE_LAYERS
-					     ? m->depth_m[at] < FILTER_FAR ||
-						       memcmp(i->rgba[at], s->paper, 3) != 0
-					     : m->depth_m[at] < s->depth_m[to];
+			bool has_ink = change_of(s, i->rgba[at]) > 0,
+			     is_far = m->depth_m[at] >= FILTER_FAR;
+			bool shows = m->by == COMPOSITE_LAYERS ? !is_far || has_ink
+				     : is_far ? has_ink && s->depth_m[to] >= FILTER_FAR
+					      : m->depth_m[at] < s->depth_m[to];
 			if (!shows)
 				continue;
 			memcpy(s->to->rgba[to], i->rgba[at], 4);
@@ -248,7 +250,6 @@ static void merge_drawn(
 		float *depth_m = s->depth_m + (size_t)y * drawn->width;
 		for (uint32_t x = b->left; x < b->right; x++) {
 			float here_m = depth_of(s->f, mask_key(m, (int32_t)x, (int32_t)y));
-			/* Ink that reaches over what it is on lies on the paper, if nothing is there. */
 			bool is_ink = here_m >= FILTER_FAR && depth_m[x] >= FILTER_FAR &&
 				      memcmp(&from[x], s->paper, 3) != 0;
 			if (here_m < depth_m[x] || is_ink) {

@@ -85,7 +85,7 @@ static bool check_classes(const style *s, GError **error)
 {
 	struct step_list site, list;
 	step_list_clear(&list);
-	if (!apply_all(s, "picture", &list, error) || !step_list_check_picture(&list, s, error))
+	if (!apply_all(s, "picture", &list, error))
 		return false;
 	step_list_clear(&site);
 	if (!apply_all(s, "site", &site, error))

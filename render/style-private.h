@@ -27,8 +27,6 @@ bool step_list_read(struct step_list *list, style_reader *r, JsonNode *steps);
 bool step_list_read_change(struct step *step, style_reader *r, JsonNode *change);
 /* What the node does to what it inherits. list holds nothing that counts after a failure. */
 bool step_list_apply(struct step_list *list, const struct style_node *node, GError **error);
-/* Refuses what draws points, in the list of "picture". */
-bool step_list_check_picture(const struct step_list *list, const style *s, GError **error);
 struct step *step_list_find(struct step_list *list, const char *id); /* NULL: none */
 
 /* Refuses a node that cannot be, whatever it inherits. */

@@ -128,9 +128,24 @@ static bool add_mask(
 	return true;
 }
 
+/* A picture has filters, and how it is composed; nothing else has the latter. */
+static bool is_in_place(style_reader *r, JsonNode *node, const struct step *step)
+{
+	bool is_picture = g_str_has_prefix(r->path->str, "segments.picture.");
+	bool composes = step->kind == step_kind_find("composite");
+	if (is_picture ? composes || step->kind->stage == STEP_FILTER : !composes)
+		return true;
+	return style_reader_refuse(r, node,
+		is_picture ? "'%s' is of points; a picture has filters alone"
+			   : "'%s' is of \"picture\" alone",
+		step->kind->name);
+}
+
 static bool add_step(
 	struct step_list *list, style_reader *r, JsonNode *node, const struct step *step)
 {
+	if (!is_in_place(r, node, step))
+		return false;
 	if (step->kind->stage == STEP_MASK)
 		return add_mask(list, r, node, step);
 	if (step_list_find(list, step->id))
@@ -237,18 +252,5 @@ bool step_list_apply(struct step_list *list, const struct style_node *node, GErr
 			return false;
 		style_reader_leave(r, was);
 	}
-	return true;
-}
-
-bool step_list_check_picture(const struct step_list *list, const style *s, GError **error)
-{
-	for (uint32_t i = 1; i < list->count; i++)
-		if (list->steps[i].kind->stage == STEP_LAYER) {
-			g_set_error(error, STYLE_ERROR, STYLE_ERROR_FIELD,
-				"%s: segments.picture: '%s' draws points; a picture has filters "
-				"alone",
-				s->path ? s->path : s->name, list->steps[i].id);
-			return false;
-		}
 	return true;
 }

@@ -155,6 +155,10 @@ static const struct wrong {
 					   "tells what there is" },
 	{ STEPS("{\"step\":\"neural\",\"model\":\"a.png\"}"),
 		AT_STEP ".model: a network is the path of a .onnx" },
+	{ STEPS("{\"step\":\"composite\"}"), AT_STEP ": 'composite' is of \"picture\" alone" },
+	{ "{\"schema\":1,\n\"segments\":{\"picture\":{\"steps\":[\n{\"step\":\"lines\"}]}}}",
+		"x.json line 3: segments.picture.steps[0]: 'lines' is of points; a picture has "
+		"filters alone" },
 	/* lists */
 	{ STEPS("{\"step\":\"hatching\",\"xtoon\":[]}"),
 		AT_STEP ".xtoon: it has 1 to 64 elements; these are 0" },
