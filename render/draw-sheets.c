@@ -384,6 +384,7 @@ static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *
 	const struct inpaint_step *by = frame_inpaint(f, sheet);
 	filter_room *r = &s->room->pictures;
 	struct filter_job j = job_of(s, b);
+	j.spacing_px = spacing_px(f, views, count);
 	size_t pixels = filter_pixels(&j.image), whole = (size_t)f->camera.width * f->camera.height;
 	float *depth_m = filter_room_part(r, PART_INPAINTED, whole * sizeof(float));
 	take_depths(f, s->room->mask, depth_m);
@@ -400,7 +401,7 @@ static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *
 		float radius = by->radius_px * f->px;
 		if (by->radius_px <= 0)
 			radius = fminf(2 + fmaxf((float)filter_reach(step, filters, f->px) / 2,
-						   1.5f * spacing_px(f, views, count)),
+						   1.5f * j.spacing_px),
 					 RADIUS_MOST) *
 				 (1 - (1 - RADIUS_CLOSE) * overlap);
 		d.radius = MAX((int)rintf(radius), 1);
@@ -503,11 +504,12 @@ static void begin(struct sheet_job *s)
 		s->room->strokes = stroke_room_new();
 }
 
-static void filter_whole(struct sheet_job *s)
+static void filter_whole(struct sheet_job *s, const struct chunk_view *views, uint32_t count)
 {
 	const struct pipeline *p = &s->f->drawing->picture;
 	struct box b = { 0, 0, s->to->width, s->to->height };
 	struct filter_job j = job_of(s, &b);
+	j.spacing_px = spacing_px(s->f, views, count);
 	j.image.rgba = s->to->rgba; /* where it stays, if it is swapped an even number of times */
 	j.image.depth_m = s->depth_m;
 	j.image.normal = s->normal;
@@ -570,7 +572,7 @@ void draw_sheets(draw_room *r, const frame *f, bool over, struct picture_buffer 
 	if (going && s.has_soft)
 		blend_soft(&s);
 	if (going && f->drawing->picture.filters)
-		filter_whole(&s);
+		filter_whole(&s, views, count);
 	if (going && !is_finished(f, layers_over))
 		finish(&s, views, count, layers_over);
 	s.t.chunks_in_view = count;

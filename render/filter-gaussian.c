@@ -69,9 +69,16 @@ static void close_rows(const void *data, uint32_t from, uint32_t end)
 		}
 }
 
+/* Where nobody says: as wide as points ask for that are a little farther apart than most. */
+#define OF_SPACING  1.2f
+#define RADIUS_MOST 12.f /* of the style's pixels */
+
 void filter_gaps(struct filter_job *j, const struct step *s)
 {
-	struct closing c = { &j->image, MAX((int)rintf(s->gaps.radius_px * j->px), 1),
+	float radius = s->gaps.radius_px * j->px;
+	if (s->gaps.radius_px <= 0)
+		radius = fminf(OF_SPACING * j->spacing_px, RADIUS_MOST * j->px);
+	struct closing c = { &j->image, MAX((int)rintf(radius), 1),
 		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)) };
 	filter_each_rows(j, close_rows, &c, j->image.height, 16);
 	memcpy(j->image.depth_m, c.depth_m, filter_pixels(&j->image) * sizeof(float));

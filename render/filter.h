@@ -42,6 +42,7 @@ struct filter_job {
 	filter_room *room;
 	enum lanes_path lanes;
 	float px; /* pixels to one of the style's */
+	float spacing_px; /* mean distance of neighbouring points, of the nearer ones of a chunk; 0: not known */
 	double time_s;
 };
 /* Does nothing more when f->stop is set. */

@@ -71,8 +71,8 @@ const struct step_parameter gaussian_parameters[] = {
 };
 
 const struct step_parameter gaps_parameters[] = {
-	NUMBER(gaps_step, radius_px, RANGE(1, 16, 1, 8), 3, "px",
-		"half the width of gaps that are closed"),
+	NUMBER(gaps_step, radius_px, RANGE(0, 16, 0, 8), 0, "px",
+		"half the width of gaps that are closed; 0: as points are far apart"),
 	{ NULL },
 };
 
