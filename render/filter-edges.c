@@ -47,14 +47,41 @@ static bool steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, const
 	return depth_on(i, x, y, way, 1) >= 0;
 }
 
-static bool bends(const struct edges_pass *p, size_t a, size_t b)
+/* Normals of this many pixels on either side are compared by their sums: those of single points are noisy where two surfaces meet. */
+#define SIDE 3
+
+/* The sum of the normals of the pixels from at on, as far as they are of the same surface; false: there is none. */
+static bool add_normals(const struct filter_image *i, uint32_t x, uint32_t y, const int way[2],
+	int first, float ret[3])
 {
-	const float *n = p->j->image.normal[a], *m = p->j->image.normal[b];
-	float na = n[0] * n[0] + n[1] * n[1] + n[2] * n[2],
-	      nb = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
-	if (p->step->bend_deg <= 0 || na < 0.5f || nb < 0.5f)
+	float last_m = i->depth_m[(size_t)y * i->width + x];
+	ret[0] = ret[1] = ret[2] = 0;
+	for (int n = first; n < first + SIDE; n++) {
+		float here_m = depth_on(i, x, y, way, n);
+		if (here_m < 0 || fabsf(here_m - last_m) > 0.02f * last_m)
+			break;
+		const float *add = i->normal[((size_t)((int)y + way[1] * n)) * i->width +
+					     (size_t)((int)x + way[0] * n)];
+		for (int k = 0; k < 3; k++)
+			ret[k] += add[k];
+		last_m = here_m;
+	}
+	return ret[0] * ret[0] + ret[1] * ret[1] + ret[2] * ret[2] > 0.5f;
+}
+
+static bool bends(const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2])
+{
+	const int back[2] = { -way[0], -way[1] };
+	float one[3], other[3], along = 0, length2[2] = { 0 };
+	if (p->step->bend_deg <= 0 || !add_normals(&p->j->image, x, y, back, 0, one) ||
+		!add_normals(&p->j->image, x, y, way, 1, other))
 		return false;
-	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < p->bend_cosine * sqrtf(na * nb);
+	for (int k = 0; k < 3; k++) {
+		along += one[k] * other[k];
+		length2[0] += one[k] * one[k];
+		length2[1] += other[k] * other[k];
+	}
+	return along < p->bend_cosine * sqrtf(length2[0] * length2[1]);
 }
 
 static bool is_edge(const struct edges_pass *p, uint32_t x, uint32_t y)
@@ -78,7 +105,7 @@ static bool is_edge(const struct edges_pass *p, uint32_t x, uint32_t y)
 			continue;
 		/* Of two that meet, the nearer one; right and down of two as far. */
 		bool is_mine = here < i->depth_m[other] || (here == i->depth_m[other] && n < 2);
-		if (is_mine && bends(p, at, other))
+		if (is_mine && bends(p, x, y, way[n]))
 			return true;
 		if (p->step->segments && is_mine && i->leaf[at] && i->leaf[other] &&
 			i->leaf[at] != i->leaf[other])
