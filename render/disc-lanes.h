@@ -3,6 +3,7 @@
 /* Points of a chunk as discs of their own projected size, eight at a time: for the mask and for coloured points. Where points stand
  * closer than pixels, those of the first ranks stand for all and are wider: the continuous resolution queue, by the test of each
  * point (Xu & Chen 2004, section 7.4). Internal to mask-lanes.c, splat-lanes.c and bench-discs.c. */
+#include "render/mask.h"
 #include "render/project-lanes.h"
 #include <math.h>
 
@@ -180,6 +181,53 @@ INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const str
 		d->drawn &= lane_number < (float)(p->end - i);
 	if (any(d->drawn))
 		tilt_lanes(p, s->normal + at, flat_radius, d);
+}
+
+/* One of them, as it is drawn pixel by pixel: what splat-lanes.c and surface-pass-lanes.c share. */
+struct disc_one {
+	float x, y, radius, half[2], squash[2], tilt[2], depth_m;
+};
+
+INLINE struct disc_one disc_lanes_one(const struct disc_lanes *d, int k)
+{
+	float squash = sqrtf(d->bend[k]), slope = d->slope[k],
+	      aside[2] = { d->aside[0][k], d->aside[1][k] };
+	return (struct disc_one){ d->x[k], d->y[k], d->radius[k], { d->half[0][k], d->half[1][k] },
+		{ squash * aside[0], squash * aside[1] }, { slope * aside[0], slope * aside[1] },
+		d->depth_m[k] };
+}
+
+/* Of eight pixels so far from its middle: 1 there to 0 at its border and beyond. */
+INLINE vf disc_one_weight(const struct disc_one *s, vf dx, float dy)
+{
+	float steep = 1 / (s->radius * s->radius);
+	vf across = s->squash[0] * dx + s->squash[1] * dy;
+	return most(1 - (dx * dx + dy * dy + across * across) * steep, all(0));
+}
+
+INLINE vf disc_one_depth(const struct disc_one *s, vf dx, float dy)
+{
+	return s->depth_m + s->tilt[0] * dx + s->tilt[1] * dy;
+}
+
+/* Whether the mask has them of that pipeline, and no nearer. */
+INLINE vi disc_one_shows(vi key, int32_t pipeline, vf depth_m)
+{
+	return ((key & ((1 << MASK_PIPELINE_BITS) - 1)) == pipeline) & ((vf)key >= depth_m);
+}
+
+/* Pixels that it may cover, of rows from .. end of a picture so wide. */
+struct disc_reach {
+	int top, bottom, left, right;
+};
+
+INLINE struct disc_reach disc_one_reach(
+	const struct disc_one *s, uint32_t from, uint32_t end, uint32_t width)
+{
+	return (struct disc_reach){ MAX((int)floorf(s->y - s->half[1]), (int)from),
+		MIN((int)floorf(s->y + s->half[1]), (int)end - 1),
+		MAX((int)floorf(s->x - s->half[0]), 0),
+		MIN((int)floorf(s->x + s->half[0]), (int)width - 1) };
 }
 
 #endif

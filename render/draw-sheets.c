@@ -1,6 +1,5 @@
 #include "render/depth-inpaint.h"
 #include "render/draw-private.h"
-#include "render/large.h"
 #include "render/surface-pass.h"
 #include <math.h>
 #include <stdlib.h>
@@ -360,7 +359,6 @@ static void take_surface(struct sheet_job *s, struct filter_job *j, const struct
 	size_t whole = (size_t)f->camera.width * f->camera.height,
 	       pixels = filter_pixels(&j->image);
 	filter_room *r = &s->room->pictures;
-	g_autofree char *memory = NULL;
 	struct surface_planes to = { depth_m, NULL, NULL };
 	/* Behind each other in the room: of the whole picture, then of the box. */
 	char *normals = filter_room_part(r, PART_NORMAL, (whole + pixels) * sizeof *to.normal),

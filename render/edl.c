@@ -1,7 +1,4 @@
 #include "render/edl.h"
-#include <math.h>
-
-#define AROUND 8
 
 /* Nothing is far away, where the optical axis ends. */
 static float depth_log2(const frame *f, const visibility_mask *m, int x, int y)
@@ -12,27 +9,26 @@ static float depth_log2(const frame *f, const visibility_mask *m, int x, int y)
 	return log2f(fminf(depth_m, (float)f->camera.far_m));
 }
 
-static float shade(const frame *f, const visibility_mask *m, const struct edl_step *s, int x, int y)
+static float shade(const frame *f, const visibility_mask *m, const struct edl_step *s,
+	const int ring[EDL_AROUND][2], int x, int y)
 {
-	static const float ring[AROUND][2] = { { 1, 0 }, { 0.7071f, 0.7071f }, { 0, 1 },
-		{ -0.7071f, 0.7071f }, { -1, 0 }, { -0.7071f, -0.7071f }, { 0, -1 },
-		{ 0.7071f, -0.7071f } };
-	float radius = fmaxf(s->radius_px * f->px, 1), here = depth_log2(f, m, x, y), sum = 0;
-	for (int n = 0; n < AROUND; n++)
-		sum += fmaxf(here - depth_log2(f, m, x + (int)lrintf(radius * ring[n][0]),
-					    y + (int)lrintf(radius * ring[n][1])),
-			0);
-	return expf(-300 * 0.1f * s->strength * sum / AROUND);
+	float here = depth_log2(f, m, x, y), sum = 0;
+	for (int n = 0; n < EDL_AROUND; n++)
+		sum += fmaxf(here - depth_log2(f, m, x + ring[n][0], y + ring[n][1]), 0);
+	return edl_light(s->strength, sum);
 }
 
 void edl_shade(
 	const struct band *b, const frame *f, const visibility_mask *m, float *const canvas[3])
 {
 	const struct edl_step *steps[256] = { NULL };
+	int ring[256][EDL_AROUND][2];
 	bool any = false;
 	for (guint p = 0; p < f->drawing->pipelines->len; p++) {
 		const struct step *step = frame_step(f, p, "edl");
 		steps[p] = step ? &step->edl : NULL;
+		if (step)
+			edl_ring(step->edl.radius_px * f->px, ring[p]);
 		any |= step != NULL;
 	}
 	for (uint32_t y = b->from; any && y < b->from + b->rows; y++)
@@ -40,7 +36,8 @@ void edl_shade(
 			int32_t key = mask_key(m, (int32_t)x, (int32_t)y);
 			if (key >= MASK_EMPTY || !steps[key & 255])
 				continue;
-			float by = shade(f, m, steps[key & 255], (int)x, (int)y);
+			float by = shade(f, m, steps[key & 255], (const int(*)[2])ring[key & 255],
+				(int)x, (int)y);
 			for (int k = 0; k < 3; k++)
 				band_row(b, canvas[k], y)[x] *= by;
 		}

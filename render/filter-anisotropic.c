@@ -82,8 +82,7 @@ static void ellipse_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct anisotropic_pass *p = data;
 	for (size_t at = (size_t)from * p->flow.width; at < (size_t)end * p->flow.width; at++)
-		p->ellipse[at] = (uint16_t)anisotropic_ellipse(
-			&p->flow.at[at], p->stretch, ANISOTROPIC_WAYS, ANISOTROPIC_LENGTHS);
+		p->ellipse[at] = (uint16_t)anisotropic_ellipse(&p->flow.at[at], p->stretch);
 }
 
 void filter_anisotropic(struct filter_job *j, const struct step *s)

@@ -31,15 +31,12 @@ LANES_DECLARE(void, filter_anisotropic_widen, (const void *pass, uint32_t from, 
 LANES_DECLARE(void, filter_anisotropic_rows, (const void *pass, uint32_t from, uint32_t end));
 
 /* The ellipse for what runs along a place. */
-static inline uint32_t anisotropic_ellipse(
-	const struct filter_flow *flow, float stretch, uint32_t ways, uint32_t lengths)
+static inline uint32_t anisotropic_ellipse(const struct filter_flow *flow, float stretch)
 {
-	float turn = atan2f(flow->along[1], flow->along[0]) * (float)(1 / G_PI);
-	int way = (int)lrintf(turn * (float)ways);
-	way = way < 0 ? way + (int)ways : way;
-	uint32_t length =
-		(uint32_t)lrintf(CLAMP(flow->anisotropy * stretch, 0, 1) * (float)(lengths - 1));
-	return ((uint32_t)way % ways) * lengths + length;
+	float turn = atan2f(flow->along[1], flow->along[0]) * (float)(1 / G_PI),
+	      length = CLAMP(flow->anisotropy * stretch, 0, 1) * (ANISOTROPIC_LENGTHS - 1);
+	int way = (int)lrintf(turn * ANISOTROPIC_WAYS) + ANISOTROPIC_WAYS;
+	return (uint32_t)way % ANISOTROPIC_WAYS * ANISOTROPIC_LENGTHS + (uint32_t)lrintf(length);
 }
 
 #endif

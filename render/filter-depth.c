@@ -1,6 +1,6 @@
 /* Filters that ask how deep things are: swaying, shade in corners, eye-dome lighting of a whole picture. */
+#include "render/edl.h"
 #include "render/filter-planes.h"
-#include "render/filter-solid.h"
 #include "render/grain.h"
 #include <math.h>
 #include <string.h>
@@ -90,9 +90,8 @@ void filter_warp(struct filter_job *j, const struct step *s)
 
 /* ---- shade in corners ---- */
 
-#define RING   12
-#define TURNS  16
-#define AROUND 8
+#define RING  12
+#define TURNS 16
 
 struct shading {
 	const struct filter_job *j;
@@ -101,7 +100,7 @@ struct shading {
 	float *shade, *smooth;
 	float way[TURNS][RING][2]; /* of occlusion: where it looks, of pixels that lie in turns */
 	float reach[RING];         /* 0..1, how far */
-	int ring[AROUND][2];       /* of eye-dome lighting, in pixels */
+	int ring[EDL_AROUND][2];   /* of eye-dome lighting, in pixels */
 };
 
 /* Pixels that are looked at lie no farther. */
@@ -212,13 +211,13 @@ static void dome_rows(const void *data, uint32_t from, uint32_t end)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x;
 			float sum = 0, here = s->shade[at];
-			for (int n = 0; n < AROUND; n++) {
+			for (int n = 0; n < EDL_AROUND; n++) {
 				int at_x = CLAMP((int)x + s->ring[n][0], 0, (int)i->width - 1),
 				    at_y = CLAMP((int)y + s->ring[n][1], 0, (int)i->height - 1);
 				sum += fmaxf(
 					here - s->shade[(size_t)at_y * i->width + (size_t)at_x], 0);
 			}
-			s->smooth[at] = expf(-30 * s->edl->strength * sum / AROUND);
+			s->smooth[at] = edl_light(s->edl->strength, sum);
 		}
 }
 
@@ -228,12 +227,7 @@ void filter_edl(struct filter_job *j, const struct step *step)
 		.edl = &step->edl,
 		.smooth = filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)),
 		.shade = filter_room_part(j->room, 1, filter_pixels(&j->image) * sizeof(float)) };
-	float radius = fmaxf(step->edl.radius_px * j->px, 1);
-	for (int n = 0; n < AROUND; n++) {
-		float angle = (float)n * (float)(G_PI / 4);
-		s.ring[n][0] = (int)lrintf(radius * cosf(angle));
-		s.ring[n][1] = (int)lrintf(radius * sinf(angle));
-	}
+	edl_ring(step->edl.radius_px * j->px, s.ring);
 	filter_each_rows(j, log_rows, &s, j->image.height, 64);
 	filter_each_rows(j, dome_rows, &s, j->image.height, 16);
 	filter_each_rows(j, darken_rows, &s, j->image.height, 32);

@@ -410,13 +410,19 @@ static void find_sheets(frame *f)
 	}
 }
 
-/* Those of "edl" are drawn with points. */
-const struct step *frame_filters(const frame *f, uint32_t sheet, uint32_t *ret_count)
+/* All of a sheet have the same filters. */
+static const struct pipeline *pipeline_of_sheet(const frame *f, uint32_t sheet)
 {
 	uint32_t p = 0;
 	while (f->sheet_of[p] != sheet)
 		p++;
-	const struct pipeline *own = frame_pipeline(f, p);
+	return frame_pipeline(f, p);
+}
+
+/* Those of "edl" are drawn with points. */
+const struct step *frame_filters(const frame *f, uint32_t sheet, uint32_t *ret_count)
+{
+	const struct pipeline *own = pipeline_of_sheet(f, sheet);
 	uint32_t first = own->layers, end = own->layers + own->filters;
 	while (first < end && !step_is_filter(&own->steps[first]))
 		first++;
@@ -426,10 +432,7 @@ const struct step *frame_filters(const frame *f, uint32_t sheet, uint32_t *ret_c
 
 const struct inpaint_step *frame_inpaint(const frame *f, uint32_t sheet)
 {
-	uint32_t p = 0;
-	while (f->sheet_of[p] != sheet)
-		p++;
-	return &frame_pipeline(f, p)->inpaint;
+	return &pipeline_of_sheet(f, sheet)->inpaint;
 }
 
 uint64_t frame_layers_over(const frame *f, bool over)

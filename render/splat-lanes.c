@@ -3,8 +3,8 @@
 #include "render/light.h"
 
 struct splat {
-	float x, y, radius, half[2], squash[2], tilt[2], depth_m, weight;
-	float light[3];
+	struct disc_one disc;
+	float weight, light[3];
 	int32_t pipeline;
 };
 
@@ -16,23 +16,15 @@ INLINE void add(float *plane, ptrdiff_t at, vf x)
 INLINE void draw_splat(const struct band *b, const visibility_mask *m, const struct splat *s,
 	float *const light[3], float *weight)
 {
-	int from = MAX((int)floorf(s->y - s->half[1]), (int)b->from),
-	    to = MIN((int)floorf(s->y + s->half[1]), (int)(b->from + b->rows) - 1);
-	int left = MAX((int)floorf(s->x - s->half[0]), 0),
-	    right = MIN((int)floorf(s->x + s->half[0]), (int)b->width - 1);
-	float steep = 1 / (s->radius * s->radius);
-	for (int y = from; y <= to; y++)
-		for (int x = left; x <= right; x += LANES) {
-			vf dx = (float)x + 0.5f - s->x + lane_number;
-			float dy = (float)y + 0.5f - s->y;
+	struct disc_reach r = disc_one_reach(&s->disc, b->from, b->from + b->rows, b->width);
+	for (int y = r.top; y <= r.bottom; y++)
+		for (int x = r.left; x <= r.right; x += LANES) {
+			vf dx = (float)x + 0.5f - s->disc.x + lane_number;
+			float dy = (float)y + 0.5f - s->disc.y;
 			vi key = *(const vi_loose *)(m->key + (ptrdiff_t)y * m->pitch + x);
-			vf across = s->squash[0] * dx + s->squash[1] * dy;
-			vf w = most(1 - (dx * dx + dy * dy + across * across) * steep, all(0)) *
-			       s->weight;
-			vf depth_m = s->depth_m + s->tilt[0] * dx + s->tilt[1] * dy;
-			w = where(((key & ((1 << MASK_PIPELINE_BITS) - 1)) == s->pipeline) &
-					  ((vf)key >= depth_m),
-				w);
+			vf w = where(
+				disc_one_shows(key, s->pipeline, disc_one_depth(&s->disc, dx, dy)),
+				disc_one_weight(&s->disc, dx, dy) * s->weight);
 			ptrdiff_t at =
 				(ptrdiff_t)((uint32_t)y - b->from) * b->pitch + BAND_MARGIN + x;
 			for (int k = 0; k < 3; k++)
@@ -77,12 +69,7 @@ void LANES_NAME(splat_chunk)(const struct band *b, const frame *f, const visibil
 			int k = __builtin_ctz(left);
 			const uint8_t *rgba = f->scene->rgba[v->chunk->first + i + (uint32_t)k];
 			/* Those of the last ranks come and go softly. */
-			float squash = sqrtf(d.bend[k]), slope = d.slope[k],
-			      aside[2] = { d.aside[0][k], d.aside[1][k] };
-			struct splat s = { d.x[k], d.y[k], d.radius[k],
-				{ d.half[0][k], d.half[1][k] },
-				{ squash * aside[0], squash * aside[1] },
-				{ slope * aside[0], slope * aside[1] }, d.depth_m[k],
+			struct splat s = { disc_lanes_one(&d, k),
 				fminf(4 * (1 - d.rank[k]) + 1e-3f, 1),
 				{ linear[(int)(rgba[0] * lit[k])], linear[(int)(rgba[1] * lit[k])],
 					linear[(int)(rgba[2] * lit[k])] },

@@ -148,6 +148,11 @@ static bool add_step(
 		return false;
 	if (step->kind->stage == STEP_MASK)
 		return add_mask(list, r, node, step);
+	for (uint32_t i = 1; i < list->count && step->kind->stage == STEP_COMPOSITE; i++)
+		if (list->steps[i].kind == step->kind)
+			return style_reader_refuse(r, node,
+				"there is '%s' already, and only one in a pipeline; change it",
+				step->kind->name);
 	if (step_list_find(list, step->id))
 		return style_reader_refuse(r, node,
 			"there is a step with the id '%s' already; give this one another \"id\"",

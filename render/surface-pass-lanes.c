@@ -2,7 +2,7 @@
 #include "render/surface-pass.h"
 
 struct surface_disc {
-	float x, y, radius, half[2], squash[2], tilt[2], depth_m;
+	struct disc_one disc;
 	float normal[3], leaf;
 	int32_t pipeline;
 };
@@ -10,22 +10,15 @@ struct surface_disc {
 INLINE void draw_disc(const struct band *b, const visibility_mask *m, const struct surface_disc *s,
 	const struct surface_desk *d)
 {
-	int from = MAX((int)floorf(s->y - s->half[1]), (int)b->from),
-	    to = MIN((int)floorf(s->y + s->half[1]), (int)(b->from + b->rows) - 1);
-	int left = MAX((int)floorf(s->x - s->half[0]), 0),
-	    right = MIN((int)floorf(s->x + s->half[0]), (int)b->width - 1);
-	float steep = 1 / (s->radius * s->radius);
-	for (int y = from; y <= to; y++)
-		for (int x = left; x <= right; x += LANES) {
-			vf dx = (float)x + 0.5f - s->x + lane_number;
-			float dy = (float)y + 0.5f - s->y;
+	struct disc_reach r = disc_one_reach(&s->disc, b->from, b->from + b->rows, b->width);
+	for (int y = r.top; y <= r.bottom; y++)
+		for (int x = r.left; x <= r.right; x += LANES) {
+			vf dx = (float)x + 0.5f - s->disc.x + lane_number;
+			float dy = (float)y + 0.5f - s->disc.y;
 			vi key = *(const vi_loose *)(m->key + (ptrdiff_t)y * m->pitch + x);
-			vf across = s->squash[0] * dx + s->squash[1] * dy;
-			vf w = most(1 - (dx * dx + dy * dy + across * across) * steep, all(0));
-			vf depth_m = s->depth_m + s->tilt[0] * dx + s->tilt[1] * dy;
-			vi is_there = (w > 0) &
-				      ((key & ((1 << MASK_PIPELINE_BITS) - 1)) == s->pipeline) &
-				      ((vf)key >= depth_m);
+			vf w = disc_one_weight(&s->disc, dx, dy),
+			   depth_m = disc_one_depth(&s->disc, dx, dy);
+			vi is_there = (w > 0) & disc_one_shows(key, s->pipeline, depth_m);
 			if (!any(is_there))
 				continue;
 			w = where(is_there, w);
@@ -62,12 +55,7 @@ void LANES_NAME(surface_chunk)(const struct band *b, const frame *f, const visib
 			  (d.y - d.half[1] <= (float)(b->from + b->rows));
 		for (unsigned left = bits(d.drawn & here); left; left &= left - 1) {
 			int k = __builtin_ctz(left);
-			float squash = sqrtf(d.bend[k]), slope = d.slope[k],
-			      aside[2] = { d.aside[0][k], d.aside[1][k] };
-			struct surface_disc s = { d.x[k], d.y[k], d.radius[k],
-				{ d.half[0][k], d.half[1][k] },
-				{ squash * aside[0], squash * aside[1] },
-				{ slope * aside[0], slope * aside[1] }, d.depth_m[k],
+			struct surface_disc s = { disc_lanes_one(&d, k),
 				{ normal[0][k], normal[1][k], normal[2][k] }, (float)v->chunk->leaf,
 				v->pipeline };
 			draw_disc(b, m, &s, desk);

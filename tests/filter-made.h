@@ -112,4 +112,10 @@ static inline void filter_made_run(struct filter_made *m, const char *step)
 	drawing_free(d);
 }
 
+/* What a filter had before it; caller frees. */
+static inline uint8_t (*copy_of(const struct filter_image *i))[4]
+{
+	return g_memdup2(i->rgba, filter_pixels(i) * 4);
+}
+
 #endif

@@ -1,5 +1,4 @@
 /* Segments that are filtered each by itself and put together by depth: what shows where is known, for the scenes are woven. */
-#include "render/camera-path.h"
 #include "tests/onnx-made.h"
 #include "tests/scene-made.h"
 #include <stdlib.h>
@@ -114,13 +113,19 @@ static enum shown shown_at(const struct picture_buffer *p, size_t at)
 	return abs(r - b) < 40 ? NOTHING : r > b ? RED : BLUE;
 }
 
+/* Caller clears it. */
+static struct picture_buffer draw_weave(const scene *s, const struct camera *c, const char *nodes)
+{
+	g_autoptr(drawing) d = made_drawing(nodes);
+	g_autoptr(frame) f = made_frame(s, d, c);
+	return made_picture(f);
+}
+
 /* The part of the pixels whose truth is told that show another segment. */
 static double wrong_part(const scene *s, const char *nodes, const char *name)
 {
 	struct camera c = before_weave();
-	g_autoptr(drawing) d = made_drawing(nodes);
-	g_autoptr(frame) f = made_frame(s, d, &c);
-	struct picture_buffer p = made_picture(f);
+	struct picture_buffer p = draw_weave(s, &c, nodes);
 	size_t wrong = 0, told = 0;
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 0; x < WIDTH; x++) {
@@ -129,16 +134,10 @@ static double wrong_part(const scene *s, const char *nodes, const char *name)
 			if (truth == NOT_TOLD)
 				continue;
 			told++;
-			bool is_wrong = shown_at(&p, (size_t)y * WIDTH + x) != truth;
-			wrong += is_wrong;
-			if (is_wrong && g_getenv("PLEINAIR_SHEETS"))
-				memcpy(p.rgba[(size_t)y * WIDTH + x],
-					(uint8_t[4]){ 0, 255, 0, 255 }, 4);
+			wrong += shown_at(&p, (size_t)y * WIDTH + x) != truth;
 		}
 	g_test_message("%s: %.4f %% of %zu pixels show another segment", name,
 		100.0 * (double)wrong / (double)told, told);
-	if (g_getenv("PLEINAIR_SHEETS"))
-		picture_buffer_save(&p, g_getenv("PLEINAIR_SHEETS"), NULL);
 	picture_buffer_clear(&p);
 	return (double)wrong / (double)told;
 }
@@ -147,9 +146,7 @@ static double wrong_part(const scene *s, const char *nodes, const char *name)
 static double lines_missed(const scene *s, const char *nodes, const char *name)
 {
 	struct camera c = before_weave();
-	g_autoptr(drawing) d = made_drawing(nodes);
-	g_autoptr(frame) f = made_frame(s, d, &c);
-	struct picture_buffer p = made_picture(f);
+	struct picture_buffer p = draw_weave(s, &c, nodes);
 	size_t missed = 0, lines = 0;
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 0; x < WIDTH; x++) {

@@ -155,6 +155,10 @@ static const struct wrong {
 					   "tells what there is" },
 	{ STEPS("{\"step\":\"neural\",\"model\":\"a.png\"}"),
 		AT_STEP ".model: a network is the path of a .onnx" },
+	{ STEPS("{\"step\":\"inpaint\"},{\"step\":\"inpaint\",\"id\":\"again\"}"),
+		"x.json line 4: segments.site.steps[1]: there is 'inpaint' already, and only one "
+		"in "
+		"a pipeline; change it" },
 	{ STEPS("{\"step\":\"composite\"}"), AT_STEP ": 'composite' is of \"picture\" alone" },
 	{ "{\"schema\":1,\n\"segments\":{\"picture\":{\"steps\":[\n{\"step\":\"lines\"}]}}}",
 		"x.json line 3: segments.picture.steps[0]: 'lines' is of points; a picture has "

@@ -17,28 +17,30 @@ static const char *node_name(const struct draw_screen *s)
 
 /* ---- changes ---- */
 
+/* key: of the node in the style; name: as people read it. */
+static void change(struct draw_screen *s, const char *key, const char *name, const char *step_id,
+	const struct step_parameter *p, JsonNode *value)
+{
+	g_autofree char *what = g_strdup_printf("%s %s %s", key, step_id, p->name),
+			*did = g_strdup_printf(_("%s changed"), name);
+	draw_screen_will_slide(s, what, did);
+	style_edit_change(s->edit, key, step_id, p->name, value);
+	draw_screen_redraw(s, true);
+}
+
 static void slid(
 	const char *step_id, const struct step_parameter *p, JsonNode *value, gpointer user_data)
 {
 	struct draw_screen *s = user_data;
 	char key[32];
-	g_autofree char *what = g_strdup_printf("%u %s %s", s->node, step_id, p->name),
-			*did = g_strdup_printf(_("%s changed"), node_name(s));
-	draw_screen_will_slide(s, what, did);
-	style_edit_change(s->edit, draw_screen_node_key(s, key), step_id, p->name, value);
-	draw_screen_redraw(s, true);
+	change(s, draw_screen_node_key(s, key), node_name(s), step_id, p, value);
 }
 
 /* Of the filters of the picture of all. */
 static void picture_slid(
 	const char *step_id, const struct step_parameter *p, JsonNode *value, gpointer user_data)
 {
-	struct draw_screen *s = user_data;
-	g_autofree char *what = g_strdup_printf("picture %s %s", step_id, p->name);
-	g_autofree char *did = g_strdup_printf(_("%s changed"), _("The whole picture"));
-	draw_screen_will_slide(s, what, did);
-	style_edit_change(s->edit, "picture", step_id, p->name, value);
-	draw_screen_redraw(s, true);
+	change(user_data, "picture", _("The whole picture"), step_id, p, value);
 }
 
 /* Of the whole picture; paper, light or focus. */
