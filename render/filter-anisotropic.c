@@ -1,4 +1,4 @@
-#include "render/filter-anisotropic.h"
+#include "render/filter-tables.h"
 #include <math.h>
 
 /* Where sectors end beside each other, of the polynomials that weigh them (Kyprianidis, Semmo, Kang & Doellner 2010). */
@@ -68,7 +68,7 @@ static void list_ellipse(struct anisotropic_pass *p, GArray *taps, float radius,
 	}
 }
 
-static GArray *list_all(struct anisotropic_pass *p, float radius)
+GArray *anisotropic_taps(struct anisotropic_pass *p, float radius)
 {
 	GArray *taps = g_array_new(FALSE, FALSE, sizeof(struct anisotropic_tap));
 	for (uint32_t n = 0; n < ANISOTROPIC_WAYS * ANISOTROPIC_LENGTHS; n++)
@@ -76,6 +76,11 @@ static GArray *list_all(struct anisotropic_pass *p, float radius)
 	p->first[G_N_ELEMENTS(p->first) - 1] = taps->len;
 	p->tap = (struct anisotropic_tap *)(void *)taps->data;
 	return taps;
+}
+
+uint32_t anisotropic_reach(float radius)
+{
+	return MIN((uint32_t)ceilf(radius * 2), ANISOTROPIC_REACH_MOST);
 }
 
 static void ellipse_rows(const void *data, uint32_t from, uint32_t end)
@@ -93,11 +98,11 @@ void filter_anisotropic(struct filter_job *j, const struct step *s)
 	struct anisotropic_pass p = {
 		.image = &j->image, .stretch = k->stretch, .sharpness = k->sharpness
 	};
-	p.reach = MIN((uint32_t)ceilf(radius * 2), ANISOTROPIC_REACH_MOST);
+	p.reach = anisotropic_reach(radius);
 	p.pitch = j->image.width + 2 * p.reach;
 	p.wide = filter_room_part(j->room, 3,
 		((size_t)p.pitch * (j->image.height + 2 * p.reach) + 1) * sizeof *p.wide);
-	g_autoptr(GArray) taps = list_all(&p, radius);
+	g_autoptr(GArray) taps = anisotropic_taps(&p, radius);
 	for (int n = 0; n < passes && !frame_is_stopped(j->f); n++) {
 		p.flow = filter_flow_find(j, k->tensor_px);
 		p.ellipse = filter_room_part(

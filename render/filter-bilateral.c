@@ -1,11 +1,13 @@
 #include "render/filter-bilateral.h"
+#include "render/filter-tables.h"
 #include <math.h>
 
-static void weigh(struct bilateral_pass *p, float sigma_px)
+uint32_t bilateral_weigh(float sigma_px, float ret[BILATERAL_RADIUS_MOST + 1])
 {
-	p->radius = MIN((uint32_t)ceilf(2 * sigma_px), BILATERAL_RADIUS_MOST);
-	for (uint32_t k = 0; k <= p->radius; k++)
-		p->weight[k] = expf(-0.5f * (float)(k * k) / (sigma_px * sigma_px));
+	uint32_t radius = MIN((uint32_t)ceilf(2 * sigma_px), BILATERAL_RADIUS_MOST);
+	for (uint32_t k = 0; k <= radius; k++)
+		ret[k] = expf(-0.5f * (float)(k * k) / (sigma_px * sigma_px));
+	return radius;
 }
 
 void filter_bilateral(struct filter_job *j, const struct step *s)
@@ -18,7 +20,7 @@ void filter_bilateral(struct filter_job *j, const struct step *s)
 	struct bilateral_pass p = { .width = j->image.width,
 		.height = j->image.height,
 		.per_tone = 0.5f / (k->sigma_tone * k->sigma_tone) };
-	weigh(&p, fmaxf(k->sigma_px * j->px, 0.5f));
+	p.radius = bilateral_weigh(fmaxf(k->sigma_px * j->px, 0.5f), p.weight);
 	filter_to_lab(j, one);
 	for (int n = 0; n < (int)k->passes && !frame_is_stopped(j->f); n++)
 		for (int down = 0; down < 2; down++) {

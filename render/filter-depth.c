@@ -1,6 +1,6 @@
 /* Filters that ask how deep things are: swaying, shade in corners, eye-dome lighting of a whole picture. */
 #include "render/edl.h"
-#include "render/filter-planes.h"
+#include "render/filter-tables.h"
 #include "render/grain.h"
 #include <math.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 struct swaying {
 	const struct filter_job *j;
 	const struct filter_image *image;
-	float wave[2], way[2], amplitude, phase;
+	struct warp_wave by;
 	float *depth_m, (*normal)[3];
 	uint16_t *leaf;
 	uint8_t *grey;
@@ -36,10 +36,10 @@ static void sway_rows(const void *data, uint32_t from, uint32_t end)
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			float at[2] = { (float)(x + i->left), (float)(y + i->top) };
-			float by = s->amplitude *
-				   sinf(at[0] * s->wave[0] + at[1] * s->wave[1] + s->phase);
-			float from_x = (float)x - by * s->way[0],
-			      from_y = (float)y - by * s->way[1], rgb[3];
+			float by = s->by.amplitude * sinf(at[0] * s->by.wave[0] +
+							     at[1] * s->by.wave[1] + s->by.phase);
+			float from_x = (float)x - by * s->by.way[0],
+			      from_y = (float)y - by * s->by.way[1], rgb[3];
 			size_t to = (size_t)y * i->width + x;
 			size_t near =
 				(size_t)CLAMP(from_y + 0.5f, 0, (float)(i->height - 1)) * i->width +
@@ -59,20 +59,24 @@ static void sway_rows(const void *data, uint32_t from, uint32_t end)
 		}
 }
 
+struct warp_wave warp_wave_of(const struct warp_step *s, float px, double time_s)
+{
+	float turn = s->angle_deg * (float)(G_PI / 180),
+	      way = s->direction_deg * (float)(G_PI / 180),
+	      by_length = (float)(2 * G_PI) / (s->wavelength_px * px);
+	return (struct warp_wave){ .wave = { cosf(turn) * by_length, -sinf(turn) * by_length },
+		.way = { cosf(way), -sinf(way) },
+		.amplitude = s->amplitude_px * px,
+		.phase = (float)(-2 * G_PI * fmod(time_s / (double)s->period_s, 1)) };
+}
+
 void filter_warp(struct filter_job *j, const struct step *s)
 {
-	const struct warp_step *w = &s->warp;
 	struct filter_image *i = &j->image;
 	size_t pixels = filter_pixels(i);
-	float turn = w->angle_deg * (float)(G_PI / 180),
-	      way = w->direction_deg * (float)(G_PI / 180),
-	      by_length = (float)(2 * G_PI) / (w->wavelength_px * j->px);
 	struct swaying sway = { .j = j,
 		.image = i,
-		.wave = { cosf(turn) * by_length, -sinf(turn) * by_length },
-		.way = { cosf(way), -sinf(way) },
-		.amplitude = w->amplitude_px * j->px,
-		.phase = (float)(-2 * G_PI * fmod(j->time_s / (double)w->period_s, 1)),
+		.by = warp_wave_of(&s->warp, j->px, j->time_s),
 		.depth_m = filter_room_part(j->room, 0, pixels * sizeof(float)),
 		.normal = filter_room_part(j->room, 1, pixels * 3 * sizeof(float)),
 		.leaf = filter_room_part(j->room, 2, pixels * sizeof(uint16_t)),
@@ -90,17 +94,14 @@ void filter_warp(struct filter_job *j, const struct step *s)
 
 /* ---- shade in corners ---- */
 
-#define RING  12
-#define TURNS 16
-
 struct shading {
 	const struct filter_job *j;
 	const struct occlusion_step *step;
 	const struct edl_step *edl;
 	float *shade, *smooth;
-	float way[TURNS][RING][2]; /* of occlusion: where it looks, of pixels that lie in turns */
-	float reach[RING];         /* 0..1, how far */
-	int ring[EDL_AROUND][2];   /* of eye-dome lighting, in pixels */
+	float way[OCCLUSION_TURNS][OCCLUSION_RING][2];
+	float reach[OCCLUSION_RING]; /* 0..1, how far */
+	int ring[EDL_AROUND][2];     /* of eye-dome lighting, in pixels */
 };
 
 /* Pixels that are looked at lie no farther. */
@@ -124,7 +125,7 @@ static void shade_rows(const void *data, uint32_t from, uint32_t end)
 			float reach = fminf(radius_m * focal / here, REACH_MOST_PX * s->j->px);
 			/* Pairs on both sides: what is as far before as the other is behind is a slope. */
 			const float(*way)[2] = s->way[(x & 3) | (y & 3) << 2];
-			for (int n = 0; n < RING; n++) {
+			for (int n = 0; n < OCCLUSION_RING; n++) {
 				float away = reach * s->reach[n];
 				int dx = (int)lrintf(way[n][0] * away),
 				    dy = (int)lrintf(way[n][1] * away);
@@ -145,7 +146,7 @@ static void shade_rows(const void *data, uint32_t from, uint32_t end)
 					     BEFORE_LEAST * away / fmaxf(reach, 1);
 				sum += part > 0 ? fminf(part * 4, 1) : 0;
 			}
-			s->shade[at] = expf(-1.6f * s->step->strength * sum / RING);
+			s->shade[at] = expf(-1.6f * s->step->strength * sum / OCCLUSION_RING);
 		}
 }
 
@@ -163,17 +164,15 @@ static void darken_rows(const void *data, uint32_t from, uint32_t end)
 }
 
 /* A spiral, turned a little for each of sixteen pixels that lie together. */
-static void set_ways(struct shading *s)
+void occlusion_ways(float ret[OCCLUSION_TURNS][OCCLUSION_RING][2])
 {
-	for (int n = 0; n < RING; n++) {
-		s->reach[n] = ((float)(n * 5 % RING) + 1) / RING;
-		for (uint32_t k = 0; k < TURNS; k++) {
-			float angle =
-				(float)G_PI * ((float)n + grain_unit(k & 3, k >> 2, 21)) / RING;
-			s->way[k][n][0] = cosf(angle);
-			s->way[k][n][1] = sinf(angle);
+	for (uint32_t k = 0; k < OCCLUSION_TURNS; k++)
+		for (int n = 0; n < OCCLUSION_RING; n++) {
+			float angle = (float)G_PI * ((float)n + grain_unit(k & 3, k >> 2, 21)) /
+				      OCCLUSION_RING;
+			ret[k][n][0] = cosf(angle);
+			ret[k][n][1] = sinf(angle);
 		}
-	}
 }
 
 void filter_occlusion(struct filter_job *j, const struct step *step)
@@ -183,7 +182,9 @@ void filter_occlusion(struct filter_job *j, const struct step *step)
 		.step = &step->occlusion,
 		.shade = filter_room_part(j->room, 0, bytes),
 		.smooth = filter_room_part(j->room, 1, bytes) };
-	set_ways(&s);
+	occlusion_ways(s.way);
+	for (int n = 0; n < OCCLUSION_RING; n++)
+		s.reach[n] = ((float)(n * 5 % OCCLUSION_RING) + 1) / OCCLUSION_RING;
 	filter_each_rows(j, shade_rows, &s, j->image.height, 16);
 	struct filter_blur b = { s.shade, s.smooth, false, j->image.width, j->image.height, 1, 0,
 		NULL };

@@ -1,5 +1,5 @@
 /* Blur, and gaps that are closed. */
-#include "render/filter-planes.h"
+#include "render/filter-tables.h"
 #include <math.h>
 
 void filter_gaussian(struct filter_job *j, const struct step *s)
@@ -73,12 +73,17 @@ static void close_rows(const void *data, uint32_t from, uint32_t end)
 #define OF_SPACING  1.2f
 #define RADIUS_MOST 12.f /* of the style's pixels */
 
+int gaps_radius(const struct gaps_step *s, float px, float spacing_px)
+{
+	float radius = s->radius_px * px;
+	if (s->radius_px <= 0)
+		radius = fminf(OF_SPACING * spacing_px, RADIUS_MOST * px);
+	return MAX((int)rintf(radius), 1);
+}
+
 void filter_gaps(struct filter_job *j, const struct step *s)
 {
-	float radius = s->gaps.radius_px * j->px;
-	if (s->gaps.radius_px <= 0)
-		radius = fminf(OF_SPACING * j->spacing_px, RADIUS_MOST * j->px);
-	struct closing c = { &j->image, MAX((int)rintf(radius), 1),
+	struct closing c = { &j->image, gaps_radius(&s->gaps, j->px, j->spacing_px),
 		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)) };
 	filter_each_rows(j, close_rows, &c, j->image.height, 16);
 	memcpy(j->image.depth_m, c.depth_m, filter_pixels(&j->image) * sizeof(float));

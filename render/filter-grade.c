@@ -1,12 +1,11 @@
-#include "render/filter-planes.h"
+#include "render/filter-tables.h"
 #include "render/grain.h"
 #include <math.h>
 
 struct grading {
 	const struct filter_job *j;
 	const struct grade_step *step;
-	float turn[3][3]; /* of hues */
-	float curve[256]; /* of gamma, brightness and contrast; 0..1 */
+	struct grade_tables tables;
 };
 
 /* About the grey axis. */
@@ -59,10 +58,10 @@ static void grade_rows(const void *data, uint32_t from, uint32_t end)
 			continue;
 		}
 		for (int k = 0; k < 3; k++)
-			in[k] = g->curve[i->rgba[at][k]];
+			in[k] = g->tables.curve[i->rgba[at][k]];
 		for (int k = 0; k < 3; k++)
-			c[k] = g->turn[k][0] * in[0] + g->turn[k][1] * in[1] +
-			       g->turn[k][2] * in[2];
+			c[k] = g->tables.turn[k][0] * in[0] + g->tables.turn[k][1] * in[1] +
+			       g->tables.turn[k][2] * in[2];
 		float grey = 0.299f * c[0] + 0.587f * c[1] + 0.114f * c[2];
 		for (int k = 0; k < 3; k++)
 			c[k] = grey + s->saturation * (c[k] - grey);
@@ -86,15 +85,20 @@ static void grade_rows(const void *data, uint32_t from, uint32_t end)
 	}
 }
 
+void grade_tables_make(const struct grade_step *s, struct grade_tables *ret)
+{
+	turn_of(s->hue_shift_deg, ret->turn);
+	for (int n = 0; n < 256; n++) {
+		float v = powf((float)n / 255, 1 / s->gamma);
+		v = ((v - 0.5f) * s->contrast + 0.5f) * s->brightness;
+		ret->curve[n] = CLAMP(v, 0, 1);
+	}
+}
+
 void filter_grade(struct filter_job *j, const struct step *s)
 {
 	struct grading g = { .j = j, .step = &s->grade };
-	turn_of(s->grade.hue_shift_deg, g.turn);
-	for (int n = 0; n < 256; n++) {
-		float v = powf((float)n / 255, 1 / s->grade.gamma);
-		g.curve[n] = ((v - 0.5f) * s->grade.contrast + 0.5f) * s->grade.brightness;
-		g.curve[n] = CLAMP(g.curve[n], 0, 1);
-	}
+	grade_tables_make(g.step, &g.tables);
 	filter_each_rows(j, grade_rows, &g, j->image.height, 32);
 	filter_finish(j, s->grade.where);
 }

@@ -1,28 +1,17 @@
 /* Strokes lie where planes cut through the site, evenly apart: so they run along walls and grounds as these are seen, and stay on them when
  * the camera moves. How far apart planes are goes by octaves, of which every second plane fades, so that strokes are as dense on the
  * screen from any distance and at any slant. */
-#include "render/filter-planes.h"
-#include "render/filter-solid.h"
+#include "render/filter-tables.h"
 #include "render/grain.h"
 #include <math.h>
 #include <string.h>
-
-#define LAYERS_MOST 6
-
-/* Planes of a layer, across a direction of the site. */
-struct sketch_layer {
-	float across[3]; /* as the camera sees it */
-	/* Where the eye is, in planes of each octave. */
-	float eye[FILTER_NOISE_OCTAVES];
-	int32_t eye_whole[FILTER_NOISE_OCTAVES];
-};
 
 struct sketch {
 	const struct filter_job *j;
 	const struct pencil_step *step;
 	const float *lightness, *press, *sway; /* the latter two are noise */
 	int layers;
-	struct sketch_layer layer[LAYERS_MOST];
+	struct pencil_layer layer[PENCIL_LAYERS_MOST];
 };
 
 /* What is seen at a pixel. */
@@ -76,7 +65,7 @@ static float light_through(
 	const struct sketch *s, int layer, const struct sketched *at, size_t pixel, float dark)
 {
 	const struct pencil_step *k = s->step;
-	const struct sketch_layer *l = &s->layer[layer];
+	const struct pencil_layer *l = &s->layer[layer];
 	float px = s->j->px, spacing = k->spacing_px * px;
 	float pixel_m = fmaxf(metres_a_pixel(s->j, at, l->across), 1e-7f);
 	float octave = log2f(spacing * pixel_m) + 1;
@@ -141,16 +130,16 @@ static void sketch_rows(const void *data, uint32_t from, uint32_t end)
 }
 
 /* Across a direction that leans so much, and lies askew to walls that run along the site's axes. */
-static void set_layer(const struct filter_job *j, struct sketch_layer *l, float degrees, int number)
+static void set_layer(const frame *f, struct pencil_layer *l, float degrees, int number)
 {
-	const struct camera *c = &j->f->camera;
+	const struct camera *c = &f->camera;
 	double lean = degrees * (G_PI / 180), turn = (35 + 47 * number) * (G_PI / 180);
 	double site[3] = { cos(lean) * cos(turn), cos(lean) * sin(turn), sin(lean) }, eye = 0;
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++) {
 		l->across[k] =
 			(float)(row[k][0] * site[0] + row[k][1] * site[1] + row[k][2] * site[2]);
-		eye += site[k] * j->f->eye_m[k];
+		eye += site[k] * f->eye_m[k];
 	}
 	for (int n = 0; n < FILTER_NOISE_OCTAVES; n++) {
 		double at = ldexp(eye, 1 - (n + FILTER_NOISE_LOWEST)), whole = floor(at);
@@ -159,17 +148,22 @@ static void set_layer(const struct filter_job *j, struct sketch_layer *l, float 
 	}
 }
 
+int pencil_layers(
+	const struct pencil_step *s, const frame *f, struct pencil_layer ret[PENCIL_LAYERS_MOST])
+{
+	static const float lean_deg[PENCIL_LAYERS_MOST] = { 0, -75, 40, -35, 65, 15 };
+	int layers = (int)CLAMP(rintf(s->layers), 1, PENCIL_LAYERS_MOST);
+	for (int n = 0; n < layers; n++)
+		set_layer(f, &ret[n], s->angle_deg + lean_deg[n], n);
+	return layers;
+}
+
 void filter_pencil(struct filter_job *j, const struct step *s)
 {
-	static const float lean_deg[LAYERS_MOST] = { 0, -75, 40, -35, 65, 15 };
 	float *lightness =
 		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof *lightness);
-	struct sketch k = { .j = j,
-		.step = &s->pencil,
-		.lightness = lightness,
-		.layers = (int)CLAMP(rintf(s->pencil.layers), 1, LAYERS_MOST) };
-	for (int n = 0; n < k.layers; n++)
-		set_layer(j, &k.layer[n], s->pencil.angle_deg + lean_deg[n], n);
+	struct sketch k = { .j = j, .step = &s->pencil, .lightness = lightness };
+	k.layers = pencil_layers(&s->pencil, j->f, k.layer);
 	filter_lightness_plane(j, lightness);
 	k.press = filter_noise(j, 1, 45 * j->px, 17);
 	k.sway = filter_noise(j, 2, 60 * j->px, 23);

@@ -1,22 +1,29 @@
-#include "render/filter-planes.h"
+#include "render/filter-tables.h"
 #include "render/light.h"
 #include <math.h>
 #include <string.h>
 
 /* ---- Gaussian means ---- */
 
+uint32_t filter_blur_weigh(float sigma_px, float ret[FILTER_BLUR_RADIUS_MOST + 1])
+{
+	float sum = 0;
+	uint32_t radius = sigma_px < 0.1f ? 0 : (uint32_t)ceilf(3 * sigma_px);
+	radius = MIN(radius, FILTER_BLUR_RADIUS_MOST);
+	for (uint32_t k = 0; k <= radius; k++) {
+		float away = (float)k / fmaxf(sigma_px, 0.1f);
+		ret[k] = expf(-0.5f * away * away);
+		sum += k ? 2 * ret[k] : ret[k];
+	}
+	for (uint32_t k = 0; k <= radius; k++)
+		ret[k] /= sum;
+	return radius;
+}
+
 void filter_blur_run(const struct filter_job *j, struct filter_blur *b, float sigma_px)
 {
-	float weight[FILTER_BLUR_RADIUS_MOST + 1], sum = 0;
-	b->radius = sigma_px < 0.1f ? 0 : (uint32_t)ceilf(3 * sigma_px);
-	b->radius = MIN(b->radius, FILTER_BLUR_RADIUS_MOST);
-	for (uint32_t k = 0; k <= b->radius; k++) {
-		float away = (float)k / fmaxf(sigma_px, 0.1f);
-		weight[k] = expf(-0.5f * away * away);
-		sum += k ? 2 * weight[k] : weight[k];
-	}
-	for (uint32_t k = 0; k <= b->radius; k++)
-		weight[k] /= sum;
+	float weight[FILTER_BLUR_RADIUS_MOST + 1];
+	b->radius = filter_blur_weigh(sigma_px, weight);
 	b->weight = weight;
 	/* Each part of the rows begins with some that are the last ones of the part before. */
 	uint32_t parts = 2 * frame_threads(j->f);

@@ -1,11 +1,10 @@
-#include "render/filter-solid.h"
+#include "render/filter-tables.h"
 #include "render/grain.h"
 #include <math.h>
 #include <string.h>
 
 /* ---- solid or not ---- */
 
-#define SOLID_SIGMA_PX 3.f
 /* Parts of the surroundings that something is in. A straight border has half of them, a corner a quarter. */
 #define SOLID_NOT 0.10f
 #define SOLID_ALL 0.24f
@@ -47,7 +46,7 @@ struct filter_solid filter_solidity(struct filter_job *j, uint32_t part)
 	filter_each_rows(j, count_rows, &c, c.solid.height, 16);
 	struct filter_blur b = { c.solid.part, whole, false, c.solid.width, c.solid.height, 1, 0,
 		NULL };
-	filter_blur_run(j, &b, SOLID_SIGMA_PX * j->px / BLOCK);
+	filter_blur_run(j, &b, FILTER_SOLID_SIGMA_PX * j->px / BLOCK);
 	c.solid.part = whole;
 	for (size_t n = 0; n < blocks; n++)
 		whole[n] = grain_step(SOLID_NOT, SOLID_ALL, whole[n]);
@@ -56,19 +55,24 @@ struct filter_solid filter_solidity(struct filter_job *j, uint32_t part)
 
 /* ---- noise ---- */
 
+void filter_noise_look(struct filter_noise_job *n, const frame *f)
+{
+	for (int k = 0; k < 3; k++)
+		for (int o = 0; o < FILTER_NOISE_OCTAVES; o++) {
+			double at = ldexp(f->eye_m[k], -(o + FILTER_NOISE_LOWEST)),
+			       whole = floor(at);
+			n->cell[k][o] = (int32_t)(uint32_t)(int64_t)whole;
+			n->within[k][o] = (float)(at - whole);
+		}
+}
+
 const float *filter_noise(struct filter_job *j, uint32_t part, float grain_px, uint32_t seed)
 {
 	struct filter_noise_job n = { .j = j,
 		.grain_px = fmaxf(grain_px, 1),
 		.seed = seed,
 		.to = filter_room_part(j->room, part, filter_pixels(&j->image) * sizeof(float)) };
-	for (int k = 0; k < 3; k++)
-		for (int o = 0; o < FILTER_NOISE_OCTAVES; o++) {
-			double at = ldexp(j->f->eye_m[k], -(o + FILTER_NOISE_LOWEST)),
-			       whole = floor(at);
-			n.cell[k][o] = (int32_t)(uint32_t)(int64_t)whole;
-			n.within[k][o] = (float)(at - whole);
-		}
+	filter_noise_look(&n, j->f);
 	filter_each_rows(j, LANES_OF(j->lanes, filter_noise_rows), &n, j->image.height, 16);
 	return n.to;
 }

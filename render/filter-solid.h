@@ -6,7 +6,8 @@
 
 /* 0..1: how sure a pixel is to be of something solid. Single points on bare paper are not, borders of things are: what draws lines
  * multiplies them by it, or every point gets a line around it (Wegen et al. 2024, section 5.3, "validity of pixel information"). */
-#define FILTER_SOLID_BLOCK 4u
+#define FILTER_SOLID_BLOCK    4u
+#define FILTER_SOLID_SIGMA_PX 3.f /* of the surroundings that are asked */
 struct filter_solid {
 	uint32_t width, height; /* in blocks */
 	float *part;

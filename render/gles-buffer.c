@@ -1,4 +1,5 @@
 #include "render/gles-buffer.h"
+#include <string.h>
 
 bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t bytes,
 	const char *what, GError **error)
@@ -21,6 +22,32 @@ bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t b
 		return true;
 	gles_buffer_clear(c, b);
 	return false;
+}
+
+bool gles_buffer_read(
+	const gles_context *c, const struct gles_buffer *b, size_t bytes, void *to, GError **error)
+{
+	c->gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+	c->gl.BindBuffer(GL_COPY_READ_BUFFER, b->name);
+	const void *from =
+		c->gl.MapBufferRange(GL_COPY_READ_BUFFER, 0, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
+	if (from) {
+		memcpy(to, from, bytes);
+		c->gl.UnmapBuffer(GL_COPY_READ_BUFFER);
+		return true;
+	}
+	if (gles_context_check(c, "reading from the GPU", error))
+		g_set_error(error, GLES_ERROR, GLES_ERROR_DRIVER,
+			"the GPU does not give back what it made");
+	return false;
+}
+
+bool gles_buffer_write(const gles_context *c, const struct gles_buffer *b, const void *from,
+	size_t bytes, GError **error)
+{
+	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
+	c->gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, from);
+	return gles_context_check(c, "writing to the GPU", error);
 }
 
 void gles_buffer_clear(const gles_context *c, struct gles_buffer *b)

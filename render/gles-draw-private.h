@@ -22,6 +22,15 @@ struct gles_commands {
 };
 _Static_assert(FRAME_LAYERS_MAX == 64, "as choose-scan.glsl has it");
 
+#define GLES_FILTER_PLANES 10
+/* What filters keep from frame to frame (gles-filter.h). */
+struct gles_filters {
+	GLuint rules;
+	struct gles_buffer plane[GLES_FILTER_PLANES];
+	struct gles_buffer taps; /* of the anisotropic filter, for that radius */
+	float taps_radius;
+};
+
 struct gles_draw {
 	const gles_context *c;
 	GLuint program[GLES_USES];
@@ -32,6 +41,7 @@ struct gles_draw {
 	struct gles_buffer keys, sums, marks, commands, strokes[FRAME_LAYERS_MAX];
 	GLuint camera, vertices, srgb;
 	struct gles_stipple stipple;
+	struct gles_filters filters;
 };
 
 static inline const struct gles_run *gles_draw_run(const gles_draw *d, guint n)
@@ -43,6 +53,8 @@ void gles_draw_fill(gles_draw *d, const struct gles_buffer *b, uint32_t words, u
 void gles_draw_bind_storage(const gles_draw *d, GLuint binding, GLuint name);
 void gles_draw_bind_texture(const gles_draw *d, GLuint unit, GLenum target, GLuint name);
 
+/* All that is made when it is first wanted, for it takes the places of what shaders read. */
+bool gles_draw_hold(gles_draw *d, const frame *f, GError **error);
 bool gles_draw_mask(gles_draw *d, GError **error);
 bool gles_draw_choose(gles_draw *d, const frame *f, GError **error);
 /* Which points of a layer of stippling are drawn (stipple.h); then what GLES_STIPPLE_COUNT and _WRITE read of it is bound. */

@@ -1,4 +1,4 @@
-#include "render/gles-draw-private.h"
+#include "render/gles-filter.h"
 #include "render/light.h"
 #include <string.h>
 
@@ -47,6 +47,7 @@ void gles_draw_free(gles_draw *d)
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
 		gles_buffer_clear(d->c, &d->strokes[n]);
 	gles_stipple_clear(d->c, &d->stipple);
+	gles_filters_clear(d->c, &d->filters);
 	gles_programs_clear(d->c, d->program);
 	gles_scene_clear(d->c, &d->scene);
 	gles_layers_clear(d->c, &d->layers);
@@ -131,8 +132,19 @@ static double lap(const gles_draw *d, bool is_timed, int64_t *since_us)
 	return s;
 }
 
-/* All that is made when it is first wanted, for it takes the places of what shaders read. */
-static bool hold(gles_draw *d, const frame *f, GError **error)
+static void set_up(gles_draw *d)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	gl->Viewport(0, 0, (GLsizei)d->targets.width, (GLsizei)d->targets.height);
+	gl->BindVertexArray(d->vertices);
+	gl->Disable(GL_BLEND);
+	gl->Disable(GL_DITHER);
+	gl->Disable(GL_CULL_FACE);
+	gl->Disable(GL_DEPTH_TEST);
+}
+
+/* It takes the places of what shaders read, so all is made before they are bound. */
+bool gles_draw_hold(gles_draw *d, const frame *f, GError **error)
 {
 	bool good =
 		gles_scene_hold(d->c, &d->scene, f->scene, error) &&
@@ -145,25 +157,17 @@ static bool hold(gles_draw *d, const frame *f, GError **error)
 		if (!gles_layer_is_direct(&f->layer[n]))
 			good = gles_targets_hold_ink(
 				d->c, &d->targets, band_blend_of(&f->layer[n]), error);
+	if (good) {
+		set_up(d);
+		set_camera(d, f);
+	}
 	return good;
-}
-
-static void set_up(gles_draw *d)
-{
-	const struct gles_functions *gl = &d->c->gl;
-	gl->Viewport(0, 0, (GLsizei)d->targets.width, (GLsizei)d->targets.height);
-	gl->BindVertexArray(d->vertices);
-	gl->Disable(GL_BLEND);
-	gl->Disable(GL_DITHER);
-	gl->Disable(GL_CULL_FACE);
-	gl->Disable(GL_DEPTH_TEST);
 }
 
 static bool draw_canvas(
 	gles_draw *d, const frame *f, struct draw_times *t, bool is_timed, GError **error)
 {
 	int64_t since_us = g_get_monotonic_time();
-	set_camera(d, f);
 	if (!gles_views_fill(d->c, &d->views, f, &d->scene, error))
 		return false;
 	t->cull_s += lap(d, is_timed, &since_us);
@@ -212,9 +216,8 @@ bool gles_draw_frame(gles_draw *d, const frame *f, struct picture_buffer *to,
 	struct draw_times t = { 0 };
 	int64_t begin_us = g_get_monotonic_time();
 	g_assert(to->width == f->camera.width && to->height == f->camera.height);
-	if (!hold(d, f, error))
+	if (!gles_draw_hold(d, f, error))
 		return false;
-	set_up(d);
 	if (!draw_whole(d, f, &t, ret_times != NULL, error))
 		return false;
 	int64_t drawn_us = g_get_monotonic_time();

@@ -45,6 +45,51 @@ static const struct row {
 	[GLES_STIPPLE_WRITE] = { "stipple-write",
 		{ "common", "chunks", "layer", ".stipple", "stipple-dot", "prefix" },
 		.compute = "stipple-write" },
+	[GLES_FILTER_FINISH] = { "filter-finish", { "common", "filter" },
+		.compute = "filter-finish" },
+	[GLES_FILTER_BLUR] = { "filter-blur", { "common", "filter", "filter-planes" },
+		.compute = "filter-blur" },
+	[GLES_FILTER_NUMBERS] = { "filter-numbers", { "common", "filter", "filter-planes" },
+		.compute = "filter-numbers" },
+	[GLES_FILTER_FLOW] = { "filter-flow", { "common", "filter", "filter-planes" },
+		.compute = "filter-flow" },
+	[GLES_FILTER_TRACE] = { "filter-trace", { "common", "filter", "filter-planes" },
+		.compute = "filter-trace" },
+	[GLES_FILTER_NOISE] = { "filter-noise", { "common", "filter", "filter-planes" },
+		.compute = "filter-noise" },
+	[GLES_FILTER_GAPS] = { "filter-gaps", { "common", "filter", "filter-planes" },
+		.compute = "filter-gaps" },
+	[GLES_FILTER_EDGES] = { "filter-edges",
+		{ "common", "filter", "filter-planes", "filter-solid" },
+		.compute = "filter-edges" },
+	[GLES_FILTER_WATERCOLOUR] = { "filter-watercolour",
+		{ "common", "filter", "filter-planes", "relief" },
+		.compute = "filter-watercolour" },
+	[GLES_FILTER_OIL] = { "filter-oil", { "common", "filter", "filter-planes", "relief" },
+		.compute = "filter-oil" },
+	[GLES_FILTER_PENCIL] = { "filter-pencil",
+		{ "common", "filter", "filter-planes", "relief", "filter-hash" },
+		.compute = "filter-pencil" },
+	[GLES_FILTER_GRADE] = { "filter-grade",
+		{ "common", "filter", "filter-planes", "filter-hash" }, .compute = "filter-grade" },
+	[GLES_FILTER_WARP] = { "filter-warp", { "common", "filter", "filter-planes" },
+		.compute = "filter-warp" },
+	[GLES_FILTER_SHADE] = { "filter-shade", { "common", "filter", "filter-planes" },
+		.compute = "filter-shade" },
+	[GLES_FILTER_QUANTISE] = { "filter-quantise",
+		{ "common", "filter", "filter-planes", "filter-lab" },
+		.compute = "filter-quantise" },
+	[GLES_FILTER_BILATERAL] = { "filter-bilateral",
+		{ "common", "filter", "filter-planes", "filter-lab" },
+		.compute = "filter-bilateral" },
+	[GLES_FILTER_DOG] = { "filter-dog", { "common", "filter", "filter-planes", "filter-solid" },
+		.compute = "filter-dog" },
+	[GLES_FILTER_INPAINT] = { "filter-inpaint", { "common", "filter", "filter-planes" },
+		.compute = "filter-inpaint" },
+	[GLES_FILTER_KUWAHARA] = { "filter-kuwahara", { "common", "filter" },
+		.compute = "filter-kuwahara" },
+	[GLES_FILTER_ANISOTROPIC] = { "filter-anisotropic", { "common", "filter" },
+		.compute = "filter-anisotropic" },
 };
 
 static const char *name_of(const char *part)
@@ -75,10 +120,16 @@ static GLuint make(const gles_context *c, const struct row *row, GError **error)
 bool gles_programs_make(const gles_context *c, GLuint ret[GLES_USES], GError **error)
 {
 	memset(ret, 0, GLES_USES * sizeof *ret);
-	for (int n = 0; n < GLES_USES; n++)
+	for (int n = 0; n < GLES_LATER; n++)
 		if (!(ret[n] = make(c, &rows[n], error)))
 			return false;
 	return true;
+}
+
+bool gles_programs_want(
+	const gles_context *c, GLuint programs[GLES_USES], enum gles_use use, GError **error)
+{
+	return programs[use] || (programs[use] = make(c, &rows[use], error));
 }
 
 void gles_programs_clear(const gles_context *c, GLuint programs[GLES_USES])

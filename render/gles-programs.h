@@ -24,10 +24,35 @@ enum gles_use {
 	GLES_STIPPLE_DECIDE,
 	GLES_STIPPLE_COUNT,
 	GLES_STIPPLE_WRITE,
+	/* What follows is made when it is first wanted. */
+	GLES_LATER,
+	GLES_FILTER_FINISH = GLES_LATER,
+	GLES_FILTER_BLUR,
+	GLES_FILTER_NUMBERS,
+	GLES_FILTER_FLOW,
+	GLES_FILTER_TRACE,
+	GLES_FILTER_NOISE,
+	GLES_FILTER_KUWAHARA,
+	GLES_FILTER_ANISOTROPIC,
+	GLES_FILTER_BILATERAL,
+	GLES_FILTER_GAPS,
+	GLES_FILTER_QUANTISE,
+	GLES_FILTER_DOG,
+	GLES_FILTER_EDGES,
+	GLES_FILTER_WATERCOLOUR,
+	GLES_FILTER_OIL,
+	GLES_FILTER_PENCIL,
+	GLES_FILTER_GRADE,
+	GLES_FILTER_WARP,
+	GLES_FILTER_SHADE,
+	GLES_FILTER_INPAINT,
 	GLES_USES
 };
 
 bool gles_programs_make(const gles_context *c, GLuint ret[GLES_USES], GError **error);
+/* One of those behind GLES_LATER, if it is not there yet. */
+bool gles_programs_want(
+	const gles_context *c, GLuint programs[GLES_USES], enum gles_use use, GError **error);
 void gles_programs_clear(const gles_context *c, GLuint programs[GLES_USES]);
 
 #endif

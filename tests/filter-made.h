@@ -1,7 +1,8 @@
 #ifndef TESTS_FILTER_MADE_H
 #define TESTS_FILTER_MADE_H
 /* Pictures for filters: shapes with borders at every angle, noise and bare paper, with depths; and the frame that filters ask of. */
-#include "render/filter.h"
+#include "render/gles-filter.h"
+#include "tests/gles-here.h"
 #include "tests/scene-made.h"
 
 struct filter_made {
@@ -94,6 +95,14 @@ static inline void filter_made_clear(struct filter_made *m)
 		g_free(m->memory[n]);
 }
 
+/* Where filters run; NULL: on the processor. */
+static gles_draw *filter_made_gles;
+
+static inline void filter_made_step(struct gles_filter_job *j, const void *data)
+{
+	gles_filter_run(j, data);
+}
+
 /* Runs a step of this JSON: "kuwahara","radius_px":4. */
 static inline void filter_made_run(struct filter_made *m, const char *step)
 {
@@ -108,7 +117,12 @@ static inline void filter_made_run(struct filter_made *m, const char *step)
 	g_assert_no_error(error);
 	g_assert_cmpuint(d->picture.filters, ==, 1);
 	m->job.room = &m->room;
-	filter_apply(&m->job, &d->picture.steps[0]);
+	const struct step *one = &d->picture.steps[0];
+	if (filter_made_gles)
+		gles_filter_picture(filter_made_gles, &m->job, filter_made_step, one, &error);
+	else
+		filter_apply(&m->job, one);
+	g_assert_no_error(error);
 	drawing_free(d);
 }
 

@@ -80,10 +80,76 @@ static void test_focus(void)
 	filter_made_clear(&m);
 }
 
+/* Of 255: the mean over channels, and the part of pixels that are off by more than 4. */
+#define MEAN_MOST 0.05
+#define OFF_MOST  0.002
+
+static void assert_alike(const struct filter_image *i, const uint8_t (*cpu)[4], const char *step)
+{
+	double mean = 0, off = 0;
+	int worst = 0;
+	for (size_t at = 0; at < filter_pixels(i); at++) {
+		int most = 0;
+		for (int k = 0; k < 3; k++) {
+			int here = abs(i->rgba[at][k] - cpu[at][k]);
+			mean += here;
+			most = MAX(most, here);
+		}
+		off += most > 4;
+		worst = MAX(worst, most);
+		g_assert_cmpuint(i->rgba[at][3], ==, 255);
+	}
+	mean /= 3.0 * (double)filter_pixels(i);
+	off /= (double)filter_pixels(i);
+	g_test_message("%s: mean %.4f, %.4f %% off by more than 4, at most %d", step, mean,
+		100 * off, worst);
+	g_assert_cmpfloat(mean, <=, MEAN_MOST);
+	g_assert_cmpfloat(off, <=, OFF_MOST);
+}
+
+/* Both backends, with a focus and without one, in pictures of odd sizes. */
+static void test_gles(void)
+{
+	static const uint32_t sizes[][2] = { { WIDTH, HEIGHT }, { 1, 1 }, { 40, 1 }, { 1, 40 } };
+	g_autoptr(gles_draw) d = gles_here_draw();
+	for (size_t n = 0; d && n < G_N_ELEMENTS(all_steps); n++)
+		for (size_t k = 0; k < G_N_ELEMENTS(sizes); k++)
+			for (int focus = 0; focus < 2; focus++) {
+				struct filter_made m = filter_made_new(sizes[k][0], sizes[k][1],
+					focus ? "\"focus\":{\"filters\":0.8,\"on\":\"picture\"},"
+					      : "");
+				struct filter_image *i = &m.job.image;
+				g_autofree uint8_t(*before)[4] = copy_of(i);
+				g_autofree float *depth_m =
+					g_memdup2(i->depth_m, filter_pixels(i) * sizeof(float));
+				if (focus)
+					i->away = m.memory[5];
+				for (size_t at = 0; focus && at < filter_pixels(i); at++)
+					i->away[at] =
+						(float)(at % sizes[k][0]) / (float)sizes[k][0];
+				m.job.image.left = 3;
+				m.job.image.top = 5;
+				m.job.spacing_px = 2.5f;
+				m.job.time_s = 1.3;
+				filter_made_run(&m, all_steps[n]);
+				g_autofree uint8_t(*cpu)[4] = copy_of(i);
+				memcpy(i->rgba, before, filter_pixels(i) * 4);
+				memcpy(i->depth_m, depth_m, filter_pixels(i) * sizeof(float));
+				filter_made_gles = d;
+				filter_made_run(&m, all_steps[n]);
+				filter_made_gles = NULL;
+				assert_alike(i, (const uint8_t(*)[4])cpu, all_steps[n]);
+				filter_made_clear(&m);
+			}
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/filters/bytes", test_bytes);
 	g_test_add_func("/filters/focus", test_focus);
-	return g_test_run();
+	g_test_add_func("/filters/gles", test_gles);
+	int status = g_test_run();
+	gles_context_free(gles_here_context);
+	return status;
 }

@@ -8,6 +8,27 @@
 #define WIDTH  157u
 #define HEIGHT 93u
 
+/* Tests run twice: on the processor, and on whatever OpenGL ES there is. False: there is none. */
+static bool goes_on(const char *on)
+{
+	if (strcmp(on, "cpu") == 0) {
+		g_clear_pointer(&filter_made_gles, gles_draw_free);
+		return true;
+	}
+	if (!filter_made_gles)
+		filter_made_gles = gles_here_draw();
+	return filter_made_gles != NULL;
+}
+
+static void add(const char *name, GTestDataFunc test)
+{
+	static const char *const on[] = { "cpu", "gles" };
+	for (int n = 0; n < 2; n++) {
+		g_autofree char *path = g_strdup_printf("/filters/%s/%s", on[n], name);
+		g_test_add_data_func(path, on[n], test);
+	}
+}
+
 static const uint8_t *pixel_at(const struct filter_image *i, const uint8_t (*from)[4], int x, int y)
 {
 	x = CLAMP(x, 0, (int)i->width - 1);
@@ -93,8 +114,10 @@ static void check_kuwahara(int radius)
 	filter_made_clear(&m);
 }
 
-static void test_kuwahara(void)
+static void test_kuwahara(gconstpointer on)
 {
+	if (!goes_on(on))
+		return;
 	check_kuwahara(2); /* 3 x 3 */
 	check_kuwahara(4); /* 5 x 5 */
 	check_kuwahara(13);
@@ -120,8 +143,10 @@ static void blur(const struct filter_image *i, const double *from, double sigma,
 		}
 }
 
-static void test_gaussian(void)
+static void test_gaussian(gconstpointer on)
 {
+	if (!goes_on(on))
+		return;
 	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
 	struct filter_image *i = &m.job.image;
 	g_autofree double(*wanted)[3] = g_malloc_n(filter_pixels(i), sizeof *wanted);
@@ -171,8 +196,10 @@ static void check_dog(double sharpness, double threshold)
 	filter_made_clear(&m);
 }
 
-static void test_dog(void)
+static void test_dog(gconstpointer on)
 {
+	if (!goes_on(on))
+		return;
 	check_dog(0, -0.01);
 	check_dog(8, 0.5);
 }
@@ -248,8 +275,10 @@ static void bilateral_pass(const struct filter_image *i, const double (*from)[3]
 		}
 }
 
-static void test_bilateral(void)
+static void test_bilateral(gconstpointer on)
 {
+	if (!goes_on(on))
+		return;
 	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
 	struct filter_image *i = &m.job.image;
 	size_t pixels = filter_pixels(i);
@@ -270,12 +299,29 @@ static void test_bilateral(void)
 
 /* ---- structure tensor ---- */
 
-static void test_tensor(void)
+/* In the memory of the room. */
+static void flow_on_gles(struct gles_filter_job *j, const void *data)
 {
+	const struct filter_flow_plane *to = data;
+	gles_flow_find(j, 4);
+	gles_buffer_read(j->d->c, &j->d->filters.plane[2],
+		(size_t)to->width * to->height * sizeof *to->at, to->at, &j->error);
+}
+
+static void test_tensor(gconstpointer on)
+{
+	if (!goes_on(on))
+		return;
 	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
 	const struct filter_image *i = &m.job.image;
 	m.job.room = &m.room;
 	struct filter_flow_plane flow = filter_flow_find(&m.job, 4);
+	if (filter_made_gles) {
+		g_autoptr(GError) error = NULL;
+		memset(flow.at, 0, (size_t)flow.width * flow.height * sizeof *flow.at);
+		gles_filter_picture(filter_made_gles, &m.job, flow_on_gles, &flow, &error);
+		g_assert_no_error(error);
+	}
 	int width = ((int)WIDTH + 1) / 2, height = ((int)HEIGHT + 1) / 2;
 	size_t half_pixels = (size_t)width * (size_t)height;
 	g_assert_cmpuint(flow.width, ==, (guint)width);
@@ -402,8 +448,10 @@ static void anisotropic_at(const struct filter_image *i, const uint8_t (*from)[4
 		ret[c] *= 255 / sum;
 }
 
-static void test_anisotropic(void)
+static void test_anisotropic(gconstpointer on)
 {
+	if (!goes_on(on))
+		return;
 	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
 	struct filter_image *i = &m.job.image;
 	g_autofree uint8_t(*before)[4] = copy_of(i);
@@ -422,8 +470,10 @@ static void test_anisotropic(void)
 
 /* ---- steps of tone ---- */
 
-static void test_quantise(void)
+static void test_quantise(gconstpointer on)
 {
+	if (!goes_on(on))
+		return;
 	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
 	struct filter_image *i = &m.job.image;
 	g_autofree double(*wanted)[3] = g_malloc_n(filter_pixels(i), sizeof *wanted);
@@ -474,8 +524,24 @@ static float listing_1(const struct filter_image *i, const uint8_t *grey, int x,
 	return counter > 0 ? (float)(final / counter) : i->depth_m[at];
 }
 
-static void test_inpaint(void)
+/* What depth_inpaint() does, of the grey that is given. */
+static void inpaint_on_gles(struct gles_filter_job *j, const void *data)
 {
+	const struct depth_inpainting *d = data;
+	size_t pixels = filter_pixels(d->image);
+	g_autofree float *grey = g_new(float, pixels);
+	for (size_t at = 0; at < pixels; at++)
+		grey[at] = d->image->grey_before[at];
+	gles_buffer_write(j->d->c, j->image.grey, grey, pixels * sizeof *grey, &j->error);
+	gles_inpaint(j, d->threshold, d->radius, 0);
+	gles_buffer_read(
+		j->d->c, &j->d->filters.plane[0], pixels * sizeof *d->to, d->to, &j->error);
+}
+
+static void test_inpaint(gconstpointer on)
+{
+	if (!goes_on(on))
+		return;
 	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
 	struct filter_image *i = &m.job.image;
 	g_autofree uint8_t *grey = g_new(uint8_t, filter_pixels(i));
@@ -491,7 +557,12 @@ static void test_inpaint(void)
 			.threshold = 0.02f + 0.03f * (float)n,
 			.radius = radius[n],
 			.to = depth_m };
-		depth_inpaint(&m.job, &d);
+		g_autoptr(GError) error = NULL;
+		if (filter_made_gles)
+			gles_filter_picture(filter_made_gles, &m.job, inpaint_on_gles, &d, &error);
+		else
+			depth_inpaint(&m.job, &d);
+		g_assert_no_error(error);
 		for (int y = 0; y < (int)HEIGHT; y++)
 			for (int x = 0; x < (int)WIDTH; x++) {
 				size_t at = (size_t)y * WIDTH + (size_t)x;
@@ -509,13 +580,16 @@ static void test_inpaint(void)
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
-	g_test_add_func("/filters/kuwahara", test_kuwahara);
-	g_test_add_func("/filters/gaussian", test_gaussian);
-	g_test_add_func("/filters/dog", test_dog);
-	g_test_add_func("/filters/bilateral", test_bilateral);
-	g_test_add_func("/filters/tensor", test_tensor);
-	g_test_add_func("/filters/anisotropic", test_anisotropic);
-	g_test_add_func("/filters/quantise", test_quantise);
-	g_test_add_func("/filters/inpaint", test_inpaint);
-	return g_test_run();
+	add("kuwahara", test_kuwahara);
+	add("gaussian", test_gaussian);
+	add("dog", test_dog);
+	add("bilateral", test_bilateral);
+	add("tensor", test_tensor);
+	add("anisotropic", test_anisotropic);
+	add("quantise", test_quantise);
+	add("inpaint", test_inpaint);
+	int status = g_test_run();
+	gles_draw_free(filter_made_gles);
+	gles_context_free(gles_here_context);
+	return status;
 }

@@ -1,9 +1,8 @@
 /* One picture, two backends: a small scene by every kind of step and every shipped style, on the processor and by whatever OpenGL ES
  * there is. And the same frame twice by gles: the same bytes. */
-#include "render/gles-draw.h"
-#include "render/gles-probe.h"
 #include "render/gles-shaders.h"
 #include "render/painter.h"
+#include "tests/gles-here.h"
 #include "tests/parity-made.h"
 #include "tests/pictures-differ.h"
 #include <string.h>
@@ -43,26 +42,6 @@ static frame *frame_of(
 }
 
 /* ---- backends ---- */
-
-static gles_context *context;
-
-/* NULL: the test is skipped. */
-static gles_context *open_here(void)
-{
-	static struct gles_about found;
-	static char *why;
-	g_autoptr(GError) error = NULL;
-	if (!why) {
-		if (gles_context_probe(NULL, &found, &error)) {
-			context = gles_context_open(&found, &error);
-			g_assert_no_error(error);
-		}
-		why = g_strdup(error ? error->message : "");
-	}
-	if (!context)
-		g_test_skip(why);
-	return context;
-}
 
 static struct picture_buffer draw_gles(gles_draw *d, const frame *f)
 {
@@ -130,15 +109,6 @@ static void compare_text(gles_draw *d, const char *name, const char *steps)
 	compare_whole(d, name, NULL, steps);
 }
 
-static gles_draw *open_draw(void)
-{
-	g_autoptr(GError) error = NULL;
-	gles_context *c = open_here();
-	gles_draw *d = c ? gles_draw_new(c, &error) : NULL;
-	g_assert_no_error(error);
-	return d;
-}
-
 /* ---- tests ---- */
 
 /* Every row as its fallbacks have it; what only changes others, upon points. */
@@ -146,7 +116,7 @@ static void test_step(gconstpointer data)
 {
 	const struct step_kind *kind = data;
 	g_assert_nonnull(gles_shader_find(kind->glsl));
-	g_autoptr(gles_draw) d = open_draw();
+	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
 	g_autofree char *steps = g_strdup_printf("\"site\":{\"steps\":[%s{\"step\":\"%s\"}]}",
@@ -258,7 +228,7 @@ static const struct look {
 static void test_look(gconstpointer data)
 {
 	const struct look *l = data;
-	g_autoptr(gles_draw) d = open_draw();
+	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
 	g_autofree char *steps = g_strdup_printf("\"site\":{\"steps\":[%s]}", l->steps);
@@ -268,7 +238,7 @@ static void test_look(gconstpointer data)
 static void test_style(gconstpointer data)
 {
 	g_autoptr(GError) error = NULL;
-	g_autoptr(gles_draw) d = open_draw();
+	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
 	g_autoptr(style) how = style_load(data, &error);
@@ -298,12 +268,12 @@ static void assert_refuses_paint(gles_draw *d)
 /* Without half floats, pictures are kept in bytes; they are coarser, and the same. Paint is refused. */
 static void test_bytes(void)
 {
-	gles_context *c = open_here();
+	gles_context *c = gles_here();
 	if (!c)
 		return;
 	struct gles_about about = c->about;
 	c->about.has_half_float_colour = c->about.has_float_blend = false;
-	g_autoptr(gles_draw) d = open_draw();
+	g_autoptr(gles_draw) d = gles_here_draw();
 	assert_refuses_paint(d);
 	compare_text(d, "bytes",
 		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"lines\"},{\"step\":"
@@ -322,10 +292,10 @@ static void assert_same(gles_draw *d, const frame *f, const struct picture_buffe
 /* Also where another frame was drawn between, and with buffers of its own. */
 static void test_same_bytes(void)
 {
-	g_autoptr(gles_draw) d = open_draw();
+	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
-	g_autoptr(gles_draw) other = open_draw();
+	g_autoptr(gles_draw) other = gles_here_draw();
 	g_autoptr(style) how =
 		style_of("{\"schema\":1,\"segments\":{\"site\":{\"steps\":[{\"step\":\"points\"},{"
 			 "\"step\":\"strokes\","
@@ -353,12 +323,12 @@ static void test_same_bytes(void)
 /* More strokes than a layer has room for at first, and points in several strips and slabs. */
 static void test_limits(void)
 {
-	gles_context *c = open_here();
+	gles_context *c = gles_here();
 	if (!c)
 		return;
 	struct gles_about about = c->about;
 	c->about.limits.storage_block_bytes = 160 * 1024 * 16;
-	g_autoptr(gles_draw) d = open_draw();
+	g_autoptr(gles_draw) d = gles_here_draw();
 	c->about.limits.storage_block_bytes = WIDTH * HEIGHT * 4;
 	compare_text(d, "small-blocks", "\"site\":{\"steps\":[{\"step\":\"points\"}]}");
 	c->about = about;
@@ -370,8 +340,8 @@ static void test_limits(void)
 /* It says what is too much, and draws the next frame as if nothing had been. */
 static void test_too_large(void)
 {
-	gles_context *c = open_here();
-	g_autoptr(gles_draw) d = open_draw();
+	gles_context *c = gles_here();
+	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
 	struct gles_about about = c->about;
@@ -500,6 +470,6 @@ int main(int argc, char **argv)
 	g_test_add_func("/painter/none", test_none);
 	g_test_add_func("/painter/gles", test_painter);
 	int status = g_test_run();
-	gles_context_free(context);
+	gles_context_free(gles_here_context);
 	return status;
 }

@@ -1,0 +1,57 @@
+#ifndef RENDER_FILTER_TABLES_H
+#define RENDER_FILTER_TABLES_H
+/* What filters make of a step and a frame before they go through pixels: the same for both backends. Internal to filters. */
+#include "render/filter-anisotropic.h"
+#include "render/filter-bilateral.h"
+#include "render/filter-solid.h"
+
+/* Weights of filter_blur, of the pixel itself and those so far away; the return value is how far. */
+uint32_t filter_blur_weigh(float sigma_px, float ret[FILTER_BLUR_RADIUS_MOST + 1]);
+
+/* Where the eye is in the lattices of noise. */
+void filter_noise_look(struct filter_noise_job *n, const frame *f);
+
+/* All taps, of struct anisotropic_tap, for p->reach and p->pitch; p->first says whose they are. The caller unrefs it, as long as p->tap
+ * is wanted. */
+GArray *anisotropic_taps(struct anisotropic_pass *p, float radius);
+uint32_t anisotropic_reach(float radius);
+
+/* Weights of the bilateral filter; how far. */
+uint32_t bilateral_weigh(float sigma_px, float ret[BILATERAL_RADIUS_MOST + 1]);
+
+/* Grading: hues turned about the grey axis; gamma, brightness and contrast, 0..1. */
+struct grade_tables {
+	float turn[3][3];
+	float curve[256];
+};
+void grade_tables_make(const struct grade_step *s, struct grade_tables *ret);
+
+/* Swaying, in pixels of the picture. */
+struct warp_wave {
+	float wave[2], way[2], amplitude, phase;
+};
+struct warp_wave warp_wave_of(const struct warp_step *s, float px, double time_s);
+
+/* Where occlusion looks, of pixels that lie in turns. */
+#define OCCLUSION_RING  12
+#define OCCLUSION_TURNS 16
+void occlusion_ways(float ret[OCCLUSION_TURNS][OCCLUSION_RING][2]);
+
+/* Layers of a pencil: planes across a direction of the site. */
+#define PENCIL_LAYERS_MOST 6
+struct pencil_layer {
+	float across[3]; /* as the camera sees it */
+	/* Where the eye is, in planes of each octave. */
+	float eye[FILTER_NOISE_OCTAVES];
+	int32_t eye_whole[FILTER_NOISE_OCTAVES];
+};
+/* How many there are. */
+int pencil_layers(
+	const struct pencil_step *s, const frame *f, struct pencil_layer ret[PENCIL_LAYERS_MOST]);
+
+/* Pixels that gaps are closed by. */
+int gaps_radius(const struct gaps_step *s, float px, float spacing_px);
+/* Pixels of the squares of Kuwahara's filter. */
+int kuwahara_radius(const struct kuwahara_step *s, float px);
+
+#endif

@@ -1,0 +1,594 @@
+/* Each filter as passes: beside the functions of the same names in filter-*.c, whose shaders say what planes are. */
+#include "render/edl.h"
+#include "render/filter-tables.h"
+#include "render/filter-trace.h"
+#include "render/gles-filter.h"
+#include <math.h>
+#include <string.h>
+
+typedef void run_kind(struct gles_filter_job *j, const struct step *s);
+
+static void set_colour(float to[4], const uint8_t colour[4])
+{
+	for (int k = 0; k < 3; k++)
+		to[k] = colour[k];
+}
+
+/* ---- smoothing ---- */
+
+enum { KUWAHARA_ACROSS, KUWAHARA_DOWN, KUWAHARA_TAKE };
+
+static void kuwahara(struct gles_filter_job *j, const struct step *s)
+{
+	const struct kuwahara_step *k = &s->kuwahara;
+	uint32_t radius = (uint32_t)kuwahara_radius(k, j->px), width = j->image.width + radius,
+		 height = j->image.height + radius;
+	GLuint planes[2];
+	const int64_t bytes[2] = { (int64_t)width * j->image.height * 16,
+		(int64_t)width * height * 8 };
+	for (int n = 0; n < 2; n++) {
+		struct gles_buffer *b = &j->d->filters.plane[n];
+		if (!gles_buffer_reserve(
+			    j->d->c, b, bytes[n], "filters of a picture", &j->error))
+			return;
+		planes[n] = b->name;
+	}
+	for (int n = 0; n < (int)k->passes; n++) {
+		struct gles_pass p = { .use = GLES_FILTER_KUWAHARA,
+			.mode = KUWAHARA_ACROSS,
+			.width = width,
+			.height = j->image.height,
+			.plane = { planes[0], planes[1] },
+			.whole = { { (int32_t)radius } } };
+		gles_pass_run(j, &p);
+		p.mode = KUWAHARA_DOWN;
+		p.height = height;
+		gles_pass_run(j, &p);
+		p.mode = KUWAHARA_TAKE;
+		p.width = p.height = 0;
+		gles_pass_run(j, &p);
+		gles_filter_finish(j, k->where, k->passes, (float)n);
+	}
+}
+
+/* As filter-anisotropic.glsl reads them: x, y, the weight's bits, and where a sector begins. */
+static void hold_taps(struct gles_filter_job *j, float radius)
+{
+	struct gles_filters *f = &j->d->filters;
+	if (f->taps.name && f->taps_radius == radius)
+		return;
+	struct anisotropic_pass p = { .reach = anisotropic_reach(radius) };
+	p.pitch = 2 * p.reach + 1;
+	g_autoptr(GArray) taps = anisotropic_taps(&p, radius);
+	size_t count = MAX(taps->len, G_N_ELEMENTS(p.first));
+	g_autofree int32_t(*to)[4] = g_malloc0_n(count, sizeof *to);
+	for (guint n = 0; n < taps->len; n++) {
+		int32_t side = (int32_t)p.pitch, reach = (int32_t)p.reach,
+			place = p.tap[n].offset + reach * side + reach;
+		to[n][0] = place % side - reach;
+		to[n][1] = place / side - reach;
+		memcpy(&to[n][2], &p.tap[n].weight, sizeof p.tap[n].weight);
+	}
+	for (size_t n = 0; n < G_N_ELEMENTS(p.first); n++)
+		to[n][3] = (int32_t)p.first[n];
+	if (!gles_buffer_reserve(j->d->c, &f->taps, (int64_t)(count * sizeof *to),
+		    "the places of a filter", &j->error))
+		return;
+	j->d->c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, f->taps.name);
+	j->d->c->gl.BufferSubData(
+		GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof *to), to);
+	f->taps_radius = radius;
+}
+
+static void anisotropic(struct gles_filter_job *j, const struct step *s)
+{
+	const struct anisotropic_step *k = &s->anisotropic;
+	_Static_assert(ANISOTROPIC_WAYS == 48 && ANISOTROPIC_LENGTHS == 8,
+		"as filter-anisotropic.glsl has it");
+	hold_taps(j, fmaxf(k->radius_px * j->px, 1));
+	for (int n = 0; n < (int)k->passes; n++) {
+		struct gles_pass p = { .use = GLES_FILTER_ANISOTROPIC,
+			.plane = { 0, 0, gles_flow_find(j, k->tensor_px),
+				j->d->filters.taps.name },
+			.by = { { k->stretch, k->sharpness } },
+			.whole = { { (int32_t)((j->image.width + 1) / 2) } } };
+		gles_pass_run(j, &p);
+		gles_filter_finish(j, k->where, k->passes, (float)n);
+	}
+}
+
+enum { BILATERAL_TO_LAB, BILATERAL_ACROSS, BILATERAL_DOWN, BILATERAL_OF_LAB };
+
+static void bilateral(struct gles_filter_job *j, const struct step *s)
+{
+	const struct bilateral_step *k = &s->bilateral;
+	float weight[BILATERAL_RADIUS_MOST + 1];
+	uint32_t radius = bilateral_weigh(fmaxf(k->sigma_px * j->px, 0.5f), weight);
+	GLuint one = gles_filter_plane(j, 0, 3), other = gles_filter_plane(j, 1, 3);
+	struct gles_pass p = { .use = GLES_FILTER_BILATERAL,
+		.mode = BILATERAL_TO_LAB,
+		.plane = { other, one },
+		.by = { { 0.5f / (k->sigma_tone * k->sigma_tone) } },
+		.whole = { { (int32_t)radius } } };
+	for (uint32_t n = 0; n <= radius; n++)
+		p.by[1 + n / 4][n % 4] = weight[n];
+	gles_pass_run(j, &p);
+	for (int n = 0; n < (int)k->passes; n++)
+		for (int down = 0; down < 2; down++) {
+			p.mode = down ? BILATERAL_DOWN : BILATERAL_ACROSS;
+			p.plane[0] = down ? other : one;
+			p.plane[1] = down ? one : other;
+			gles_pass_run(j, &p);
+		}
+	p.mode = BILATERAL_OF_LAB;
+	p.plane[0] = one;
+	gles_pass_run(j, &p);
+	gles_filter_finish(j, k->where, 1, 0);
+}
+
+static void gaussian(struct gles_filter_job *j, const struct step *s)
+{
+	gles_blur_run(j, &(struct gles_blur){ .channels = 4 }, s->gaussian.sigma_px * j->px);
+	gles_filter_finish(j, s->gaussian.where, 1, 0);
+}
+
+static void gaps(struct gles_filter_job *j, const struct step *s)
+{
+	struct gles_pass p = { .use = GLES_FILTER_GAPS,
+		.plane = { 0, gles_filter_plane(j, 0, 1) },
+		.whole = { { gaps_radius(&s->gaps, j->px, j->spacing_px) } } };
+	gles_pass_run(j, &p);
+	gles_filter_take(j, j->image.depth, 0);
+	gles_filter_swap(&j->image);
+}
+
+static void flow(struct gles_filter_job *j, const struct step *s)
+{
+	const struct flow_step *k = &s->flow;
+	float across = k->across_px * j->px;
+	struct gles_trace t = { .flow = gles_flow_find(j, k->tensor_px), .is_pixels = true };
+	if (across >= 0.3f) {
+		t.to = gles_filter_plane(j, 3, 1);
+		t.is_across = true;
+		t.sigma = across;
+		gles_trace_run(j, &t);
+		t.from = t.to;
+		t.to = 0;
+		t.is_across = false;
+	}
+	t.sigma = fmaxf(k->length_px * j->px / 2, 0.5f);
+	gles_trace_run(j, &t);
+	gles_filter_finish(j, k->where, 1, 0);
+}
+
+/* ---- tones and lines ---- */
+
+static void quantise(struct gles_filter_job *j, const struct step *s)
+{
+	const struct quantise_step *k = &s->quantise;
+	struct gles_pass p = { .use = GLES_FILTER_BILATERAL, .mode = BILATERAL_TO_LAB };
+	if (k->by == QUANTISE_LIGHTNESS) {
+		p.plane[1] = gles_filter_plane(j, 0, 3);
+		gles_pass_run(j, &p);
+	}
+	p.use = GLES_FILTER_QUANTISE;
+	p.mode = k->by;
+	p.plane[0] = p.plane[1];
+	p.by[0][0] = rintf(k->levels);
+	p.by[0][1] = k->softness;
+	gles_pass_run(j, &p);
+	gles_filter_finish(j, k->where, 1, 0);
+}
+
+enum { DOG_COMBINE, DOG_DRAW };
+
+static void dog_numbers(const struct dog_step *k, struct gles_pass *ret)
+{
+	*ret = (struct gles_pass){ .use = GLES_FILTER_DOG,
+		.mode = DOG_DRAW,
+		.by = { { k->sharpness, k->threshold, k->contrast, k->opacity } },
+		.whole = { { k->flow_px > 0, k->alone } },
+		.where = k->where };
+	set_colour(ret->by[1], k->colour);
+}
+
+/* Into the returned plane: 5. */
+static GLuint dog_along(
+	struct gles_filter_job *j, const struct dog_step *k, float sigma, GLuint lightness)
+{
+	struct gles_pass p;
+	GLuint fine = gles_filter_plane(j, 3, 1), coarse = gles_filter_plane(j, 5, 1),
+	       difference = gles_filter_plane(j, 7, 1);
+	struct gles_trace t = { .flow = gles_flow_find(j, 2 * k->sigma_px + 1),
+		.from = lightness,
+		.to = fine,
+		.is_across = true,
+		.sigma = sigma };
+	gles_trace_run(j, &t);
+	t.to = coarse;
+	t.sigma = sigma * k->ratio;
+	gles_trace_run(j, &t);
+	dog_numbers(k, &p);
+	p.mode = DOG_COMBINE;
+	p.plane[0] = fine;
+	p.plane[1] = coarse;
+	p.plane[3] = difference;
+	gles_pass_run(j, &p);
+	t = (struct gles_trace){ .flow = t.flow,
+		.from = difference,
+		.to = coarse,
+		.sigma = fmaxf(k->flow_px * j->px, 0.5f) };
+	gles_trace_run(j, &t);
+	return coarse;
+}
+
+static void dog(struct gles_filter_job *j, const struct step *s)
+{
+	const struct dog_step *k = &s->dog;
+	float sigma = fmaxf(k->sigma_px * j->px, 0.3f);
+	uint32_t width = j->image.width, height = j->image.height;
+	GLuint solid = gles_solidity(j, 6), lightness = gles_lightness(j, 4);
+	struct gles_pass p;
+	dog_numbers(k, &p);
+	if (k->flow_px > 0) {
+		p.plane[0] = dog_along(j, k, sigma, lightness);
+	} else {
+		GLuint fine = gles_filter_plane(j, 0, 1), coarse = gles_filter_plane(j, 1, 1);
+		struct gles_blur b = { lightness, fine, width, height, 1, 2 };
+		gles_blur_run(j, &b, sigma);
+		b.to = coarse;
+		gles_blur_run(j, &b, sigma * k->ratio);
+		p.plane[0] = fine;
+		p.plane[1] = coarse;
+	}
+	p.plane[2] = solid;
+	gles_pass_run(j, &p);
+	if (k->alone)
+		gles_filter_finish(j, k->where, 1, 0);
+	else
+		gles_filter_swap(&j->image);
+}
+
+enum { EDGES_FIND, EDGES_LINK, EDGES_THIN, EDGES_WIDEN, EDGES_DRAW };
+
+static void edges(struct gles_filter_job *j, const struct step *s)
+{
+	const struct edges_step *k = &s->edges;
+	uint32_t width = j->image.width, height = j->image.height;
+	GLuint sway[2] = { 0 }, solid, one, other, linked;
+	for (uint32_t n = 0; n < 2 && k->wobble_px > 0; n++)
+		sway[n] = gles_noise(j, 4 + n, 40 * j->px, 71 + n);
+	solid = gles_solidity(j, 3);
+	one = gles_filter_plane(j, 0, 1);
+	other = gles_filter_plane(j, 1, 1);
+	linked = gles_filter_plane(j, 6, 1);
+	struct gles_pass p = { .use = GLES_FILTER_EDGES,
+		.mode = EDGES_FIND,
+		.by = { { k->depth,
+			k->bend_deg > 0 ? cosf(k->bend_deg * (float)(G_PI / 180)) : 2, k->opacity,
+			k->wobble_px * j->px } },
+		.whole = { { (int32_t)floorf(fmaxf(k->width_px * j->px, 0.5f) / 2), k->segments } },
+		.plane = { 0, one, solid, j->image.surface->name },
+		.where = k->where };
+	set_colour(p.by[1], k->colour);
+	gles_pass_run(j, &p);
+	p.mode = EDGES_LINK;
+	p.plane[0] = one;
+	p.plane[1] = linked;
+	gles_pass_run(j, &p);
+	gles_blur_run(
+		j, &(struct gles_blur){ linked, other, width, height, 1, 2 }, 5 * j->px);
+	p.mode = EDGES_THIN;
+	p.plane[0] = linked;
+	p.plane[1] = other;
+	p.plane[3] = one;
+	gles_pass_run(j, &p);
+	p.mode = EDGES_WIDEN;
+	p.plane[0] = one;
+	p.plane[1] = other;
+	gles_pass_run(j, &p);
+	/* Soft by half a pixel; what is thinner than a pixel is fainter. */
+	gles_blur_run(j, &(struct gles_blur){ other, one, width, height, 1, 2 }, 0.6f);
+	p.mode = EDGES_DRAW;
+	p.plane[1] = sway[0];
+	p.plane[3] = sway[1];
+	gles_pass_run(j, &p);
+	gles_filter_swap(&j->image);
+}
+
+/* ---- paint and pencil ---- */
+
+enum { WATERCOLOUR_WOBBLE, WATERCOLOUR_PAINT };
+
+static void watercolour(struct gles_filter_job *j, const struct step *s)
+{
+	const struct watercolour_step *k = &s->watercolour;
+	uint32_t width = j->image.width, height = j->image.height;
+	GLuint wobbled = gles_filter_plane(j, 0, 1), edge = gles_filter_plane(j, 2, 1),
+	       smooth = gles_filter_plane(j, 1, 1), more[2] = { 0 };
+	struct gles_pass p = { .use = GLES_FILTER_WATERCOLOUR,
+		.mode = WATERCOLOUR_WOBBLE,
+		.to = wobbled,
+		.by = { { k->wobble_px * j->px, k->darkening, k->turbulence, k->dispersion },
+			{ k->grain } } };
+	p.plane[0] = gles_noise(j, 3, 18 * j->px, 11);
+	p.plane[1] = gles_noise(j, 4, 18 * j->px, 12);
+	p.plane[3] = edge;
+	if (k->turbulence > 0)
+		more[0] = gles_noise(j, 5, k->turbulence_px * j->px, 31);
+	if (k->dispersion > 0)
+		more[1] = gles_noise(j, 6, 5 * j->px, 57);
+	gles_pass_run(j, &p);
+	gles_blur_run(
+		j, &(struct gles_blur){ edge, smooth, width, height, 1, 7 }, 1.2f * j->px);
+	p.mode = WATERCOLOUR_PAINT;
+	p.from = wobbled;
+	p.to = 0;
+	p.plane[0] = smooth;
+	p.plane[1] = more[0];
+	p.plane[3] = more[1];
+	gles_pass_run(j, &p);
+	gles_filter_swap(&j->image);
+}
+
+static void oil(struct gles_filter_job *j, const struct step *s)
+{
+	const struct oil_step *k = &s->oil;
+	float width = fmaxf(k->width_px * j->px, 1.2f);
+	struct gles_pass p = { .use = GLES_FILTER_OIL,
+		.by = { { k->relief, k->shine, k->variation, k->canvas } } };
+	struct gles_trace t = { .flow = gles_flow_find(j, k->tensor_px),
+		.from = gles_noise(j, 3, width, 5),
+		.to = gles_filter_plane(j, 4, 1),
+		.by = TRACE_NOISE,
+		.sigma = fmaxf(k->length_px * j->px / 2, 1) };
+	gles_trace_run(j, &t);
+	p.plane[0] = t.to;
+	gles_pass_run(j, &p);
+	gles_filter_swap(&j->image);
+}
+
+/* Where filter-pencil.glsl has them. */
+enum { PENCIL_EYE = 8, PENCIL_PARAMETERS = 80 };
+
+static void pencil(struct gles_filter_job *j, const struct step *s)
+{
+	const struct pencil_step *k = &s->pencil;
+	struct pencil_layer layer[PENCIL_LAYERS_MOST];
+	struct gles_pass p = { .use = GLES_FILTER_PENCIL };
+	int layers = pencil_layers(k, j->f, layer);
+	p.whole[0][0] = layers;
+	for (int n = 0; n < layers; n++) {
+		int at = PENCIL_EYE + n * FILTER_NOISE_OCTAVES / 4;
+		memcpy(p.by[n], layer[n].across, sizeof layer[n].across);
+		memcpy(p.by[at], layer[n].eye, sizeof layer[n].eye);
+		memcpy(p.whole[at], layer[n].eye_whole, sizeof layer[n].eye_whole);
+	}
+	float *rule = p.by[PENCIL_PARAMETERS];
+	rule[0] = k->spacing_px;
+	rule[1] = k->width_px;
+	rule[2] = k->wobble_px;
+	rule[3] = k->pressure;
+	p.by[PENCIL_PARAMETERS + 1][0] = k->own_colour;
+	set_colour(p.by[PENCIL_PARAMETERS + 2], k->colour);
+	p.plane[0] = gles_lightness(j, 0);
+	p.plane[1] = gles_noise(j, 1, 45 * j->px, 17);
+	p.plane[2] = gles_noise(j, 2, 60 * j->px, 23);
+	p.plane[3] = j->image.surface->name;
+	gles_pass_run(j, &p);
+	gles_filter_swap(&j->image);
+}
+
+/* ---- by pixels alone ---- */
+
+static void grade(struct gles_filter_job *j, const struct step *s)
+{
+	const struct grade_step *k = &s->grade;
+	struct grade_tables t;
+	struct gles_pass p = { .use = GLES_FILTER_GRADE,
+		.by = { [3] = { k->saturation, k->warmth, k->tint_amount, k->segments } } };
+	grade_tables_make(k, &t);
+	for (int n = 0; n < 3; n++) {
+		memcpy(p.by[n], t.turn[n], sizeof t.turn[n]);
+		p.by[4][n] = (float)k->tint[n] / 255;
+	}
+	memcpy(p.by[8], t.curve, sizeof t.curve);
+	p.plane[3] = j->image.surface->name;
+	gles_pass_run(j, &p);
+	gles_filter_finish(j, k->where, 1, 0);
+}
+
+/* ---- by depths ---- */
+
+enum { WARP_COLOURS, WARP_NUMBERS };
+
+static void warp_numbers(
+	struct gles_filter_job *j, struct gles_pass *p, struct gles_buffer *b, uint32_t floats)
+{
+	if (!b)
+		return;
+	p->whole[0][0] = (int32_t)floats;
+	p->plane[0] = b->name;
+	p->plane[1] = gles_filter_plane(j, 1, floats);
+	gles_pass_run(j, p);
+	gles_filter_take(j, b, 1);
+}
+
+static void warp(struct gles_filter_job *j, const struct step *s)
+{
+	struct warp_wave w = warp_wave_of(&s->warp, j->px, j->time_s);
+	struct gles_pass p = { .use = GLES_FILTER_WARP,
+		.mode = WARP_COLOURS,
+		.plane = { 0, gles_filter_plane(j, 0, 1) },
+		.by = { { w.wave[0], w.wave[1], w.way[0], w.way[1] }, { w.amplitude, w.phase } } };
+	gles_pass_run(j, &p);
+	p.mode = WARP_NUMBERS;
+	warp_numbers(j, &p, j->image.surface, 4);
+	warp_numbers(j, &p, j->image.grey, 1);
+	gles_filter_take(j, j->image.depth, 0);
+	gles_filter_swap(&j->image);
+}
+
+enum { SHADE_CORNERS, SHADE_DOME, SHADE_DARKEN };
+
+static void darken(struct gles_filter_job *j, GLuint by)
+{
+	struct gles_pass p = {
+		.use = GLES_FILTER_SHADE, .mode = SHADE_DARKEN, .plane = { by }
+	};
+	gles_pass_run(j, &p);
+	gles_filter_swap(&j->image);
+}
+
+static void occlusion(struct gles_filter_job *j, const struct step *s)
+{
+	float ways[OCCLUSION_TURNS][OCCLUSION_RING][2];
+	GLuint shade = gles_filter_plane(j, 0, 1), smooth = gles_filter_plane(j, 1, 1);
+	struct gles_pass p = { .use = GLES_FILTER_SHADE,
+		.mode = SHADE_CORNERS,
+		.plane = { 0, shade },
+		.by = { { s->occlusion.radius_m, s->occlusion.strength } } };
+	_Static_assert(sizeof ways <= sizeof p.by - sizeof p.by[0], "there is room for them");
+	occlusion_ways(ways);
+	memcpy(p.by[1], ways, sizeof ways);
+	gles_pass_run(j, &p);
+	gles_blur_run(j,
+		&(struct gles_blur){ shade, smooth, j->image.width, j->image.height, 1, 2 }, 2);
+	darken(j, smooth);
+}
+
+static void edl(struct gles_filter_job *j, const struct step *s)
+{
+	int ring[EDL_AROUND][2];
+	GLuint shade = gles_filter_plane(j, 0, 1);
+	struct gles_pass p = { .use = GLES_FILTER_SHADE,
+		.mode = SHADE_DOME,
+		.plane = { 0, shade },
+		.by = { { s->edl.strength, (float)j->f->camera.far_m } } };
+	edl_ring(s->edl.radius_px * j->px, ring);
+	for (int n = 0; n < EDL_AROUND; n++)
+		memcpy(p.whole[n], ring[n], sizeof ring[n]);
+	gles_pass_run(j, &p);
+	darken(j, shade);
+}
+
+/* ---- networks run on the processor ---- */
+
+static void neural(struct gles_filter_job *j, const struct step *s)
+{
+	const struct gles_filter_image *i = &j->image;
+	size_t pixels = (size_t)i->width * i->height;
+	filter_room room = { 0 };
+	g_autofree uint8_t(*rgba)[4] = g_malloc_n(pixels, sizeof *rgba),
+			 (*spare)[4] = g_malloc_n(pixels, sizeof *spare);
+	g_autofree float *away = i->away ? g_new(float, pixels) : NULL;
+	struct filter_job on = { .f = j->f,
+		.room = &room,
+		.lanes = j->f->lanes,
+		.px = j->px,
+		.image = { .width = i->width,
+			.height = i->height,
+			.left = i->left,
+			.top = i->top,
+			.rgba = rgba,
+			.spare = spare,
+			.away = away,
+			.paper = j->paper } };
+	if (gles_buffer_read(j->d->c, i->pixels, pixels * 4, rgba, &j->error) &&
+		(!away || gles_buffer_read(j->d->c, i->away, pixels * 4, away, &j->error))) {
+		filter_neural(&on, s);
+		gles_buffer_write(j->d->c, i->pixels, on.image.rgba, pixels * 4, &j->error);
+	}
+	filter_room_clear(&room);
+}
+
+/* ---- the table ---- */
+
+static const struct row {
+	const char *name;
+	run_kind *run;
+} rows[] = {
+	{ "kuwahara", kuwahara },
+	{ "anisotropic-kuwahara", anisotropic },
+	{ "bilateral", bilateral },
+	{ "gaussian", gaussian },
+	{ "gaps", gaps },
+	{ "quantise", quantise },
+	{ "dog", dog },
+	{ "edges", edges },
+	{ "watercolour", watercolour },
+	{ "flow", flow },
+	{ "oil", oil },
+	{ "pencil", pencil },
+	{ "grade", grade },
+	{ "warp", warp },
+	{ "occlusion", occlusion },
+	{ "edl", edl },
+	{ "neural", neural },
+};
+
+void gles_filter_run(struct gles_filter_job *j, const struct step *s)
+{
+	gles_draw_bind_texture(j->d, 2, GL_TEXTURE_2D, j->d->layers.relief);
+	gles_draw_bind_texture(j->d, 5, GL_TEXTURE_2D, j->d->srgb);
+	for (size_t n = 0; n < G_N_ELEMENTS(rows); n++)
+		if (!frame_is_stopped(j->f) && !j->error &&
+			strcmp(rows[n].name, s->kind->name) == 0)
+			rows[n].run(j, s);
+}
+
+/* ---- for tests ---- */
+
+static bool upload(
+	gles_draw *d, struct gles_buffer *b, const void *from, size_t bytes, GError **error)
+{
+	return gles_buffer_reserve(d->c, b, (int64_t)bytes, "a picture", error) &&
+	       (!from || gles_buffer_write(d->c, b, from, bytes, error));
+}
+
+/* NULL: there is none. */
+static float *surface_of(const struct filter_image *i)
+{
+	size_t pixels = filter_pixels(i);
+	float *ret = i->normal ? g_new(float, 4 * pixels) : NULL;
+	for (size_t at = 0; ret && at < pixels; at++) {
+		memcpy(ret + 4 * at, i->normal[at], sizeof *i->normal);
+		ret[4 * at + 3] = i->leaf[at];
+	}
+	return ret;
+}
+
+bool gles_filter_picture(gles_draw *d, const struct filter_job *j, gles_filter_try *run,
+	const void *data, GError **error)
+{
+	const struct filter_image *i = &j->image;
+	size_t bytes = filter_pixels(i) * 4;
+	g_autofree float *surface = surface_of(i);
+	struct gles_buffer pixels = { 0 }, spare = { 0 }, depth = { 0 }, away = { 0 },
+			   normals = { 0 }, grey = { 0 };
+	struct gles_filter_job on = { .d = d,
+		.f = j->f,
+		.px = j->px,
+		.spacing_px = j->spacing_px,
+		.time_s = j->time_s,
+		.image = { i->width, i->height, i->left, i->top, &pixels, &spare, &depth,
+			surface ? &normals : NULL, i->away ? &away : NULL, &grey } };
+	memcpy(on.paper, i->paper, 3);
+	bool good = gles_draw_hold(d, j->f, error) &&
+		    upload(d, &pixels, i->rgba, bytes, error) &&
+		    upload(d, &spare, NULL, bytes, error) &&
+		    upload(d, &depth, i->depth_m, bytes, error) &&
+		    (!surface || upload(d, &normals, surface, 4 * bytes, error)) &&
+		    (!i->away || upload(d, &away, i->away, bytes, error)) &&
+		    upload(d, &grey, NULL, bytes, error);
+	if (good)
+		run(&on, data);
+	if (on.error)
+		g_propagate_error(error, on.error);
+	good = good && !on.error && gles_buffer_read(d->c, &pixels, bytes, i->rgba, error) &&
+	       gles_buffer_read(d->c, &depth, bytes, i->depth_m, error);
+	struct gles_buffer *all[] = { &pixels, &spare, &depth, &away, &normals, &grey };
+	for (size_t n = 0; n < G_N_ELEMENTS(all); n++)
+		gles_buffer_clear(d->c, all[n]);
+	return good;
+}

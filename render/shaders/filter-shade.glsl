@@ -1,0 +1,58 @@
+#version 310 es
+/* Shade in corners, or eye-dome lighting, into plane b; or plane a darkens pixels. by, of shade: radius_m, strength; then ways of sixteen
+ * turns, two in one. Of the dome: strength, far_m. whole, of the dome: its ring. */
+const int CORNERS = 0, DOME = 1, RING = 12, DOME_RING = 8;
+const float REACH_MOST_PX = 120.0, BEFORE_LEAST = 0.08;
+
+float corners(ivec2 p)
+{
+	float here = depths[at_of(p)], radius_m = by[0].x, sum = 0.0;
+	if (here >= FAR)
+		return 1.0;
+	float reach = min(radius_m * lens.x / here, REACH_MOST_PX * bare.a);
+	int turned = (p.x & 3) | (p.y & 3) << 2;
+	for (int n = 0; n < RING; n++) {
+		float reached = reach * (float(n * 5 % RING) + 1.0) / float(RING);
+		int entry = turned * RING + n;
+		vec4 ways = by[1 + (entry >> 1)];
+		ivec2 step = ivec2(roundEven(((entry & 1) != 0 ? ways.zw : ways.xy) * reached));
+		float both = 0.0;
+		for (int side = -1; side <= 1; side += 2) {
+			float there = depths[at_of(inside(p + side * step))];
+			float before = there >= FAR ? -radius_m : here - there;
+			if (before > radius_m)
+				before = max(2.0 * radius_m - before, 0.0);
+			both += max(before, -radius_m);
+		}
+		float part = both / (2.0 * radius_m) - BEFORE_LEAST * reached / max(reach, 1.0);
+		sum += part > 0.0 ? min(part * 4.0, 1.0) : 0.0;
+	}
+	return exp(-1.6 * by[0].y * sum / float(RING));
+}
+
+float deep(ivec2 p)
+{
+	return log2(min(depths[at_of(inside(p))], by[0].y));
+}
+
+float dome(ivec2 p)
+{
+	float here = deep(p), sum = 0.0;
+	for (int n = 0; n < DOME_RING; n++)
+		sum += max(here - deep(p + whole[n].xy), 0.0);
+	return exp(-300.0 * 0.1 * by[0].x * sum / float(DOME_RING));
+}
+
+void main()
+{
+	ivec2 p;
+	if (!is_here(p))
+		return;
+	int at = at_of(p);
+	if (extent.z == CORNERS)
+		b[at] = corners(p);
+	else if (extent.z == DOME)
+		b[at] = dome(p);
+	else
+		spare[at] = rgba_of(rgb_of(pixels[at]) * (depths[at] < FAR ? a[at] : 1.0));
+}
