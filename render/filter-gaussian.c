@@ -16,7 +16,11 @@ struct closing {
 	struct filter_image *image;
 	int radius;
 	float *depth_m; /* as it becomes */
+	/* Of blocks of pixels: whether something is in them; and in any that a gap in them is closed by. */
+	uint32_t across, down;
+	uint8_t *there, *near;
 };
+#define BLOCK 8
 
 struct around {
 	float rgb[3], depth_m, weight;
@@ -43,6 +47,34 @@ static void add_around(const struct closing *c, int x, int y, int dx, int dy, st
 /* What has something on most sides is a gap; what lies beside a thing is not. */
 #define SIDES_LEAST 6
 
+static void there_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct closing *c = data;
+	const struct filter_image *i = c->image;
+	memset(c->there + (size_t)from * c->across, 0, (size_t)(end - from) * c->across);
+	for (uint32_t y = from * BLOCK; y < MIN(end * BLOCK, i->height); y++) {
+		const float *row = i->depth_m + (size_t)y * i->width;
+		uint8_t *to = c->there + (size_t)(y / BLOCK) * c->across;
+		for (uint32_t x = 0; x < i->width; x++)
+			to[x / BLOCK] |= row[x] < FILTER_FAR;
+	}
+}
+
+static void near_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct closing *c = data;
+	int reach = (c->radius + BLOCK - 1) / BLOCK;
+	for (int y = (int)from; y < (int)end; y++)
+		for (int x = 0; x < (int)c->across; x++) {
+			uint8_t any = 0;
+			for (int b = MAX(y - reach, 0); b <= MIN(y + reach, (int)c->down - 1); b++)
+				for (int a = MAX(x - reach, 0);
+					a <= MIN(x + reach, (int)c->across - 1); a++)
+					any |= c->there[b * (int)c->across + a];
+			c->near[y * (int)c->across + x] = any;
+		}
+}
+
 static void close_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct closing *c = data;
@@ -53,7 +85,8 @@ static void close_rows(const void *data, uint32_t from, uint32_t end)
 			struct around a = { 0 };
 			memcpy(i->spare[at], i->rgba[at], 4);
 			c->depth_m[at] = i->depth_m[at];
-			if (i->depth_m[at] < FILTER_FAR)
+			if (i->depth_m[at] < FILTER_FAR ||
+				!c->near[(y / BLOCK) * c->across + x / BLOCK])
 				continue;
 			for (int dy = -c->radius; dy <= c->radius; dy++)
 				for (int dx = -c->radius; dx <= c->radius; dx++)
@@ -85,6 +118,12 @@ void filter_gaps(struct filter_job *j, const struct step *s)
 {
 	struct closing c = { &j->image, gaps_radius(&s->gaps, j->px, j->spacing_px),
 		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)) };
+	c.across = (j->image.width + BLOCK - 1) / BLOCK;
+	c.down = (j->image.height + BLOCK - 1) / BLOCK;
+	c.there = filter_room_part(j->room, 1, 2 * (size_t)c.across * c.down);
+	c.near = c.there + (size_t)c.across * c.down;
+	filter_each_rows(j, there_rows, &c, c.down, 8);
+	filter_each_rows(j, near_rows, &c, c.down, 8);
 	filter_each_rows(j, close_rows, &c, j->image.height, 16);
 	memcpy(j->image.depth_m, c.depth_m, filter_pixels(&j->image) * sizeof(float));
 	filter_swap(&j->image);
