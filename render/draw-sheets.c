@@ -1,5 +1,6 @@
 #include "render/depth-inpaint.h"
 #include "render/draw-private.h"
+#include "render/sheet-plan.h"
 #include "render/surface-pass.h"
 #include <math.h>
 #include <stdlib.h>
@@ -24,10 +25,6 @@ enum {
 };
 _Static_assert(PART_SOFT_DEPTH < FILTER_ROOM_PARTS, "a place for each");
 
-struct box {
-	uint32_t left, top, right, bottom; /* ends are beyond */
-};
-
 struct sheet_job {
 	draw_room *room;
 	const frame *f;
@@ -43,51 +40,6 @@ struct sheet_job {
 	uint8_t paper[4];
 };
 
-/* ---- what a sheet is of ---- */
-
-/* The order stays: from near to far. */
-static struct chunk_view *views_of_sheet(const frame *f, const struct chunk_view *all,
-	uint32_t count, uint32_t sheet, uint32_t *ret_count)
-{
-	struct chunk_view *ret = g_new(struct chunk_view, count + 1);
-	*ret_count = 0;
-	for (uint32_t n = 0; n < count; n++)
-		if (f->sheet_of[all[n].pipeline] == sheet)
-			ret[(*ret_count)++] = all[n];
-	return ret;
-}
-
-static uint32_t ink_reach(const frame *f, uint32_t sheet)
-{
-	float reach = 1;
-	for (uint32_t n = 0; n < f->layers; n++)
-		if (f->sheet_of[f->layer[n].pipeline] == sheet)
-			reach = fmaxf(
-				reach, f->layer[n].step->kind->radius_px(f->layer[n].step->bytes) *
-						       f->ink_px * fmaxf(f->layer[n].ink.grow, 1) +
-					       1);
-	return (uint32_t)fminf(reach, 1e4f);
-}
-
-static struct box box_of(
-	const frame *f, const struct chunk_view *views, uint32_t count, float reach)
-{
-	float low[2] = { 1e9f, 1e9f }, high[2] = { -1e9f, -1e9f };
-	const float size[2] = { (float)f->camera.width, (float)f->camera.height };
-	for (uint32_t n = 0; n < count; n++)
-		for (int k = 0; k < 2; k++) {
-			low[k] = fminf(low[k], views[n].low_px[k] - views[n].margin_px);
-			high[k] = fmaxf(high[k], views[n].high_px[k] + views[n].margin_px);
-		}
-	struct box b = { 0 };
-	uint32_t *from[2] = { &b.left, &b.top }, *end[2] = { &b.right, &b.bottom };
-	for (int k = 0; k < 2; k++) {
-		*from[k] = (uint32_t)CLAMP(low[k] - reach, 0, size[k]);
-		*end[k] = (uint32_t)CLAMP(ceilf(high[k] + reach), 0, size[k]);
-	}
-	return b;
-}
-
 /* ---- a sheet as a picture with depths ---- */
 
 /* As far as it was: what the mask pushed it back is taken away again. */
@@ -95,8 +47,8 @@ static float depth_of(const frame *f, int32_t key)
 {
 	if (key >= MASK_EMPTY)
 		return FILTER_FAR;
-	const struct mask_step *m = &frame_pipeline(f, key & 255)->mask;
-	return (mask_depth(key) - m->offset_m) / (1 + m->offset_relative);
+	struct sheet_depth d = sheet_depth_of(f, (uint32_t)key & 255);
+	return (mask_depth(key) - d.offset_m) / d.per;
 }
 
 static void take_depths(const frame *f, const visibility_mask *m, float *to)
@@ -134,7 +86,7 @@ static void take_away(struct filter_job *j, const visibility_mask *m)
 }
 
 /* The part of a plane of the whole picture that is in the box. */
-static void cut(const void *from, void *to, size_t bytes, uint32_t width, const struct box *b)
+static void cut(const void *from, void *to, size_t bytes, uint32_t width, const struct sheet_box *b)
 {
 	size_t row = (b->right - b->left) * bytes;
 #pragma omp parallel for
@@ -143,7 +95,7 @@ static void cut(const void *from, void *to, size_t bytes, uint32_t width, const 
 			(const char *)from + ((size_t)y * width + b->left) * bytes, row);
 }
 
-static struct filter_job job_of(struct sheet_job *s, const struct box *b)
+static struct filter_job job_of(struct sheet_job *s, const struct sheet_box *b)
 {
 	struct filter_job j = { .f = s->f,
 		.room = &s->room->filters,
@@ -174,9 +126,6 @@ struct merging {
 	int32_t by;
 };
 
-/* Of the largest change of a channel, the least that covers what is behind it. */
-#define COVERS 80
-
 static int change_of(const struct sheet_job *s, const uint8_t rgba[4])
 {
 	int most = 0;
@@ -189,7 +138,7 @@ static int change_of(const struct sheet_job *s, const uint8_t rgba[4])
  * hide what is behind the thing. */
 static bool is_soft(const struct sheet_job *s, const struct filter_image *i, size_t at)
 {
-	return i->depth_m[at] >= FILTER_FAR && change_of(s, i->rgba[at]) < COVERS;
+	return i->depth_m[at] >= FILTER_FAR && change_of(s, i->rgba[at]) < SHEET_COVERS;
 }
 
 /* Without the paper, and how much it covers. */
@@ -200,10 +149,11 @@ static void put_soft(const struct sheet_job *s, const struct filter_image *i, si
 	if (!change || depth_m >= s->soft_depth_m[to])
 		return;
 	for (int k = 0; k < 3; k++) {
-		int full = s->paper[k] + ((int)i->rgba[at][k] - (int)s->paper[k]) * COVERS / change;
+		int full = s->paper[k] +
+			   ((int)i->rgba[at][k] - (int)s->paper[k]) * SHEET_COVERS / change;
 		s->soft[to][k] = (uint8_t)CLAMP(full, 0, 255);
 	}
-	s->soft[to][3] = (uint8_t)(change * 255 / COVERS);
+	s->soft[to][3] = (uint8_t)(change * 255 / SHEET_COVERS);
 	s->soft_depth_m[to] = depth_m;
 }
 
@@ -239,7 +189,7 @@ static void merge_rows(const void *data, uint32_t from, uint32_t end)
 
 /* The same of a sheet that nothing filters, as it was drawn. */
 static void merge_drawn(
-	struct sheet_job *s, const struct box *b, const struct picture_buffer *drawn)
+	struct sheet_job *s, const struct sheet_box *b, const struct picture_buffer *drawn)
 {
 	const visibility_mask *m = s->room->mask;
 #pragma omp parallel for num_threads((int)frame_threads(s->f))
@@ -269,91 +219,41 @@ static void grey_rows(const void *data, uint32_t from, uint32_t end)
 			depth_inpaint_grey(i->depth_m[at] < FILTER_FAR ? i->rgba[at] : i->paper);
 }
 
-/* What the style leaves to us. Filters draw as far beside things as they reach, at most, and what they draw there must find a depth across
- * the gaps between points; but where other segments are all around, a wide circle would take depths of other parts of a thing. */
-#define THRESHOLD    0.03f
-#define RADIUS_MOST  12
-#define RADIUS_CLOSE 0.5f /* of it, where all is close to other sheets */
-static float spacing_px(const frame *f, const struct chunk_view *views, uint32_t count)
-{
-	double sum = 0, points = 0;
-	for (uint32_t n = 0; n < count; n++) {
-		const struct chunk_view *v = &views[n];
-		double middle_m = ((double)v->near_m + (double)v->far_m) / 2;
-		sum += (double)v->chunk->count * (double)v->chunk->spacing_most_m *
-		       f->camera.focal_px / MAX(middle_m, 1e-3);
-		points += v->chunk->count;
-	}
-	return points > 0 ? (float)(sum / points) : 0;
-}
-
-/* The part of the chunks in whose boxes on the screen, and in depth, others of another sheet are. */
-static float overlap_of(
-	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
-{
-	enum { SIDE = 64, DEEP = 24 };
-	g_autofree uint64_t *own = g_new0(uint64_t, SIDE * SIDE),
-			    *other = g_new0(uint64_t, SIDE * SIDE);
-	for (uint32_t n = 0; n < count; n++) {
-		const struct chunk_view *v = &all[n];
-		uint64_t *to = f->sheet_of[v->pipeline] == sheet ? own : other;
-		float size[2] = { (float)f->camera.width, (float)f->camera.height };
-		uint32_t low[2], high[2];
-		for (int k = 0; k < 2; k++) {
-			low[k] = (uint32_t)(CLAMP(v->low_px[k] / size[k], 0, 0.999f) * SIDE);
-			high[k] = (uint32_t)(CLAMP(v->high_px[k] / size[k], 0, 0.999f) * SIDE);
-		}
-		int from = (int)CLAMP(4 * log2f(v->near_m + 1), 0, DEEP - 1),
-		    end = (int)CLAMP(4 * log2f(v->far_m + 1), 0, DEEP - 1);
-		uint64_t deep = ((uint64_t)2 << end) - ((uint64_t)1 << from);
-		for (uint32_t y = low[1]; y <= high[1]; y++)
-			for (uint32_t x = low[0]; x <= high[0]; x++)
-				to[y * SIDE + x] |= deep;
-	}
-	uint32_t cells = 0, shared = 0;
-	for (uint32_t n = 0; n < SIDE * SIDE; n++) {
-		cells += (uint32_t)__builtin_popcountll(own[n]);
-		shared += (uint32_t)__builtin_popcountll(own[n] & other[n]);
-	}
-	return cells ? (float)shared / (float)cells : 0;
-}
-
 /* ---- a sheet ---- */
 
-static bool draw_sheet(struct sheet_job *s, const struct chunk_view *views, uint32_t count,
-	const struct box *b, struct picture_buffer *to)
+static bool draw_sheet(struct sheet_job *s, const struct sheet_plan *p, struct picture_buffer *to)
 {
 	draw_room *r = s->room;
 	struct draw_job j = { .f = s->f,
 		.to = to,
-		.views = views,
-		.count = count,
+		.views = p->views,
+		.count = p->count,
 		.flat = true,
 		.lists = r->lists,
-		.first_row = b->top,
-		.end_row = b->bottom };
-	j.mask = r->mask = visibility_mask_renew(r->mask, s->f, views, count);
+		.first_row = p->box.top,
+		.end_row = p->box.bottom };
+	j.mask = r->mask = visibility_mask_renew(r->mask, s->f, p->views, p->count);
 	s->t.chunks_hidden += r->mask->chunks_hidden;
 	s->t.mask_s += draw_lap(&s->since_us);
 	if (frame_is_stopped(s->f))
 		return false;
 	r->of_layer = stroke_room_fill_some(
-		r->strokes, s->f, j.mask, views, count, frame_layers_over(s->f, false));
+		r->strokes, s->f, j.mask, p->views, p->count, frame_layers_over(s->f, false));
 	s->t.choose_s += draw_lap(&s->since_us);
 	for (uint32_t n = 0; n < s->f->layers; n++) {
 		band_lists_fill(&r->lists[n], &r->of_layer[n], to->height, s->f->single_thread);
 		s->t.strokes += r->of_layer[n].count;
 	}
 	s->t.bin_s += draw_lap(&s->since_us);
-	if (b->bottom > b->top)
+	if (p->box.bottom > p->box.top)
 		draw_bands(r, &j);
 	s->t.draw_s += draw_lap(&s->since_us);
 	return !frame_is_stopped(s->f);
 }
 
 /* Normals and segments of the box's pixels, if anybody wants them. */
-static void take_surface(struct sheet_job *s, struct filter_job *j, const struct box *b,
-	const struct chunk_view *views, uint32_t count, float *depth_m)
+static void take_surface(
+	struct sheet_job *s, struct filter_job *j, const struct sheet_plan *p, float *depth_m)
 {
 	const frame *f = s->f;
 	size_t whole = (size_t)f->camera.width * f->camera.height,
@@ -365,50 +265,41 @@ static void take_surface(struct sheet_job *s, struct filter_job *j, const struct
 	     *leaves = filter_room_part(r, PART_LEAF, (whole + pixels) * sizeof *to.leaf);
 	to.normal = (float(*)[3])(void *)normals;
 	to.leaf = (uint16_t *)(void *)leaves;
-	surface_pass(f, s->room->mask, views, count, &to);
+	surface_pass(f, s->room->mask, p->views, p->count, &to);
 	j->image.normal = to.normal + whole;
 	j->image.leaf = to.leaf + whole;
-	cut(to.normal, j->image.normal, sizeof *to.normal, f->camera.width, b);
-	cut(to.leaf, j->image.leaf, sizeof *to.leaf, f->camera.width, b);
+	cut(to.normal, j->image.normal, sizeof *to.normal, f->camera.width, &p->box);
+	cut(to.leaf, j->image.leaf, sizeof *to.leaf, f->camera.width, &p->box);
 }
 
-static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *b,
-	const struct chunk_view *views, uint32_t count, float overlap,
-	const struct picture_buffer *drawn)
+static void filter_sheet(
+	struct sheet_job *s, const struct sheet_plan *p, const struct picture_buffer *drawn)
 {
 	const frame *f = s->f;
-	uint32_t filters;
-	const struct step *step = frame_filters(f, sheet, &filters);
-	const struct inpaint_step *by = frame_inpaint(f, sheet);
 	filter_room *r = &s->room->pictures;
-	struct filter_job j = job_of(s, b);
-	j.spacing_px = spacing_px(f, views, count);
+	struct filter_job j = job_of(s, &p->box);
+	j.spacing_px = p->spacing_px;
 	size_t pixels = filter_pixels(&j.image), whole = (size_t)f->camera.width * f->camera.height;
 	float *depth_m = filter_room_part(r, PART_INPAINTED, whole * sizeof(float));
 	take_depths(f, s->room->mask, depth_m);
-	if (s->wants_surface || filter_wants_surface(step, filters))
-		take_surface(s, &j, b, views, count, depth_m);
-	cut(depth_m, j.image.depth_m, sizeof(float), f->camera.width, b);
-	cut(drawn->rgba, j.image.rgba, 4, f->camera.width, b);
+	if (s->wants_surface || filter_wants_surface(p->steps, p->filters))
+		take_surface(s, &j, p, depth_m);
+	cut(depth_m, j.image.depth_m, sizeof(float), f->camera.width, &p->box);
+	cut(drawn->rgba, j.image.rgba, 4, f->camera.width, &p->box);
 	if (j.image.away)
 		take_away(&j, s->room->mask);
 	struct merging m = { s, &j.image, j.image.depth_m, f->drawing->composite_by };
-	struct depth_inpainting d = { .image = &j.image, .to = depth_m };
-	if (filters) {
+	if (p->filters) {
+		struct depth_inpainting d = { .image = &j.image,
+			.to = depth_m,
+			.threshold = p->threshold,
+			.radius = p->radius };
 		j.image.grey_before = filter_room_part(r, PART_GREY, pixels);
-		float radius = by->radius_px * f->px;
-		if (by->radius_px <= 0)
-			radius = fminf(2 + fmaxf((float)filter_reach(step, filters, f->px) / 2,
-						   1.5f * j.spacing_px),
-					 RADIUS_MOST) *
-				 (1 - (1 - RADIUS_CLOSE) * overlap);
-		d.radius = MAX((int)rintf(radius), 1);
-		d.threshold = by->threshold > 0 ? by->threshold : THRESHOLD;
 		filter_each_rows(&j, grey_rows, &j.image, j.image.height, 64);
 		s->t.composite_s += draw_lap(&s->since_us);
-		for (uint32_t n = 0; n < filters; n++)
-			if (step_is_filter(&step[n]))
-				filter_apply(&j, &step[n]);
+		for (uint32_t n = 0; n < p->filters; n++)
+			if (step_is_filter(&p->steps[n]))
+				filter_apply(&j, &p->steps[n]);
 		s->t.filter_s += draw_lap(&s->since_us);
 		if (m.by == COMPOSITE_INPAINTED) {
 			depth_inpaint(&j, &d);
@@ -419,29 +310,28 @@ static void filter_sheet(struct sheet_job *s, uint32_t sheet, const struct box *
 	s->t.composite_s += draw_lap(&s->since_us);
 }
 
-static bool do_sheet(
-	struct sheet_job *s, const struct chunk_view *all, uint32_t all_count, uint32_t sheet)
+static bool do_plan(struct sheet_job *s, const struct sheet_plan *p)
 {
-	const frame *f = s->f;
-	uint32_t count, filters;
-	g_autofree struct chunk_view *views = views_of_sheet(f, all, all_count, sheet, &count);
-	const struct step *step = frame_filters(f, sheet, &filters);
-	if (!count)
-		return true;
-	struct box b = box_of(
-		f, views, count, (float)(ink_reach(f, sheet) + filter_reach(step, filters, f->px)));
 	struct picture_buffer drawn = { s->to->width, s->to->height,
 		filter_room_part(
 			&s->room->pictures, PART_SHEET, (size_t)s->to->width * s->to->height * 4) };
-	if (!draw_sheet(s, views, count, &b, &drawn))
+	if (!draw_sheet(s, p, &drawn))
 		return false;
-	s->room->joined = visibility_mask_join(s->room->joined, f, s->room->mask);
-	if (!filters && !s->wants_surface)
-		merge_drawn(s, &b, &drawn);
+	s->room->joined = visibility_mask_join(s->room->joined, s->f, s->room->mask);
+	if (!p->filters && !s->wants_surface)
+		merge_drawn(s, &p->box, &drawn);
 	else
-		filter_sheet(s, sheet, &b, views, count,
-			filters ? overlap_of(f, all, all_count, sheet) : 0, &drawn);
-	return !frame_is_stopped(f);
+		filter_sheet(s, p, &drawn);
+	return !frame_is_stopped(s->f);
+}
+
+static bool do_sheet(
+	struct sheet_job *s, const struct chunk_view *all, uint32_t all_count, uint32_t sheet)
+{
+	struct sheet_plan p = sheet_plan_new(s->f, all, all_count, sheet);
+	bool going = !p.count || do_plan(s, &p);
+	sheet_plan_clear(&p);
+	return going;
 }
 
 /* ---- the picture ---- */
@@ -475,11 +365,7 @@ static void begin(struct sheet_job *s)
 	s->wants_surface =
 		filter_wants_surface(f->drawing->picture.steps, f->drawing->picture.filters);
 	s->depth_m = filter_room_part(r, PART_WHOLE_DEPTH, pixels * sizeof(float));
-	for (uint32_t n = 0; n < f->sheets; n++) {
-		uint32_t filters;
-		frame_filters(f, n, &filters);
-		s->has_soft |= filters && f->drawing->composite_by == COMPOSITE_INPAINTED;
-	}
+	s->has_soft = sheets_have_soft(f);
 	if (s->has_soft) {
 		s->soft = filter_room_part(r, PART_SOFT, pixels * sizeof *s->soft);
 		s->soft_depth_m = filter_room_part(r, PART_SOFT_DEPTH, pixels * sizeof(float));
@@ -505,9 +391,9 @@ static void begin(struct sheet_job *s)
 static void filter_whole(struct sheet_job *s, const struct chunk_view *views, uint32_t count)
 {
 	const struct pipeline *p = &s->f->drawing->picture;
-	struct box b = { 0, 0, s->to->width, s->to->height };
+	struct sheet_box b = { 0, 0, s->to->width, s->to->height };
 	struct filter_job j = job_of(s, &b);
-	j.spacing_px = spacing_px(s->f, views, count);
+	j.spacing_px = sheet_spacing_px(s->f, views, count);
 	j.image.rgba = s->to->rgba; /* where it stays, if it is swapped an even number of times */
 	j.image.depth_m = s->depth_m;
 	j.image.normal = s->normal;

@@ -22,12 +22,15 @@ struct choice {
 	bool is_stipple;
 };
 
-static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t layer)
+/* Nothing where it is not wanted. */
+static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t layer, uint64_t layers)
 {
 	struct choice c = { .layer = layer,
 		.capacity = capacity_of(&d->strokes[layer]),
 		.is_stipple = f->layer[layer].stipple };
 	const GArray *runs = d->views.runs;
+	if (!(layers >> layer & 1))
+		return c;
 	while (c.run < runs->len && gles_draw_run(d, c.run)->pipeline != f->layer[layer].pipeline)
 		c.run++;
 	c.view = c.run < runs->len ? gles_draw_run(d, c.run)->first : 0;
@@ -84,7 +87,7 @@ static void choose_layer(gles_draw *d, const struct choice *c)
 	go_through(d, c, c->is_stipple ? GLES_STIPPLE_WRITE : GLES_WRITE);
 }
 
-bool gles_draw_choose(gles_draw *d, const frame *f, GError **error)
+bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **error)
 {
 	int64_t marks = ((int64_t)d->views.count + 1) * GLES_MARKS * 4;
 	if (!gles_buffer_reserve(d->c, &d->marks, marks, "the chunks in view", error) ||
@@ -94,11 +97,11 @@ bool gles_draw_choose(gles_draw *d, const frame *f, GError **error)
 	for (uint32_t n = 0; n < f->layers; n++) {
 		if (!d->strokes[n].name && !reserve(d, n, STROKES_LEAST, error))
 			return false;
-		struct choice c = choice_of(d, f, n);
+		struct choice c = choice_of(d, f, n, layers);
 		gles_layers_bind(d->c, &d->layers, n);
 		gles_draw_bind_texture(d, 6, GL_TEXTURE_2D, d->layers.xtoon_colours[n]);
 		gles_draw_bind_texture(d, 7, GL_TEXTURE_2D, d->layers.xtoon_wanted[n]);
-		if (c.is_stipple && !gles_draw_stipple(d, f, n, error))
+		if (c.is_stipple && c.count && !gles_draw_stipple(d, f, n, error))
 			return false;
 		choose_layer(d, &c);
 	}

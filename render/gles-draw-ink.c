@@ -70,12 +70,14 @@ static void combine(gles_draw *d, enum band_blend blend)
 	gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void gles_draw_ink(gles_draw *d, const frame *f)
+void gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers)
 {
 	for (uint32_t n = 0; n < f->layers; n++) {
 		const struct frame_layer *l = &f->layer[n];
 		enum band_blend blend = band_blend_of(l);
 		bool is_direct = gles_layer_is_direct(l);
+		if (!(layers >> n & 1))
+			continue;
 		gles_layers_bind(d->c, &d->layers, n);
 		if (is_direct)
 			d->c->gl.BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);

@@ -61,7 +61,7 @@ static void add_points(gles_draw *d, uint32_t from, uint32_t end)
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-static void draw_strip(gles_draw *d, uint32_t from, uint32_t end)
+static void draw_strip(gles_draw *d, uint32_t from, uint32_t end, bool is_flat)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	if (d->layers.has_points)
@@ -69,12 +69,13 @@ static void draw_strip(gles_draw *d, uint32_t from, uint32_t end)
 	gl->UseProgram(d->program[GLES_GROUND]);
 	gl->Uniform2i(1, (GLint)from, (GLint)end);
 	gl->Uniform1ui(2, d->layers.has_points);
+	gl->Uniform1ui(3, is_flat);
 	gles_draw_bind_storage(d, 2, d->layers.has_points ? d->sums.name : d->keys.name);
 	gl->Scissor(0, (GLint)from, (GLsizei)d->targets.width, (GLsizei)(end - from));
 	gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-bool gles_draw_ground(gles_draw *d, GError **error)
+bool gles_draw_ground(gles_draw *d, bool is_flat, GError **error)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	int64_t row = (int64_t)d->targets.width * 16,
@@ -93,7 +94,7 @@ bool gles_draw_ground(gles_draw *d, GError **error)
 	gles_draw_bind_texture(d, 2, GL_TEXTURE_2D, d->layers.relief);
 	gl->Enable(GL_SCISSOR_TEST);
 	for (uint32_t from = 0; from < d->targets.height; from += rows)
-		draw_strip(d, from, MIN(from + rows, d->targets.height));
+		draw_strip(d, from, MIN(from + rows, d->targets.height), is_flat);
 	gl->Disable(GL_SCISSOR_TEST);
 	return true;
 }

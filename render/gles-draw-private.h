@@ -31,6 +31,13 @@ struct gles_filters {
 	float taps_radius;
 };
 
+/* What frames with filters keep (gles-sheets.c): buffers alone. */
+struct gles_sheets {
+	struct gles_buffer pixels, spare, depth, surface, away, grey; /* of a sheet */
+	struct gles_buffer sums, nearest, leaves;                     /* of its surface */
+	struct gles_buffer whole, whole_depth, whole_surface, soft, joined, pushed;
+};
+
 struct gles_draw {
 	const gles_context *c;
 	GLuint program[GLES_USES];
@@ -42,6 +49,7 @@ struct gles_draw {
 	GLuint camera, vertices, srgb;
 	struct gles_stipple stipple;
 	struct gles_filters filters;
+	struct gles_sheets sheets;
 };
 
 static inline const struct gles_run *gles_draw_run(const gles_draw *d, guint n)
@@ -56,15 +64,35 @@ void gles_draw_bind_texture(const gles_draw *d, GLuint unit, GLenum target, GLui
 /* All that is made when it is first wanted, for it takes the places of what shaders read. */
 bool gles_draw_hold(gles_draw *d, const frame *f, GError **error);
 bool gles_draw_mask(gles_draw *d, GError **error);
-bool gles_draw_choose(gles_draw *d, const frame *f, GError **error);
+/* layers: a bit for each one that is drawn, here and below. */
+bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **error);
 /* Which points of a layer of stippling are drawn (stipple.h); then what GLES_STIPPLE_COUNT and _WRITE read of it is bound. */
 bool gles_draw_stipple(gles_draw *d, const frame *f, uint32_t layer, GError **error);
 /* Draws the canvas's paper, points and shading; ink over it; and the picture of it. */
-bool gles_draw_ground(gles_draw *d, GError **error);
-void gles_draw_ink(gles_draw *d, const frame *f);
+bool gles_draw_ground(gles_draw *d, bool is_flat, GError **error);
+void gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers);
 void gles_draw_out(gles_draw *d);
 /* How many strokes there were; false: a layer had more than its buffer holds, which is larger now. */
 bool gles_draw_strokes(
 	gles_draw *d, uint32_t layers, uint32_t *ret_count, bool *ret_whole, GError **error);
+
+/* All stages, for some of what a frame has. */
+struct gles_part {
+	const struct chunk_view *view; /* from near to far */
+	uint32_t count;
+	uint64_t layers;
+	bool is_flat; /* on paper without grain, and nothing fades */
+	bool is_over; /* on what sheets became, whose mask is there */
+};
+bool gles_draw_part(gles_draw *d, const frame *f, const struct gles_part *p, struct draw_times *t,
+	bool is_timed, GError **error);
+/* Seconds since the last one; what was asked for is done then. 0 where nothing is timed. */
+double gles_draw_lap(const gles_draw *d, bool is_timed, int64_t *since_us);
+
+/* A frame with filters, into to; or, ret_is_drawn, into the target of the picture. */
+bool gles_sheets_draw(gles_draw *d, const frame *f, struct picture_buffer *to, struct draw_times *t,
+	bool is_timed, bool *ret_is_drawn, GError **error);
+bool gles_sheets_ground(gles_draw *d, GError **error);
+void gles_sheets_clear(const gles_context *c, struct gles_sheets *s);
 
 #endif

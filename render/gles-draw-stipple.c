@@ -220,13 +220,6 @@ static bool renew(
 
 /* ---- the eye ---- */
 
-static struct stipple_plane eye_of(const stipple_plan *p, const frame *f)
-{
-	uint32_t count;
-	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
-	return stipple_plan_eye(p, f, views, count);
-}
-
 static void fill_tree(gles_draw *d, const stipple_plan *p)
 {
 	const struct gles_functions *gl = &d->c->gl;
@@ -258,7 +251,7 @@ bool gles_draw_stipple(gles_draw *d, const frame *f, uint32_t layer, GError **er
 	struct gles_stippled *s = &d->stipple.layer[layer];
 	if (!renew(d, s, f, layer, error))
 		return false;
-	struct stipple_plane eye = eye_of(s->plan, f);
+	struct stipple_plane eye = stipple_plan_eye(s->plan, f, d->views.view, d->views.count);
 	if (!reserve_texture(d, &eye, error))
 		return false;
 	if (is_lit(s, f))

@@ -48,6 +48,7 @@ void gles_draw_free(gles_draw *d)
 		gles_buffer_clear(d->c, &d->strokes[n]);
 	gles_stipple_clear(d->c, &d->stipple);
 	gles_filters_clear(d->c, &d->filters);
+	gles_sheets_clear(d->c, &d->sheets);
 	gles_programs_clear(d->c, d->program);
 	gles_scene_clear(d->c, &d->scene);
 	gles_layers_clear(d->c, &d->layers);
@@ -107,7 +108,8 @@ static void set_camera(gles_draw *d, const frame *f)
 	b.focus_reach[0] = f->focus.radius_m;
 	b.focus_reach[1] = f->focus.per_m;
 	b.focus_reach[2] = f->focus.abstraction;
-	b.focus_reach[3] = f->focus.is_there ? (f->focus.on == FOCUS_PICTURE ? 2 : 1) : 0;
+	static const float on[] = { [FOCUS_PLACE] = 1, [FOCUS_PICTURE] = 2, [FOCUS_SEGMENT] = 3 };
+	b.focus_reach[3] = f->focus.is_there ? on[f->focus.on] : 0;
 	d->c->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d->camera);
 	d->c->gl.BufferData(GL_UNIFORM_BUFFER, sizeof b, &b, GL_STREAM_DRAW);
 }
@@ -120,8 +122,7 @@ static void read_back(gles_draw *d, struct picture_buffer *to)
 		0, 0, (GLsizei)to->width, (GLsizei)to->height, GL_RGBA, GL_UNSIGNED_BYTE, to->rgba);
 }
 
-/* Since the last one; what was asked for is done then. */
-static double lap(const gles_draw *d, bool is_timed, int64_t *since_us)
+double gles_draw_lap(const gles_draw *d, bool is_timed, int64_t *since_us)
 {
 	if (!is_timed)
 		return 0;
@@ -146,10 +147,10 @@ static void set_up(gles_draw *d)
 /* It takes the places of what shaders read, so all is made before they are bound. */
 bool gles_draw_hold(gles_draw *d, const frame *f, GError **error)
 {
-	bool good =
-		gles_scene_hold(d->c, &d->scene, f->scene, error) &&
-		gles_targets_hold(d->c, &d->targets, f->camera.width, f->camera.height, error) &&
-		gles_layers_hold(d->c, &d->layers, f, error);
+	bool good = gles_scene_hold(d->c, &d->scene, f->scene, error) &&
+		    gles_targets_hold(d->c, &d->targets, f->camera.width, f->camera.height,
+			    f->is_filtered, error) &&
+		    gles_layers_hold(d->c, &d->layers, f, error);
 	for (uint32_t n = 0; good && n < f->layers; n++)
 		if (f->layer[n].bend)
 			good = gles_scene_hold_bends(d->c, &d->scene, f->scene, error);
@@ -164,42 +165,57 @@ bool gles_draw_hold(gles_draw *d, const frame *f, GError **error)
 	return good;
 }
 
-static bool draw_canvas(
-	gles_draw *d, const frame *f, struct draw_times *t, bool is_timed, GError **error)
+static bool draw_canvas(gles_draw *d, const frame *f, const struct gles_part *p,
+	struct draw_times *t, bool is_timed, GError **error)
 {
 	int64_t since_us = g_get_monotonic_time();
-	if (!gles_views_fill(d->c, &d->views, f, &d->scene, error))
+	if (!gles_views_fill(d->c, &d->views, f, &d->scene, p->view, p->count, error))
 		return false;
-	t->cull_s += lap(d, is_timed, &since_us);
-	if (!gles_draw_mask(d, error))
+	t->cull_s += gles_draw_lap(d, is_timed, &since_us);
+	if (!p->is_over && !gles_draw_mask(d, error))
 		return false;
-	t->mask_s += lap(d, is_timed, &since_us);
-	if (!gles_draw_choose(d, f, error))
+	t->mask_s += gles_draw_lap(d, is_timed, &since_us);
+	if (!gles_draw_choose(d, f, p->layers, error))
 		return false;
-	t->choose_s += lap(d, is_timed, &since_us);
-	if (!gles_draw_ground(d, error))
+	t->choose_s += gles_draw_lap(d, is_timed, &since_us);
+	if (!(p->is_over ? gles_sheets_ground(d, error) : gles_draw_ground(d, p->is_flat, error)))
 		return false;
-	gles_draw_ink(d, f);
+	gles_draw_ink(d, f, p->layers);
 	gles_draw_out(d);
-	t->draw_s += lap(d, is_timed, &since_us);
+	t->draw_s += gles_draw_lap(d, is_timed, &since_us);
 	return true;
 }
 
 /* Again where a buffer of strokes was too small; then it is as large as it must be. */
-static bool draw_whole(
-	gles_draw *d, const frame *f, struct draw_times *t, bool is_timed, GError **error)
+bool gles_draw_part(gles_draw *d, const frame *f, const struct gles_part *p, struct draw_times *t,
+	bool is_timed, GError **error)
 {
 	for (int n = 0; n < 3; n++) {
 		bool is_whole;
-		if (!draw_canvas(d, f, t, is_timed, error) ||
-			!gles_draw_strokes(d, f->layers, &t->strokes, &is_whole, error))
+		uint32_t strokes;
+		if (!draw_canvas(d, f, p, t, is_timed, error) ||
+			!gles_draw_strokes(d, f->layers, &strokes, &is_whole, error))
 			return false;
-		if (is_whole)
+		if (is_whole) {
+			t->strokes += strokes;
 			return true;
+		}
 	}
 	g_set_error(error, GLES_ERROR, GLES_ERROR_DRIVER,
 		"the GPU chooses other strokes each time it draws the same picture");
 	return false;
+}
+
+static bool draw_plain(
+	gles_draw *d, const frame *f, struct draw_times *t, bool is_timed, GError **error)
+{
+	uint32_t count;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	struct gles_part all = { .view = views, .count = count, .layers = UINT64_MAX };
+	t->chunks_in_view = count;
+	bool good = gles_draw_part(d, f, &all, t, is_timed, error);
+	t->points_in_view = d->views.points;
+	return good;
 }
 
 static bool check_all(const gles_draw *d, GError **error)
@@ -215,16 +231,16 @@ bool gles_draw_frame(gles_draw *d, const frame *f, struct picture_buffer *to,
 {
 	struct draw_times t = { 0 };
 	int64_t begin_us = g_get_monotonic_time();
+	bool is_timed = ret_times != NULL, is_drawn = true;
 	g_assert(to->width == f->camera.width && to->height == f->camera.height);
-	if (!gles_draw_hold(d, f, error))
-		return false;
-	if (!draw_whole(d, f, &t, ret_times != NULL, error))
+	if (!gles_draw_hold(d, f, error) ||
+		!(f->is_filtered ? gles_sheets_draw(d, f, to, &t, is_timed, &is_drawn, error)
+				 : draw_plain(d, f, &t, is_timed, error)))
 		return false;
 	int64_t drawn_us = g_get_monotonic_time();
-	read_back(d, to);
+	if (is_drawn)
+		read_back(d, to);
 	t.draw_s += (double)(g_get_monotonic_time() - drawn_us) * 1e-6;
-	t.chunks_in_view = d->views.count;
-	t.points_in_view = d->views.points;
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)
 		*ret_times = t;

@@ -28,8 +28,7 @@ static void kuwahara(struct gles_filter_job *j, const struct step *s)
 		(int64_t)width * height * 8 };
 	for (int n = 0; n < 2; n++) {
 		struct gles_buffer *b = &j->d->filters.plane[n];
-		if (!gles_buffer_reserve(
-			    j->d->c, b, bytes[n], "filters of a picture", &j->error))
+		if (!gles_buffer_reserve(j->d->c, b, bytes[n], "filters of a picture", &j->error))
 			return;
 		planes[n] = b->name;
 	}
@@ -88,8 +87,7 @@ static void anisotropic(struct gles_filter_job *j, const struct step *s)
 	hold_taps(j, fmaxf(k->radius_px * j->px, 1));
 	for (int n = 0; n < (int)k->passes; n++) {
 		struct gles_pass p = { .use = GLES_FILTER_ANISOTROPIC,
-			.plane = { 0, 0, gles_flow_find(j, k->tensor_px),
-				j->d->filters.taps.name },
+			.plane = { 0, 0, gles_flow_find(j, k->tensor_px), j->d->filters.taps.name },
 			.by = { { k->stretch, k->sharpness } },
 			.whole = { { (int32_t)((j->image.width + 1) / 2) } } };
 		gles_pass_run(j, &p);
@@ -135,7 +133,7 @@ static void gaussian(struct gles_filter_job *j, const struct step *s)
 static void gaps(struct gles_filter_job *j, const struct step *s)
 {
 	struct gles_pass p = { .use = GLES_FILTER_GAPS,
-		.plane = { 0, gles_filter_plane(j, 0, 1) },
+		.plane = { 0, gles_filter_plane(j, 0, 1), gles_counts(j, 1) },
 		.whole = { { gaps_radius(&s->gaps, j->px, j->spacing_px) } } };
 	gles_pass_run(j, &p);
 	gles_filter_take(j, j->image.depth, 0);
@@ -264,9 +262,8 @@ static void edges(struct gles_filter_job *j, const struct step *s)
 	linked = gles_filter_plane(j, 6, 1);
 	struct gles_pass p = { .use = GLES_FILTER_EDGES,
 		.mode = EDGES_FIND,
-		.by = { { k->depth,
-			k->bend_deg > 0 ? cosf(k->bend_deg * (float)(G_PI / 180)) : 2, k->opacity,
-			k->wobble_px * j->px } },
+		.by = { { k->depth, k->bend_deg > 0 ? cosf(k->bend_deg * (float)(G_PI / 180)) : 2,
+			k->opacity, k->wobble_px * j->px } },
 		.whole = { { (int32_t)floorf(fmaxf(k->width_px * j->px, 0.5f) / 2), k->segments } },
 		.plane = { 0, one, solid, j->image.surface->name },
 		.where = k->where };
@@ -276,8 +273,7 @@ static void edges(struct gles_filter_job *j, const struct step *s)
 	p.plane[0] = one;
 	p.plane[1] = linked;
 	gles_pass_run(j, &p);
-	gles_blur_run(
-		j, &(struct gles_blur){ linked, other, width, height, 1, 2 }, 5 * j->px);
+	gles_blur_run(j, &(struct gles_blur){ linked, other, width, height, 1, 2 }, 5 * j->px);
 	p.mode = EDGES_THIN;
 	p.plane[0] = linked;
 	p.plane[1] = other;
@@ -319,8 +315,7 @@ static void watercolour(struct gles_filter_job *j, const struct step *s)
 	if (k->dispersion > 0)
 		more[1] = gles_noise(j, 6, 5 * j->px, 57);
 	gles_pass_run(j, &p);
-	gles_blur_run(
-		j, &(struct gles_blur){ edge, smooth, width, height, 1, 7 }, 1.2f * j->px);
+	gles_blur_run(j, &(struct gles_blur){ edge, smooth, width, height, 1, 7 }, 1.2f * j->px);
 	p.mode = WATERCOLOUR_PAINT;
 	p.from = wobbled;
 	p.to = 0;
@@ -433,9 +428,7 @@ enum { SHADE_CORNERS, SHADE_DOME, SHADE_DARKEN };
 
 static void darken(struct gles_filter_job *j, GLuint by)
 {
-	struct gles_pass p = {
-		.use = GLES_FILTER_SHADE, .mode = SHADE_DARKEN, .plane = { by }
-	};
+	struct gles_pass p = { .use = GLES_FILTER_SHADE, .mode = SHADE_DARKEN, .plane = { by } };
 	gles_pass_run(j, &p);
 	gles_filter_swap(&j->image);
 }
@@ -452,8 +445,8 @@ static void occlusion(struct gles_filter_job *j, const struct step *s)
 	occlusion_ways(ways);
 	memcpy(p.by[1], ways, sizeof ways);
 	gles_pass_run(j, &p);
-	gles_blur_run(j,
-		&(struct gles_blur){ shade, smooth, j->image.width, j->image.height, 1, 2 }, 2);
+	gles_blur_run(
+		j, &(struct gles_blur){ shade, smooth, j->image.width, j->image.height, 1, 2 }, 2);
 	darken(j, smooth);
 }
 
@@ -480,7 +473,7 @@ static void neural(struct gles_filter_job *j, const struct step *s)
 	size_t pixels = (size_t)i->width * i->height;
 	filter_room room = { 0 };
 	g_autofree uint8_t(*rgba)[4] = g_malloc_n(pixels, sizeof *rgba),
-			 (*spare)[4] = g_malloc_n(pixels, sizeof *spare);
+		   (*spare)[4] = g_malloc_n(pixels, sizeof *spare);
 	g_autofree float *away = i->away ? g_new(float, pixels) : NULL;
 	struct filter_job on = { .f = j->f,
 		.room = &room,
@@ -574,8 +567,7 @@ bool gles_filter_picture(gles_draw *d, const struct filter_job *j, gles_filter_t
 		.image = { i->width, i->height, i->left, i->top, &pixels, &spare, &depth,
 			surface ? &normals : NULL, i->away ? &away : NULL, &grey } };
 	memcpy(on.paper, i->paper, 3);
-	bool good = gles_draw_hold(d, j->f, error) &&
-		    upload(d, &pixels, i->rgba, bytes, error) &&
+	bool good = gles_draw_hold(d, j->f, error) && upload(d, &pixels, i->rgba, bytes, error) &&
 		    upload(d, &spare, NULL, bytes, error) &&
 		    upload(d, &depth, i->depth_m, bytes, error) &&
 		    (!surface || upload(d, &normals, surface, 4 * bytes, error)) &&

@@ -45,6 +45,22 @@ static void set_rules(struct gles_filter_job *j, const struct gles_pass *p)
 	gl->BufferData(GL_UNIFORM_BUFFER, sizeof r, &r, GL_STREAM_DRAW);
 }
 
+static void bind(struct gles_filter_job *j, const struct gles_pass *p)
+{
+	const struct gles_filter_image *i = &j->image;
+	bool is_filter = p->use < GLES_SHEET_SURFACE;
+	for (GLuint n = 0; n < G_N_ELEMENTS(p->own) && !is_filter; n++)
+		gles_draw_bind_storage(j->d, n, p->own[n]);
+	if (!is_filter)
+		return;
+	GLuint pixels[4] = { p->from ? p->from : i->pixels->name, p->to ? p->to : i->spare->name,
+		i->depth->name, i->away ? i->away->name : i->depth->name };
+	for (GLuint n = 0; n < 4; n++) {
+		gles_draw_bind_storage(j->d, n, pixels[n]);
+		gles_draw_bind_storage(j->d, 4 + n, p->plane[n]);
+	}
+}
+
 void gles_pass_run(struct gles_filter_job *j, const struct gles_pass *p)
 {
 	const struct gles_filter_image *i = &j->image;
@@ -53,13 +69,8 @@ void gles_pass_run(struct gles_filter_job *j, const struct gles_pass *p)
 		return;
 	set_rules(j, p);
 	gl->UseProgram(j->d->program[p->use]);
-	GLuint names[8] = { p->from ? p->from : i->pixels->name, p->to ? p->to : i->spare->name,
-		i->depth->name, i->away ? i->away->name : i->depth->name, p->plane[0], p->plane[1],
-		p->plane[2], p->plane[3] };
-	for (GLuint n = 0; n < G_N_ELEMENTS(names); n++)
-		gles_draw_bind_storage(j->d, n, names[n]);
-	uint32_t width = p->width ? p->width : i->width,
-		 height = p->height ? p->height : i->height;
+	bind(j, p);
+	uint32_t width = p->width ? p->width : i->width, height = p->height ? p->height : i->height;
 	gl->DispatchCompute((width + 31) / 32, (height + 7) / 8, 1);
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
@@ -141,21 +152,29 @@ GLuint gles_lightness(struct gles_filter_job *j, uint32_t plane)
 	return p.plane[1];
 }
 
+GLuint gles_counts(struct gles_filter_job *j, uint32_t plane)
+{
+	struct gles_pass p = { .use = GLES_FILTER_NUMBERS,
+		.mode = NUMBERS_COUNT,
+		.width = (j->image.width + FILTER_SOLID_BLOCK - 1) / FILTER_SOLID_BLOCK,
+		.height = (j->image.height + FILTER_SOLID_BLOCK - 1) / FILTER_SOLID_BLOCK };
+	p.plane[1] = gles_filter_plane(j, plane, 1);
+	gles_pass_run(j, &p);
+	return p.plane[1];
+}
+
 GLuint gles_solidity(struct gles_filter_job *j, uint32_t plane)
 {
 	uint32_t width = (j->image.width + FILTER_SOLID_BLOCK - 1) / FILTER_SOLID_BLOCK,
 		 height = (j->image.height + FILTER_SOLID_BLOCK - 1) / FILTER_SOLID_BLOCK;
-	GLuint own = gles_filter_plane(j, plane, 1), other = gles_filter_plane(j, 0, 1);
+	GLuint own = gles_counts(j, plane), other = gles_filter_plane(j, 0, 1);
 	struct gles_pass p = {
-		.use = GLES_FILTER_NUMBERS, .mode = NUMBERS_COUNT, .width = width, .height = height
+		.use = GLES_FILTER_NUMBERS, .mode = NUMBERS_SOLID, .width = width, .height = height
 	};
-	p.plane[1] = own;
-	gles_pass_run(j, &p);
-	gles_blur_run(j,
-		&(struct gles_blur){ own, other, width, height, 1, 1 },
+	gles_blur_run(j, &(struct gles_blur){ own, other, width, height, 1, 1 },
 		FILTER_SOLID_SIGMA_PX * j->px / FILTER_SOLID_BLOCK);
-	p.mode = NUMBERS_SOLID;
 	p.plane[0] = other;
+	p.plane[1] = own;
 	gles_pass_run(j, &p);
 	return own;
 }
@@ -218,8 +237,8 @@ GLuint gles_flow_find(struct gles_filter_job *j, float sigma_px)
 	p.plane[0] = half;
 	p.plane[1] = tensor;
 	gles_pass_run(j, &p);
-	gles_blur_run(j, &(struct gles_blur){ tensor, half, width, height, 3, 2 },
-		sigma_px * j->px / 2);
+	gles_blur_run(
+		j, &(struct gles_blur){ tensor, half, width, height, 3, 2 }, sigma_px * j->px / 2);
 	p.mode = FLOW_FIND;
 	p.plane[0] = half;
 	p.plane[1] = gles_filter_plane(j, 2, 3);

@@ -47,6 +47,7 @@ struct gles_pass {
 	uint32_t width, height; /* what is gone through; 0: the picture */
 	GLuint from, to;        /* pixels; 0: the picture's, and its spare ones */
 	GLuint plane[4];
+	GLuint own[8]; /* all buffers, of programs from GLES_SHEET_SURFACE on, instead of these */
 	float by[GLES_PASS_BY][4];
 	int32_t whole[GLES_PASS_WHOLE][4];
 	/* How much it acts by the focus. */
@@ -65,7 +66,7 @@ void gles_filter_finish(struct gles_filter_job *j, int32_t where, float times, f
 /* ---- what several filters ask for: the functions of filter-planes.h, filter-solid.h and filter-trace.h ---- */
 
 struct gles_blur {
-	GLuint from, to; /* 0: the picture's pixels; its spare ones */
+	GLuint from, to;                  /* 0: the picture's pixels; its spare ones */
 	uint32_t width, height, channels; /* 0 0: of the picture */
 	uint32_t between; /* the number of a plane for what is blurred across alone */
 };
@@ -73,6 +74,8 @@ void gles_blur_run(struct gles_filter_job *j, const struct gles_blur *b, float s
 /* Into plane 2, by planes 0 and 1. */
 GLuint gles_flow_find(struct gles_filter_job *j, float sigma_px);
 GLuint gles_lightness(struct gles_filter_job *j, uint32_t plane);
+/* Parts of blocks of FILTER_SOLID_BLOCK pixels that are something. */
+GLuint gles_counts(struct gles_filter_job *j, uint32_t plane);
 /* Into that plane, by planes 0 and 1. */
 GLuint gles_solidity(struct gles_filter_job *j, uint32_t plane);
 GLuint gles_noise(struct gles_filter_job *j, uint32_t plane, float grain_px, uint32_t seed);

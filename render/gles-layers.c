@@ -82,7 +82,7 @@ static void describe(const struct frame_layer *l, const scene *s, float px, stru
 		.opacity = { ink->opacity, ink->opacity_variation, ink->degree, ink->fade_m },
 		.texels = { 1, 1, 1, (float)l->lit },
 		.which = { l->kinds, l->is_queue, kinds_along(ink), ink->colour == COLOUR_POINT },
-		.colour = { 0, band_blend_of(l), frame_copies(l) },
+		.colour = { 0, band_blend_of(l), frame_copies(l), l->is_focus },
 	};
 	memcpy(ret->wanted_per_px, l->wanted_per_px, sizeof ret->wanted_per_px);
 	memcpy(ret->dithering_per_m2, l->dithering_per_m2, sizeof ret->dithering_per_m2);
@@ -119,6 +119,7 @@ static void describe_pipelines(const frame *f, struct pipelines_block *ret, bool
 			ret->edl[n][0] = edl->edl.strength;
 			ret->edl[n][1] = fmaxf(edl->edl.radius_px * f->px, 1);
 		}
+		ret->edl[n][2] = frame_pipeline(f, n)->is_focus;
 		*ret_has_points |= points != NULL;
 	}
 }

@@ -64,16 +64,18 @@ static bool check_size(const gles_context *c, uint32_t width, uint32_t height, G
 	return false;
 }
 
-bool gles_targets_hold(
-	const gles_context *c, gles_targets *t, uint32_t width, uint32_t height, GError **error)
+bool gles_targets_hold(const gles_context *c, gles_targets *t, uint32_t width, uint32_t height,
+	bool is_filtered, GError **error)
 {
-	if (t->width == width && t->height == height)
+	if (t->width == width && t->height == height && t->is_filtered == is_filtered)
 		return true;
 	gles_targets_clear(c, t);
 	if (!check_size(c, width, height, error))
 		return false;
-	*t = (gles_targets){ .width = width, .height = height };
-	GLenum light = c->about.has_half_float_colour ? GL_RGBA16F : GL_SRGB8_ALPHA8;
+	*t = (gles_targets){ .width = width, .height = height, .is_filtered = is_filtered };
+	GLenum light = is_filtered && c->about.has_float_blend ? GL_RGBA32F
+		       : c->about.has_half_float_colour        ? GL_RGBA16F
+							       : GL_SRGB8_ALPHA8;
 	if (make(c, t, GL_R32UI, 0, &t->keys, error) && make(c, t, light, 0, &t->canvas, error) &&
 		make(c, t, GL_RGBA8, 0, &t->picture, error))
 		return true;

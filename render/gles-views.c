@@ -41,7 +41,7 @@ static void describe(const frame *f, const struct gles_slab *slab, const struct 
 		.splat = { 0, 0, c->spacing_most_m, c->disc_most_m },
 		.at = { c->first - slab->first, c->first, c->count,
 			disc_prefix((float)f->camera.focal_px, v) },
-		.pipeline = { v->pipeline, (uint32_t)(c - f->scene->chunk) } };
+		.pipeline = { v->pipeline, (uint32_t)(c - f->scene->chunk), c->leaf } };
 	memcpy(ret->base, v->base, sizeof v->base);
 	ret->base[3] = v->near_m;
 	for (int k = 0; k < 3; k++)
@@ -68,10 +68,11 @@ static void add_to_runs(
 	g_array_append_val(v->runs, next);
 }
 
-bool gles_views_fill(
-	const gles_context *c, gles_views *v, const frame *f, const gles_scene *g, GError **error)
+bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const gles_scene *g,
+	const struct chunk_view *views, uint32_t count, GError **error)
 {
-	g_autofree struct chunk_view *views = chunk_views_new(f, &v->count);
+	v->view = views;
+	v->count = count;
 	g_autofree struct place *place = sort(f, g, views, v->count);
 	g_autofree struct gles_view *block = g_new(struct gles_view, v->count + 1);
 	if (!v->runs)

@@ -21,11 +21,13 @@ struct gles_view {
 typedef struct gles_views gles_views;
 struct gles_views {
 	struct gles_buffer buffer;
-	GArray *runs; /* of struct gles_run */
+	GArray *runs;                  /* of struct gles_run */
+	const struct chunk_view *view; /* as they were given */
 	uint32_t count, points;
 };
-bool gles_views_fill(
-	const gles_context *c, gles_views *v, const frame *f, const gles_scene *g, GError **error);
+/* view: from near to far; kept, not copied. */
+bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const gles_scene *g,
+	const struct chunk_view *view, uint32_t count, GError **error);
 void gles_views_clear(const gles_context *c, gles_views *v);
 
 #endif

@@ -5,7 +5,6 @@ struct painter {
 	enum backend_wish wish;
 	backend_choice choice;
 	void *state;
-	draw_room *room; /* of frames that gles leaves to cpu; NULL: none yet */
 };
 
 static bool cpu_draw(void *state, const frame *f, struct picture_buffer *to,
@@ -65,7 +64,6 @@ void painter_free(painter *p)
 	if (!p)
 		return;
 	p->ops->close(p->state);
-	draw_room_free(p->room);
 	backend_choice_clear(&p->choice);
 	g_free(p);
 }
@@ -80,28 +78,11 @@ const char *painter_name(const painter *p)
 	return p->ops->name;
 }
 
-/* Filters of pictures, and a focus on a segment. */
-static bool is_for_cpu(const frame *f)
-{
-	return f->is_filtered || (f->focus.is_there && f->focus.on == FOCUS_SEGMENT);
-}
-
-static bool draw(painter *p, const frame *f, struct picture_buffer *to,
-	struct draw_times *ret_times, GError **error)
-{
-	if (p->ops == &painter_cpu || !is_for_cpu(f))
-		return p->ops->draw(p->state, f, to, ret_times, error);
-	if (!p->room)
-		p->room = draw_room_new();
-	draw_frame(p->room, f, to, ret_times);
-	return true;
-}
-
 bool painter_draw(painter *p, const frame *f, struct picture_buffer *to,
 	struct draw_times *ret_times, GError **error)
 {
 	g_autoptr(GError) failed = NULL;
-	bool good = draw(p, f, to, ret_times, &failed);
+	bool good = p->ops->draw(p->state, f, to, ret_times, &failed);
 	if (frame_is_stopped(f)) {
 		g_set_error_literal(error, G_IO_ERROR, G_IO_ERROR_CANCELLED,
 			"nobody wants the picture any more");

@@ -1,8 +1,7 @@
 #ifndef RENDER_PAINTER_H
 #define RENDER_PAINTER_H
 /* Draws frames, on the processor or a GPU: one picture, two backends. cpu (draw.h) is always there, and is the reference; gles is what
- * a GPU is used by. When gles was chosen by itself and fails, cpu takes over. Frames with filters of pictures, or with the focus on a
- * segment, are drawn by cpu in any case.
+ * a GPU is used by. When gles was chosen by itself and fails, cpu takes over.
  *
  * Used on one thread at a time; of gles on the one that opened it. */
 #include "render/backend-choice.h"

@@ -197,7 +197,7 @@ struct step_kind {
 	/* How far around a pixel it looks or draws; points as large as they come by distance are not counted. */
 	float (*radius_px)(const void *step);
 	const char *
-		glsl; /* what runs it on gles: shaders/GLSL.glsl; on cpu it is what draw.h or filter.h lead to; NULL: cpu alone */
+		glsl; /* what runs it on gles: shaders/GLSL.glsl; on cpu it is what draw.h or filter.h lead to; NULL: there too */
 };
 #define STEP_KINDS_MAX 40 /* rows that step_kinds has at most */
 extern const struct step_kind step_kinds

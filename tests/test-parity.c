@@ -81,13 +81,10 @@ static void compare(gles_draw *d, const char *name, const style *how)
 		struct camera c = make_camera(n ? 2.5 : 7, WIDTH, HEIGHT);
 		drawing *drawn;
 		frame *f = frame_of(s, how, &c, &drawn);
-		/* Filters of pictures are cpu's alone (painter.h). */
-		if (!f->is_filtered) {
-			struct picture_buffer cpu = draw_cpu(f), gles = draw_gles(d, f);
-			assert_alike(&cpu, &gles, name);
-			picture_buffer_clear(&cpu);
-			picture_buffer_clear(&gles);
-		}
+		struct picture_buffer cpu = draw_cpu(f), gles = draw_gles(d, f);
+		assert_alike(&cpu, &gles, name);
+		picture_buffer_clear(&cpu);
+		picture_buffer_clear(&gles);
 		frame_free(f);
 		drawing_free(drawn);
 	}
@@ -119,9 +116,20 @@ static void test_step(gconstpointer data)
 	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
-	g_autofree char *steps = g_strdup_printf("\"site\":{\"steps\":[%s{\"step\":\"%s\"}]}",
-		kind->stage == STEP_LAYER ? "" : "{\"step\":\"points\"},", kind->name);
-	compare_text(d, kind->name, steps);
+	if (strcmp(kind->name, "composite") != 0) {
+		g_autofree char *steps = g_strdup_printf(
+			"\"site\":{\"steps\":[%s{\"step\":\"%s\"}]}",
+			kind->stage == STEP_LAYER ? "" : "{\"step\":\"points\"},", kind->name);
+		compare_text(d, kind->name, steps);
+	}
+	if (strcmp(kind->name, "inpaint") == 0 ||
+		(kind->stage != STEP_FILTER && kind->stage != STEP_COMPOSITE))
+		return;
+	g_autofree char *picture = g_strdup_printf(
+		"\"site\":{\"steps\":[{\"step\":\"points\"}]},\"building\":{\"add\":[{\"step\":"
+		"\"gaussian\"}]},\"picture\":{\"steps\":[{\"step\":\"%s\"}]}",
+		kind->name);
+	compare_text(d, kind->name, picture);
 }
 
 #define LIGHT "\"light\":{\"amount\":0.8,\"azimuth_deg\":200,\"elevation_deg\":40},"
@@ -244,6 +252,60 @@ static void test_style(gconstpointer data)
 	g_autoptr(style) how = style_load(data, &error);
 	g_assert_no_error(error);
 	compare(d, how->name, how);
+}
+
+#define LINES "{\"step\":\"lines\",\"points\":\"all\"}"
+#define OVER  "{\"step\":\"strokes\",\"points\":\"all\",\"spacing_px\":9,\"over\":true}"
+#define AWAY                                                                                       \
+	"\"focus\":{\"filters\":1,\"amount\":0.6,\"radius_m\":0.5,\"falloff_m\":2,\"x_m\":999.5,"  \
+	"\"y_m\":1,\"z_m\":1},"
+/* What sheets are of, and how they become one picture. */
+static const struct look sheets[] = {
+	{ "sheets-inpainted",
+		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"edl\"},{\"step\":\"edges\","
+		"\"width_px\":8}]},\"vegetation\":{\"add\":[{\"step\":\"gaussian\",\"sigma_px\":12}"
+		"]},\"structure\":{\"steps\":[{\"step\":\"points\"}]}" },
+	{ "sheets-depth",
+		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"edges\",\"width_px\":8}]},"
+		"\"vegetation\":{\"add\":[{\"step\":\"gaussian\",\"sigma_px\":12}]},"
+		"\"structure\":{\"steps\":[" LINES "]},"
+		"\"picture\":{\"steps\":[{\"step\":\"composite\",\"by\":\"depth\"}]}" },
+	{ "sheets-layers", "\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"edges\"}]},"
+			   "\"vegetation\":{\"add\":[{\"step\":\"gaussian\",\"sigma_px\":12}]},"
+			   "\"structure\":{\"steps\":[{\"step\":\"points\"}]},"
+			   "\"picture\":{\"steps\":[{\"step\":\"composite\",\"by\":\"layers\"}]}" },
+	{ "sheets-surface",
+		"\"site\":{\"steps\":[{\"step\":\"points\"}]},\"vegetation\":{\"add\":[{\"step\":"
+		"\"warp\"}]},\"picture\":{\"steps\":[{\"step\":\"edges\"},{\"step\":\"grade\","
+		"\"segments\":0.8}]}" },
+	{ "sheets-ink",
+		"\"site\":{\"steps\":[{\"step\":\"points\"}," LINES ",{\"step\":\"gaussian\"}]},"
+		"\"vegetation\":{\"steps\":[{\"step\":\"stipple\",\"level\":7},{\"step\":\"gaps\"}]"
+		"},\"building\":{\"steps\":[{\"step\":\"hatching\"},{\"step\":\"quantise\"}]}",
+		LIGHT },
+	{ "sheets-over",
+		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"watercolour\"}," OVER
+		"]},\"picture\":{\"steps\":[{\"step\":\"occlusion\"}]}",
+		LIGHT },
+	{ "sheets-away",
+		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"kuwahara\",\"where\":"
+		"\"away\",\"passes\":3},{\"step\":\"dog\",\"where\":\"near\"}," OVER "]},"
+		"\"picture\":{\"steps\":[{\"step\":\"gaussian\",\"where\":\"away\"}]}",
+		AWAY },
+	{ "focus-segment", "\"site\":{\"steps\":[{\"step\":\"points\"}," LINES "]}",
+		"\"focus\":{\"on\":\"segment\",\"segment\":4,\"amount\":0.7,\"abstraction\":1}," },
+	{ "focus-segment-filtered",
+		"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"kuwahara\",\"where\":"
+		"\"away\"}," OVER "]}",
+		"\"focus\":{\"on\":\"segment\",\"segment\":4,\"amount\":0.7,\"filters\":1}," },
+};
+
+static void test_sheets(gconstpointer data)
+{
+	const struct look *l = data;
+	g_autoptr(gles_draw) d = gles_here_draw();
+	if (d)
+		compare_whole(d, l->name, l->sections, l->steps);
 }
 
 static void assert_refuses_paint(gles_draw *d)
@@ -461,6 +523,10 @@ int main(int argc, char **argv)
 	for (size_t n = 0; n < G_N_ELEMENTS(looks); n++) {
 		g_autofree char *test = g_strdup_printf("/parity/look/%s", looks[n].name);
 		g_test_add_data_func(test, &looks[n], test_look);
+	}
+	for (size_t n = 0; n < G_N_ELEMENTS(sheets); n++) {
+		g_autofree char *test = g_strdup_printf("/parity/sheets/%s", sheets[n].name);
+		g_test_add_data_func(test, &sheets[n], test_sheets);
 	}
 	add_styles();
 	g_test_add_func("/parity/bytes", test_bytes);

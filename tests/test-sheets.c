@@ -1,4 +1,5 @@
 /* Segments that are filtered each by itself and put together by depth: what shows where is known, for the scenes are woven. */
+#include "tests/gles-here.h"
 #include "tests/onnx-made.h"
 #include "tests/scene-made.h"
 #include <stdlib.h>
@@ -113,12 +114,20 @@ static enum shown shown_at(const struct picture_buffer *p, size_t at)
 	return abs(r - b) < 40 ? NOTHING : r > b ? RED : BLUE;
 }
 
+static gles_draw *on_gles; /* NULL: on the processor */
+
 /* Caller clears it. */
 static struct picture_buffer draw_weave(const scene *s, const struct camera *c, const char *nodes)
 {
+	g_autoptr(GError) error = NULL;
 	g_autoptr(drawing) d = made_drawing(nodes);
 	g_autoptr(frame) f = made_frame(s, d, c);
-	return made_picture(f);
+	if (!on_gles)
+		return made_picture(f);
+	struct picture_buffer p = picture_buffer_new(c->width, c->height);
+	gles_draw_frame(on_gles, f, &p, NULL, &error);
+	g_assert_no_error(error);
+	return p;
 }
 
 /* The part of the pixels whose truth is told that show another segment. */
@@ -191,6 +200,14 @@ static void test_weave(void)
 	       missed_naive = lines_missed(m.scene, WOVEN("depth"), "depth test alone");
 	g_assert_cmpfloat(missed, <=, 0.1);
 	g_assert_cmpfloat(missed_naive, >, 0.5);
+}
+
+static void test_weave_gles(void)
+{
+	on_gles = gles_here_draw();
+	if (on_gles)
+		test_weave();
+	g_clear_pointer(&on_gles, gles_draw_free);
 }
 
 /* ---- sheets ---- */
@@ -460,6 +477,7 @@ int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/sheets/weave", test_weave);
+	g_test_add_func("/sheets/weave-gles", test_weave_gles);
 	g_test_add_func("/sheets/sheets", test_sheets);
 	g_test_add_func("/sheets/nothing", test_nothing);
 	g_test_add_func("/sheets/over", test_over);
@@ -469,5 +487,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/sheets/neural", test_neural);
 	g_test_add_func("/sheets/neural-wrong", test_neural_wrong);
 	g_test_add_func("/sheets/picture-wrong", test_picture_wrong);
-	return g_test_run();
+	int status = g_test_run();
+	gles_context_free(gles_here_context);
+	return status;
 }

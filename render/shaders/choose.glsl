@@ -162,7 +162,7 @@ float wanted_at(candidate c, vec3 normal)
 /* From the focus. */
 float away_from(candidate c)
 {
-	return away_of(ray_of(c) * c.depth_m);
+	return away_of(ray_of(c) * c.depth_m, colour.w != 0u);
 }
 
 /* The same to a square metre of it. */

@@ -6,7 +6,7 @@ struct chunk_view {
 	vec4 spacing_most_m; /* of each kind's list */
 	uvec4 kind_end;
 	uvec4 at; /* first point in the slab and in the scene, count, how many of the first may stand for all */
-	uvec4 pipeline;      /* and the chunk */
+	uvec4 pipeline;      /* and the chunk, and its leaf */
 };
 layout(std430, binding = 0) readonly buffer Points {
 	uvec4 points[]; /* q0 q1, q2 spacing, disc degree kind, normal */

@@ -18,7 +18,7 @@ layout(std140, binding = 0) uniform Camera {
 	vec4 light[64];    /* linear, of sRGB bytes, four in one */
 	vec4 light_from;   /* towards the style's light, as the camera sees it; its amount, 0: there is none */
 	vec4 focus;        /* its middle, as the camera sees it; what fades far away from it */
-	vec4 focus_reach;  /* radius_m, 1 / falloff_m, abstraction, 1: there is one; 2: all of that is at depth 1 */
+	vec4 focus_reach;  /* radius_m, 1 / falloff_m, abstraction, 1: there is one; 2: all of that is at depth 1; 3: it is a segment */
 };
 
 float light_of_byte(uint b)
@@ -45,10 +45,12 @@ float lit_of(vec3 normal)
 }
 
 /* frame_away() */
-float away_of(vec3 at)
+float away_of(vec3 at, bool is_focus)
 {
 	if (focus_reach.w <= 0.0)
 		return 0.0;
+	if (focus_reach.w > 2.5)
+		return is_focus ? 0.0 : 1.0;
 	vec3 place = focus_reach.w > 1.5 ? at / at.z : at;
 	float part = clamp((distance(place, focus.xyz) - focus_reach.x) * focus_reach.y, 0.0, 1.0);
 	return part * part * (3.0 - 2.0 * part);

@@ -1,6 +1,19 @@
 #version 310 es
-/* Gaps that are closed, depths and all: depths into plane b. whole: radius. */
-const int SIDES_LEAST = 6;
+/* Gaps that are closed, depths and all: depths into plane b; plane c tells how much of each block of pixels is
+ * something. whole: radius. */
+const int SIDES_LEAST = 6, BLOCK = 4;
+
+/* Most of what is empty has nothing near. */
+bool is_near(ivec2 p, int radius)
+{
+	ivec2 blocks = (area.xy + BLOCK - 1) / BLOCK;
+	ivec2 from = max(p - radius, ivec2(0)) / BLOCK, end = min((p + radius) / BLOCK, blocks - 1);
+	for (int y = from.y; y <= end.y; y++)
+		for (int x = from.x; x <= end.x; x++)
+			if (c[y * blocks.x + x] > 0.0)
+				return true;
+	return false;
+}
 
 void main()
 {
@@ -10,7 +23,7 @@ void main()
 	int at = at_of(p), radius = whole[0].x;
 	spare[at] = pixels[at];
 	b[at] = depths[at];
-	if (depths[at] < FAR)
+	if (depths[at] < FAR || !is_near(p, radius))
 		return;
 	vec4 sum = vec4(0.0);
 	float depth_m = 0.0;

@@ -4,12 +4,9 @@ layout(location = 0) out vec4 canvas;
 layout(std430, binding = 2) readonly buffer Sums {
 	uint sums[]; /* r g b weight of each pixel of the strip */
 };
-layout(std140, binding = 1) uniform Pipelines {
-	vec4 points[256]; /* brightness, contrast, saturation; 1 where it shows points */
-	vec4 edl[256];    /* strength, radius_px; 0 0: none */
-};
 layout(location = 1) uniform ivec2 strip;
 layout(location = 2) uniform uint has_points;
+layout(location = 3) uniform uint is_flat; /* without grain, and nothing fades: what filters work on */
 
 float to_srgb(float l)
 {
@@ -57,7 +54,8 @@ void main()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
 	uint key = texelFetch(mask_keys, at, 0).r, pipeline = key & 255u;
-	vec3 bare = min(paper.rgb * (1.0 + 0.5 * paper.a * relief_at(gl_FragCoord.xy)), 1.0), c = bare;
+	float grain = is_flat != 0u ? 0.0 : paper.a;
+	vec3 bare = min(paper.rgb * (1.0 + 0.5 * grain * relief_at(gl_FragCoord.xy)), 1.0), c = bare;
 	vec4 rule = points[pipeline], sum = vec4(0.0);
 	if (has_points != 0u && key < MASK_EMPTY && rule.w > 0.0) {
 		sum = vec4(sums_at(at));
@@ -71,9 +69,9 @@ void main()
 	}
 	if (key < MASK_EMPTY && edl[pipeline].y > 0.0)
 		c *= edl_shade(at, edl[pipeline].xy);
-	if (key < MASK_EMPTY && focus_reach.w > 0.0) {
+	if (key < MASK_EMPTY && is_flat == 0u && focus.w > 0.0) {
 		vec3 ray = vec3((gl_FragCoord.xy - lens.yz) / lens.x, 1.0);
-		c += focus.w * away_of(ray * mask_depth(key)) * (bare - c);
+		c += focus.w * away_of(ray * mask_depth(key), edl[pipeline].z > 0.0) * (bare - c);
 	}
 	canvas = vec4(c, 1.0);
 }

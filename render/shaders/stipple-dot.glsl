@@ -16,7 +16,7 @@ float alpha_of(uint n, uint i, out vec3 at)
 		return 0.0;
 	at = place_of(n, points[views[n].at.x + i]);
 	float light_left = spots[spot + ANSWER] == LEFT_OUT ? 1.0 - light_from.w : 1.0;
-	float alpha = opacity.x * light_left * (1.0 - focus.w * away_of(at));
+	float alpha = opacity.x * light_left * (1.0 - focus.w * away_of(at, colour.w != 0u));
 	return alpha < ALPHA_LEAST ? 0.0 : alpha;
 }
 
