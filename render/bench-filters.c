@@ -86,8 +86,8 @@ static bool measure_singles(struct bench *b, const scene *s, GError **error)
 	if (!c.width)
 		return false;
 	if (!b->json)
-		printf("filters, 1920 x 1080, the least of %u, ms; * is more than wanted\n",
-			b->options->repeats);
+		printf("%s\nfilters, 1920 x 1080, the least of %u, ms; * is more than wanted\n",
+			painter_why(b->painter), b->options->repeats);
 	for (size_t n = 0; n < G_N_ELEMENTS(singles); n++) {
 		const struct single *one = &singles[n];
 		struct draw_times t;
@@ -298,7 +298,7 @@ static bool measure_all(struct bench *b, GError **error)
 bool bench_filters(const struct bench_filters_options *options, GError **error)
 {
 	struct bench b = { .options = options };
-	b.painter = painter_new(BACKEND_WISH_CPU, error);
+	b.painter = painter_new(options->backend, error);
 	b.place = b.painter ? bench_place_new(&options->place, 16. / 9, error) : NULL;
 	if (options->json)
 		b.json = json_object_new();

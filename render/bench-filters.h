@@ -6,11 +6,13 @@
  *     Redmond & Dingliana 2007, table 1: whole frames of a scene at three sizes, on a GeForce 7950 GX2
  *     Wegen et al. 2024, table 2: whole frames of 2.5 to 82 million points at 1920 x 1080, on a GeForce RTX 3090; as much of it as there
  *     is memory for */
+#include "render/backend-choice.h"
 #include "render/bench-place.h"
 
 struct bench_filters_options {
 	struct bench_place_options place;
 	uint32_t repeats;
+	enum backend_wish backend;
 	double million_points_most; /* of the last table */
 	bool json;
 };

@@ -120,14 +120,14 @@ static bool measure_thing(struct bench *b, const struct thing *t, GError **error
 
 static bool measure_things(struct bench *b, GError **error)
 {
-	b->painter = painter_new(BACKEND_WISH_CPU, error);
+	b->painter = painter_new(b->options->backend, error);
 	if (!b->painter)
 		return false;
 	if (!b->rows)
-		printf("hatching, the least of %u, ms; * is more than wanted\n"
+		printf("%s\nhatching, the least of %u, ms; * is more than wanted\n"
 		       "  M points  picture      style               mask  choose    bin   "
 		       "draw      all   wanted   paper's strokes\n",
-			b->options->repeats);
+			painter_why(b->painter), b->options->repeats);
 	for (size_t n = 0; n < G_N_ELEMENTS(things); n++)
 		if (!measure_thing(b, &things[n], error))
 			return false;

@@ -5,12 +5,11 @@
  *
  *     Wagner et al. 2022, section 4: 3.5, 5.7 and 11 million points at 2947 x 1661, in 30, 60 and 100 ms on a Radeon RX 5700 XT
  *     Awano et al. 2010, section 3: 72,027 to 542,199 points at 1024 x 1024; here 30 frames a second are wanted */
-#include <gio/gio.h>
-#include <stdbool.h>
-#include <stdint.h>
+#include "render/backend-choice.h"
 
 struct bench_hatching_options {
 	uint32_t repeats;
+	enum backend_wish backend;
 	char **styles; /* NULL: pencil, charcoal, coloured-crayons; of the small things, stipple-diffuse, stipple-highlight, stippling */
 	bool json;
 };

@@ -3,7 +3,7 @@
 #include "render/sheet-plan.h"
 #include <string.h>
 
-enum { TAKE_ALL, TAKE_AWAY };                  /* of sheet-take.glsl */
+enum { TAKE_ALL, TAKE_AWAY };                   /* of sheet-take.glsl */
 enum { MERGE_BEGIN, MERGE_SHEET, MERGE_BLEND }; /* of sheet-merge.glsl */
 /* Points are drawn in groups: 16 slices of 256 are a whole chunk. */
 #define SLICES 16u
@@ -345,16 +345,13 @@ static bool is_finished(const frame *f, uint64_t over)
 static bool finish(struct sheets_job *j, const struct chunk_view *views, uint32_t count,
 	uint64_t over, bool *ret_is_drawn)
 {
-	struct gles_part part = {
-		.view = views, .count = count, .layers = over, .is_over = true
-	};
+	struct gles_part part = { .view = views, .count = count, .layers = over, .is_over = true };
 	*ret_is_drawn = !is_finished(j->f, over);
-	return !*ret_is_drawn ||
-	       gles_draw_part(j->d, j->f, &part, j->t, j->is_timed, &j->error);
+	return !*ret_is_drawn || gles_draw_part(j->d, j->f, &part, j->t, j->is_timed, &j->error);
 }
 
-static bool draw_all(struct sheets_job *j, const struct chunk_view *views, uint32_t count,
-	bool *ret_is_drawn)
+static bool draw_all(
+	struct sheets_job *j, const struct chunk_view *views, uint32_t count, bool *ret_is_drawn)
 {
 	bool going = true;
 	begin(j);
@@ -368,12 +365,11 @@ static bool draw_all(struct sheets_job *j, const struct chunk_view *views, uint3
 	take_joined(j);
 	if (j->f->drawing->picture.filters && !j->error)
 		filter_whole(j, views, count);
-	return !j->error &&
-	       finish(j, views, count, frame_layers_over(j->f, true), ret_is_drawn);
+	return !j->error && finish(j, views, count, frame_layers_over(j->f, true), ret_is_drawn);
 }
 
-bool gles_sheets_draw(gles_draw *d, const frame *f, struct picture_buffer *to,
-	struct draw_times *t, bool is_timed, bool *ret_is_drawn, GError **error)
+bool gles_sheets_draw(gles_draw *d, const frame *f, struct picture_buffer *to, struct draw_times *t,
+	bool is_timed, bool *ret_is_drawn, GError **error)
 {
 	uint32_t count;
 	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
@@ -391,8 +387,8 @@ bool gles_sheets_draw(gles_draw *d, const frame *f, struct picture_buffer *to,
 	*ret_is_drawn = false;
 	bool good = draw_all(&j, views, count, ret_is_drawn);
 	if (good && !*ret_is_drawn && !frame_is_stopped(f))
-		good = gles_buffer_read(d->c, &d->sheets.whole,
-			(size_t)j.width * j.height * 4, to->rgba, &j.error);
+		good = gles_buffer_read(
+			d->c, &d->sheets.whole, (size_t)j.width * j.height * 4, to->rgba, &j.error);
 	t->chunks_in_view = count;
 	t->points_in_view = 0;
 	for (uint32_t n = 0; n < count; n++)

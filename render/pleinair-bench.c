@@ -22,7 +22,7 @@ static double seconds = 60, million_points = 20, memory_mib = 1024;
 static int beams = 1081, repeats = 5, trials = 1000;
 static gint64 seed = 1;
 static int pairs = 8;
-static char *site_folder, *preset, *keep, *folder, *size_text, *view_name;
+static char *backend, *site_folder, *preset, *keep, *folder, *size_text, *view_name;
 static char **style_list;
 
 static const GOptionEntry entries[] = {
@@ -67,6 +67,8 @@ static const GOptionEntry entries[] = {
 		"model, export: where the site is made, 150 bytes a point (default: of temporary "
 		"files)",
 		"FOLDER" },
+	{ "backend", 0, 0, G_OPTION_ARG_STRING, &backend,
+		"hatching, filters: what draws (default cpu)", "auto|cpu|gles" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
@@ -229,8 +231,11 @@ static int run_coherence(void)
 static int run_hatching(void)
 {
 	g_autoptr(GError) error = NULL;
+	enum backend_wish wish;
+	if (!backend_wish_parse(backend ? backend : "cpu", &wish, &error))
+		return cli_misuse(COMMAND, "%s", error->message);
 	struct bench_hatching_options options = {
-		.repeats = (uint32_t)repeats, .styles = style_list, .json = json
+		.repeats = (uint32_t)repeats, .backend = wish, .styles = style_list, .json = json
 	};
 	if (repeats < 1 || repeats > 1000)
 		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
@@ -240,8 +245,12 @@ static int run_hatching(void)
 static int run_filters(void)
 {
 	g_autoptr(GError) error = NULL;
+	enum backend_wish wish;
+	if (!backend_wish_parse(backend ? backend : "cpu", &wish, &error))
+		return cli_misuse(COMMAND, "%s", error->message);
 	struct bench_filters_options options = { .place = place_options(),
 		.repeats = (uint32_t)repeats,
+		.backend = wish,
 		.million_points_most = million_points,
 		.json = json };
 	if (repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)

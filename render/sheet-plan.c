@@ -104,8 +104,8 @@ static void choose_inpainting(const frame *f, const struct chunk_view *all, uint
 	const struct inpaint_step *by = frame_inpaint(f, sheet);
 	float radius = by->radius_px * f->px;
 	if (by->radius_px <= 0) {
-		float reach = fmaxf((float)filter_reach(p->steps, p->filters, f->px) / 2,
-			1.5f * p->spacing_px);
+		float reach = fmaxf(
+			(float)filter_reach(p->steps, p->filters, f->px) / 2, 1.5f * p->spacing_px);
 		radius = fminf(2 + reach, RADIUS_MOST) *
 			 (1 - (1 - RADIUS_CLOSE) * overlap_of(f, all, all_count, sheet));
 	}

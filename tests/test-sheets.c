@@ -430,6 +430,16 @@ static void test_neural(void)
 		for (int k = 0; k < 3; k++)
 			off += abs(p.rgba[at][k] + q.rgba[at][k] - 255) > 1;
 	g_assert_cmpuint(off, ==, 0);
+	/* What a GPU drew the processor runs the network on, and nothing else differs. */
+	g_autoptr(gles_draw) gl = gles_here_draw();
+	g_autoptr(GError) error = NULL;
+	if (gl)
+		gles_draw_frame(gl, f, &q, NULL, &error);
+	g_assert_no_error(error);
+	for (size_t at = 0; gl && at < (size_t)WIDTH * HEIGHT; at++)
+		for (int k = 0; k < 3; k++)
+			off += abs(p.rgba[at][k] - q.rgba[at][k]) > 1;
+	g_assert_cmpuint(off, <, WIDTH * HEIGHT / 1000);
 	picture_buffer_clear(&p);
 	picture_buffer_clear(&q);
 	frame_free(g);
