@@ -1,21 +1,25 @@
-#include "render/filter-solid.h"
+#include "render/filter-tables.h"
 #include "render/grain.h"
 #include <math.h>
+#include <string.h>
 
 struct edges_pass {
 	const struct filter_job *j;
 	const struct edges_step *step;
 	struct filter_solid solid;
-	float bend_cosine;
-	float *found;       /* of each pixel, 0: it is none */
-	float *linked;      /* the same without what is alone */
-	const float *crowd; /* means of found around */
+	float bend_cosine, sharp_cosine; /* bends are lines from there on, and all of one there */
+	float *found;                    /* of each pixel, 0..1 */
+	float *spread;                   /* the most around it */
 	float *wide, *line;
 	const float *sway[2]; /* noise, for wobbling */
 	int radius;
+	int way[EDGES_WAYS][EDGES_REACH]
+	       [2]; /* places on straight lines through a pixel, to one side */
 };
 
-/* Depth at a place, so many pixels on in one of four ways; FAR beyond the picture too. */
+/* ---- where edges are ---- */
+
+/* Depth so many pixels on in one of four ways; -1 beyond the picture. */
 static float depth_on(
 	const struct filter_image *i, uint32_t x, uint32_t y, const int way[2], int pixels)
 {
@@ -27,28 +31,41 @@ static float depth_on(
 
 /* What is deeper must be so for some pixels, or it is a gap between points. */
 #define BEYOND 4
+/* 1/depth, which is linear on planes, goes on as it came from two pixels before, but changes by no more than this part a pixel. */
+#define SLOPE_MOST 0.05f
+/* Steps of these parts of what the style says begin to be lines, and are lines. */
+#define STEP_SOME 0.75f
+#define STEP_ALL  1.5f
 
 /* The nearer side has the line; so has the outermost pixel of what is there. */
-static bool steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2])
+static float steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2])
 {
 	const struct filter_image *i = &p->j->image;
-	float here = i->depth_m[(size_t)y * i->width + x], back = depth_on(i, x, y, way, -2);
-	/* What a slope would have there is no step. */
-	float slope = back > 0 && back < FILTER_FAR ? fmaxf(here - back, 0) / 2 : 0;
+	float here = 1 / i->depth_m[(size_t)y * i->width + x], back = depth_on(i, x, y, way, -2),
+	      slope = 0, least = 1;
+	if (back > 0 && back < FILTER_FAR)
+		slope = CLAMP((here - 1 / back) / 2, -SLOPE_MOST * here, SLOPE_MOST * here);
 	for (int n = 1; n <= BEYOND; n++) {
 		float there = depth_on(i, x, y, way, n);
 		if (there < 0)
-			return n > 1;
+			return n > 1 ? least : 0;
 		if (there >= FILTER_FAR)
 			continue;
-		if (p->step->depth <= 0 || there - here - slope * (float)n <= p->step->depth * here)
-			return false;
+		if (p->step->depth <= 0)
+			return 0;
+		float over = (here + slope * (float)n) * there - 1;
+		least = fminf(least,
+			grain_step(STEP_SOME * p->step->depth, STEP_ALL * p->step->depth, over));
+		if (least <= 0)
+			return 0;
 	}
-	return depth_on(i, x, y, way, 1) >= 0;
+	return least;
 }
 
 /* Normals of this many pixels on either side are compared by their sums: those of single points are noisy where two surfaces meet. */
-#define SIDE 3
+#define SIDE 4
+/* Bends of so much more are all of a line. */
+#define BEND_SOFT_DEG 20
 
 /* The sum of the normals of the pixels from at on, as far as they are of the same surface; false: there is none. */
 static bool add_normals(const struct filter_image *i, uint32_t x, uint32_t y, const int way[2],
@@ -69,49 +86,48 @@ static bool add_normals(const struct filter_image *i, uint32_t x, uint32_t y, co
 	return ret[0] * ret[0] + ret[1] * ret[1] + ret[2] * ret[2] > 0.5f;
 }
 
-static bool bends(const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2])
+static float bends(const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2])
 {
 	const int back[2] = { -way[0], -way[1] };
 	float one[3], other[3], along = 0, length2[2] = { 0 };
 	if (p->step->bend_deg <= 0 || !add_normals(&p->j->image, x, y, back, 0, one) ||
 		!add_normals(&p->j->image, x, y, way, 1, other))
-		return false;
+		return 0;
 	for (int k = 0; k < 3; k++) {
 		along += one[k] * other[k];
 		length2[0] += one[k] * one[k];
 		length2[1] += other[k] * other[k];
 	}
-	return along < p->bend_cosine * sqrtf(length2[0] * length2[1]);
+	return grain_step(p->bend_cosine, p->sharp_cosine, along / sqrtf(length2[0] * length2[1]));
 }
 
-static bool is_edge(const struct edges_pass *p, uint32_t x, uint32_t y)
+static float edge_at(const struct edges_pass *p, uint32_t x, uint32_t y)
 {
 	static const int way[4][2] = { { 1, 0 }, { 0, 1 }, { -1, 0 }, { 0, -1 } };
 	const struct filter_image *i = &p->j->image;
 	size_t at = (size_t)y * i->width + x;
-	float here = i->depth_m[at];
+	float here = i->depth_m[at], most = 0;
 	if (here >= FILTER_FAR)
-		return false;
-	for (int n = 0; n < 4; n++) {
+		return 0;
+	for (int n = 0; n < 4 && most < 1; n++) {
 		int dx = way[n][0], dy = way[n][1];
 		if ((int)x + dx < 0 || (int)y + dy < 0 || x + (uint32_t)dx >= i->width ||
 			y + (uint32_t)dy >= i->height)
 			continue;
 		ptrdiff_t by = (ptrdiff_t)dy * (ptrdiff_t)i->width + dx;
 		size_t other = (size_t)((ptrdiff_t)at + by);
-		if (steps_down(p, x, y, way[n]))
-			return true;
+		most = fmaxf(most, steps_down(p, x, y, way[n]));
 		if (i->depth_m[other] >= FILTER_FAR)
 			continue;
 		/* Of two that meet, the nearer one; right and down of two as far. */
 		bool is_mine = here < i->depth_m[other] || (here == i->depth_m[other] && n < 2);
-		if (is_mine && bends(p, x, y, way[n]))
-			return true;
+		if (is_mine && most < 1)
+			most = fmaxf(most, bends(p, x, y, way[n]));
 		if (p->step->segments && is_mine && i->leaf[at] && i->leaf[other] &&
 			i->leaf[at] != i->leaf[other])
-			return true;
+			most = 1;
 	}
-	return false;
+	return most;
 }
 
 static void find_rows(const void *data, uint32_t from, uint32_t end)
@@ -120,64 +136,97 @@ static void find_rows(const void *data, uint32_t from, uint32_t end)
 	const struct filter_image *i = &p->j->image;
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
-			size_t at = (size_t)y * i->width + x;
-			p->found[at] = is_edge(p, x, y) ? filter_solid_at(&p->solid, x, y) : 0;
+			float edge = edge_at(p, x, y);
+			p->found[(size_t)y * i->width + x] =
+				edge > 0 ? edge * filter_solid_at(&p->solid, x, y) : 0;
 		}
 }
 
-/* Of the pixels around, so many belong to a line that goes on; fewer are noise. */
-#define LINKED_LEAST 3
-#define LINKED_ALL   5
+/* ---- which of them are lines ---- */
 
-static void link_rows(const void *data, uint32_t from, uint32_t end)
+/* The most of the eight pixels around, and its own. */
+static void spread_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct edges_pass *p = data;
 	const struct filter_image *i = &p->j->image;
-	for (uint32_t y = from; y < end; y++)
-		for (uint32_t x = 0; x < i->width; x++) {
-			size_t at = (size_t)y * i->width + x;
-			float sum = 0;
-			p->linked[at] = 0;
-			if (!(p->found[at] > 0))
-				continue;
-			for (uint32_t at_y = y > 1 ? y - 2 : 0; at_y < MIN(y + 3, i->height);
-				at_y++)
-				for (uint32_t at_x = x > 1 ? x - 2 : 0; at_x < MIN(x + 3, i->width);
-					at_x++)
-					sum += p->found[(size_t)at_y * i->width + at_x] > 0;
-			p->linked[at] = p->found[at] * grain_step(LINKED_LEAST, LINKED_ALL, sum);
+	size_t width = i->width;
+	g_autofree float *column = g_new(float, width + 2);
+	for (uint32_t y = from; y < end; y++) {
+		const float *row = p->found + y * width, *above = row - (y ? width : 0),
+			    *below = row + (y + 1 < i->height ? width : 0);
+		float *to = p->spread + y * width;
+		for (size_t x = 0; x < width; x++) {
+			float most = above[x] > row[x] ? above[x] : row[x];
+			column[x + 1] = below[x] > most ? below[x] : most;
 		}
+		column[0] = column[width + 1] = 0;
+		for (size_t x = 0; x < width; x++) {
+			float most = column[x] > column[x + 1] ? column[x] : column[x + 1];
+			to[x] = column[x + 2] > most ? column[x + 2] : most;
+		}
+	}
 }
 
-/* Leaves and gravel would be all lines: where more than these parts of all pixels are lines, there are none. */
-#define CROWD_SOME 0.16f
-#define CROWD_ALL  0.32f
+/* How much more there is of edges along the straight line of the most than along all of them. */
+static float straightness_at(const struct edges_pass *p, uint32_t x, uint32_t y)
+{
+	const struct filter_image *i = &p->j->image;
+	float best = 0, all = 0;
+	for (int w = 0; w < EDGES_WAYS; w++) {
+		float sum = 0;
+		for (int side = -1; side <= 1; side += 2)
+			for (int n = 0; n < EDGES_REACH; n++) {
+				int at_x = (int)x + side * p->way[w][n][0],
+				    at_y = (int)y + side * p->way[w][n][1];
+				at_x = CLAMP(at_x, 0, (int)i->width - 1);
+				at_y = CLAMP(at_y, 0, (int)i->height - 1);
+				sum += p->spread[(size_t)at_y * i->width + (size_t)at_x];
+			}
+		best = fmaxf(best, sum);
+		all += sum;
+	}
+	return (best - all / EDGES_WAYS) / (2 * EDGES_REACH);
+}
 
-static void thin_rows(const void *data, uint32_t from, uint32_t end)
+/* Leaves and gravel would be all lines, single points would be lines: in these all ways are alike. */
+static void link_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct edges_pass *p = data;
 	size_t width = p->j->image.width;
-	for (size_t at = from * width; at < end * width; at++)
-		p->linked[at] *= grain_step(CROWD_ALL, CROWD_SOME, p->crowd[at]);
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < width; x++) {
+			size_t at = y * width + x;
+			p->line[at] = p->found[at];
+			if (p->found[at] > 0)
+				p->line[at] *= grain_step(EDGES_STRAIGHT_SOME, EDGES_STRAIGHT_ALL,
+					straightness_at(p, x, y));
+		}
 }
 
-/* As wide as lines are. */
+/* ---- drawing ---- */
+
+/* As wide as lines are: the most within a radius. */
 static void widen_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct edges_pass *p = data;
 	const struct filter_image *i = &p->j->image;
-	int radius2 = p->radius * p->radius + p->radius;
+	int radius = p->radius, radius2 = radius * radius + radius;
+	if (!radius) {
+		memcpy(p->wide + (size_t)from * i->width, p->line + (size_t)from * i->width,
+			(size_t)(end - from) * i->width * sizeof *p->wide);
+		return;
+	}
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			float most = 0;
-			for (int dy = -p->radius; dy <= p->radius; dy++)
-				for (int dx = -p->radius; dx <= p->radius; dx++) {
+			for (int dy = -radius; dy <= radius; dy++)
+				for (int dx = -radius; dx <= radius; dx++) {
 					int at_x = (int)x + dx, at_y = (int)y + dy;
 					if (dx * dx + dy * dy > radius2 || at_x < 0 || at_y < 0 ||
 						at_x >= (int)i->width || at_y >= (int)i->height)
 						continue;
 					most = fmaxf(most,
-						p->linked[(size_t)at_y * i->width + (size_t)at_x]);
+						p->line[(size_t)at_y * i->width + (size_t)at_x]);
 				}
 			p->wide[(size_t)y * i->width + x] = most;
 		}
@@ -211,33 +260,50 @@ static void draw_rows(const void *data, uint32_t from, uint32_t end)
 		}
 }
 
+void edges_ways(int ret[EDGES_WAYS][EDGES_REACH][2])
+{
+	for (int w = 0; w < EDGES_WAYS; w++)
+		for (int n = 0; n < EDGES_REACH; n++) {
+			float turn = (float)G_PI * (float)w / EDGES_WAYS;
+			ret[w][n][0] = (int)lrintf(cosf(turn) * (float)(n + 1));
+			ret[w][n][1] = (int)lrintf(sinf(turn) * (float)(n + 1));
+		}
+}
+
+void edges_bends(const struct edges_step *s, float ret[2])
+{
+	const float degrees = (float)(G_PI / 180);
+	ret[0] = s->bend_deg > 0 ? cosf(s->bend_deg * degrees) : 2;
+	ret[1] = cosf(fminf(s->bend_deg + BEND_SOFT_DEG, 180) * degrees);
+}
+
 void filter_edges(struct filter_job *j, const struct step *s)
 {
 	const struct edges_step *k = &s->edges;
 	const struct filter_image *i = &j->image;
 	size_t bytes = filter_pixels(i) * sizeof(float);
-	float width = fmaxf(k->width_px * j->px, 0.5f);
+	float width = fmaxf(k->width_px * j->px, 0.5f), bend[2];
 	struct edges_pass p = { .j = j,
 		.step = k,
-		.bend_cosine = cosf(k->bend_deg * (float)(G_PI / 180)),
 		.found = filter_room_part(j->room, 0, bytes),
-		.linked = filter_room_part(j->room, 6, bytes),
-		.wide = filter_room_part(j->room, 1, bytes),
+		.spread = filter_room_part(j->room, 1, bytes),
+		.line = filter_room_part(j->room, 6, bytes),
 		.radius = (int)floorf(width / 2) };
+	edges_bends(k, bend);
+	p.bend_cosine = bend[0];
+	p.sharp_cosine = bend[1];
+	edges_ways(p.way);
 	for (uint32_t n = 0; n < 2 && k->wobble_px > 0; n++)
 		p.sway[n] = filter_noise(j, 4 + n, 40 * j->px, 71 + n);
 	p.solid = filter_solidity(j, 3);
 	filter_each_rows(j, find_rows, &p, i->height, 32);
-	filter_each_rows(j, link_rows, &p, i->height, 32);
-	p.crowd = p.wide;
-	struct filter_blur around = { p.linked, p.wide, false, i->width, i->height, 1, 0, NULL };
-	filter_blur_run(j, &around, 5 * j->px);
-	filter_each_rows(j, thin_rows, &p, i->height, 32);
+	filter_each_rows(j, spread_rows, &p, i->height, 32);
+	filter_each_rows(j, link_rows, &p, i->height, 16);
+	p.wide = p.spread;
 	filter_each_rows(j, widen_rows, &p, i->height, 16);
-	/* Soft by half a pixel; what is thinner than a pixel is fainter. */
-	p.line = p.found;
+	/* Soft borders; what is thinner than a pixel is fainter. */
 	struct filter_blur b = { p.wide, p.line, false, i->width, i->height, 1, 0, NULL };
-	filter_blur_run(j, &b, 0.6f);
+	filter_blur_run(j, &b, EDGES_SOFT_PX);
 	filter_each_rows(j, draw_rows, &p, i->height, 16);
 	filter_swap(&j->image);
 }

@@ -49,6 +49,16 @@ struct pencil_layer {
 int pencil_layers(
 	const struct pencil_step *s, const frame *f, struct pencil_layer ret[PENCIL_LAYERS_MOST]);
 
+/* Of edges: places on straight lines through a pixel, to one side; cosines of bends that begin to be lines, and are lines. */
+#define EDGES_WAYS  8
+#define EDGES_REACH 7
+void edges_ways(int ret[EDGES_WAYS][EDGES_REACH][2]);
+void edges_bends(const struct edges_step *s, float ret[2]);
+/* From which straightness on edges are lines. */
+#define EDGES_STRAIGHT_SOME 0.22f
+#define EDGES_STRAIGHT_ALL  0.40f
+#define EDGES_SOFT_PX       0.8f /* of their borders */
+
 /* Pixels that gaps are closed by. */
 int gaps_radius(const struct gaps_step *s, float px, float spacing_px);
 /* Pixels of the squares of Kuwahara's filter. */

@@ -247,48 +247,54 @@ static void dog(struct gles_filter_job *j, const struct step *s)
 		gles_filter_swap(&j->image);
 }
 
-enum { EDGES_FIND, EDGES_LINK, EDGES_THIN, EDGES_WIDEN, EDGES_DRAW };
+enum { EDGES_FIND, EDGES_SPREAD, EDGES_LINK, EDGES_WIDEN, EDGES_DRAW };
+
+static void edges_numbers(
+	const struct edges_step *k, float px, GLuint surface, struct gles_pass *ret)
+{
+	float bend[2];
+	int ways[EDGES_WAYS][EDGES_REACH][2];
+	edges_bends(k, bend);
+	edges_ways(ways);
+	*ret = (struct gles_pass){ .use = GLES_FILTER_EDGES,
+		.by = { { k->depth, bend[0], k->opacity, k->wobble_px * px },
+			{ k->colour[0], k->colour[1], k->colour[2], bend[1] },
+			{ EDGES_STRAIGHT_SOME, EDGES_STRAIGHT_ALL } },
+		.whole = { { (int32_t)floorf(fmaxf(k->width_px * px, 0.5f) / 2), k->segments } },
+		.plane = { [3] = surface },
+		.where = k->where };
+	memcpy(ret->whole[1], ways, sizeof ways);
+}
+
+static void edges_step(
+	struct gles_filter_job *j, struct gles_pass *p, int32_t mode, GLuint a, GLuint b, GLuint d)
+{
+	p->mode = mode;
+	p->plane[0] = a;
+	p->plane[1] = b;
+	p->plane[3] = d;
+	gles_pass_run(j, p);
+}
 
 static void edges(struct gles_filter_job *j, const struct step *s)
 {
 	const struct edges_step *k = &s->edges;
-	uint32_t width = j->image.width, height = j->image.height;
-	GLuint sway[2] = { 0 }, solid, one, other, linked;
+	struct gles_pass p;
+	GLuint sway[2] = { 0 }, found, spread, line, surface = j->image.surface->name;
+	edges_numbers(k, j->px, surface, &p);
 	for (uint32_t n = 0; n < 2 && k->wobble_px > 0; n++)
 		sway[n] = gles_noise(j, 4 + n, 40 * j->px, 71 + n);
-	solid = gles_solidity(j, 3);
-	one = gles_filter_plane(j, 0, 1);
-	other = gles_filter_plane(j, 1, 1);
-	linked = gles_filter_plane(j, 6, 1);
-	struct gles_pass p = { .use = GLES_FILTER_EDGES,
-		.mode = EDGES_FIND,
-		.by = { { k->depth, k->bend_deg > 0 ? cosf(k->bend_deg * (float)(G_PI / 180)) : 2,
-			k->opacity, k->wobble_px * j->px } },
-		.whole = { { (int32_t)floorf(fmaxf(k->width_px * j->px, 0.5f) / 2), k->segments } },
-		.plane = { 0, one, solid, j->image.surface->name },
-		.where = k->where };
-	set_colour(p.by[1], k->colour);
-	gles_pass_run(j, &p);
-	p.mode = EDGES_LINK;
-	p.plane[0] = one;
-	p.plane[1] = linked;
-	gles_pass_run(j, &p);
-	gles_blur_run(j, &(struct gles_blur){ linked, other, width, height, 1, 2 }, 5 * j->px);
-	p.mode = EDGES_THIN;
-	p.plane[0] = linked;
-	p.plane[1] = other;
-	p.plane[3] = one;
-	gles_pass_run(j, &p);
-	p.mode = EDGES_WIDEN;
-	p.plane[0] = one;
-	p.plane[1] = other;
-	gles_pass_run(j, &p);
-	/* Soft by half a pixel; what is thinner than a pixel is fainter. */
-	gles_blur_run(j, &(struct gles_blur){ other, one, width, height, 1, 2 }, 0.6f);
-	p.mode = EDGES_DRAW;
-	p.plane[1] = sway[0];
-	p.plane[3] = sway[1];
-	gles_pass_run(j, &p);
+	p.plane[2] = gles_solidity(j, 3);
+	found = gles_filter_plane(j, 0, 1);
+	spread = gles_filter_plane(j, 1, 1);
+	line = gles_filter_plane(j, 6, 1);
+	edges_step(j, &p, EDGES_FIND, 0, found, surface);
+	edges_step(j, &p, EDGES_SPREAD, found, spread, 0);
+	edges_step(j, &p, EDGES_LINK, found, spread, line);
+	edges_step(j, &p, EDGES_WIDEN, line, spread, 0);
+	gles_blur_run(j, &(struct gles_blur){ spread, line, j->image.width, j->image.height, 1, 2 },
+		EDGES_SOFT_PX);
+	edges_step(j, &p, EDGES_DRAW, line, sway[0], sway[1]);
 	gles_filter_swap(&j->image);
 }
 

@@ -1,10 +1,11 @@
 #version 310 es
-/* Lines where depth, slant or segment change: edges are found, into b; what is alone is left out, from a into b; so is what is crowded, a
- * by its means b into d; they become as wide as lines, from a into b; then they are drawn, of a, wobbling by b and d. by: depth, cosine
- * of the bend or 2, opacity, wobble_px; colour. whole: radius; 1: segments. Plane d has normals and segments when edges are found. */
-const int FIND = 0, LINK = 1, THIN = 2, WIDEN = 3;
-const int BEYOND = 4, SIDE = 3;
-const float LINKED_LEAST = 3.0, LINKED_ALL = 5.0, CROWD_SOME = 0.16, CROWD_ALL = 0.32;
+/* Lines where depth, slant or segment change (filter-edges.c): edges are found, into b, by normals and segments in d; b becomes the most around
+ * each pixel of a; lines are those of a that are straight by what is around them in b, into d; they become as wide as lines, from a into b;
+ * then they are drawn, of a, wobbling by b and d. by: depth, cosine of bends that begin to be lines or 2, opacity, wobble_px; colour, cosine of
+ * bends that are; straightness that begins, and is. whole: radius, 1: segments; then places on straight lines, two in one. */
+const int FIND = 0, SPREAD = 1, LINK = 2, WIDEN = 3;
+const int BEYOND = 4, SIDE = 4, WAYS = 8, REACH = 7;
+const float SLOPE_MOST = 0.05, STEP_SOME = 0.75, STEP_ALL = 1.5;
 BETWEEN(between_a, a)
 
 /* -1 beyond the picture. */
@@ -13,20 +14,23 @@ float depth_on(ivec2 p)
 	return is_in_area(p) ? depths[at_of(p)] : -1.0;
 }
 
-bool steps_down(ivec2 p, ivec2 way)
+float steps_down(ivec2 p, ivec2 way)
 {
-	float here = depths[at_of(p)], back = depth_on(p - 2 * way);
-	float slope = back > 0.0 && back < FAR ? max(here - back, 0.0) / 2.0 : 0.0;
+	float here = 1.0 / depths[at_of(p)], back = depth_on(p - 2 * way), slope = 0.0, least = 1.0;
+	if (back > 0.0 && back < FAR)
+		slope = clamp((here - 1.0 / back) / 2.0, -SLOPE_MOST * here, SLOPE_MOST * here);
 	for (int n = 1; n <= BEYOND; n++) {
 		float there = depth_on(p + n * way);
 		if (there < 0.0)
-			return n > 1;
+			return n > 1 ? least : 0.0;
 		if (there >= FAR)
 			continue;
-		if (by[0].x <= 0.0 || there - here - slope * float(n) <= by[0].x * here)
-			return false;
+		if (by[0].x <= 0.0)
+			return 0.0;
+		float over = (here + slope * float(n)) * there - 1.0;
+		least = min(least, step_between(STEP_SOME * by[0].x, STEP_ALL * by[0].x, over));
 	}
-	return depth_on(p + way) >= 0.0;
+	return least;
 }
 
 /* The sum of the normals from the first on, as far as they are of the same surface. */
@@ -45,50 +49,72 @@ vec3 normals_of(ivec2 p, ivec2 way, int first)
 	return sum;
 }
 
-bool bends(ivec2 p, ivec2 way)
+float bends(ivec2 p, ivec2 way)
 {
 	if (by[0].y > 1.5)
-		return false;
+		return 0.0;
 	vec3 one = normals_of(p, -way, 0), other = normals_of(p, way, 1);
 	float one2 = dot(one, one), other2 = dot(other, other);
-	return one2 > 0.5 && other2 > 0.5 && dot(one, other) < by[0].y * sqrt(one2 * other2);
+	if (!(one2 > 0.5 && other2 > 0.5))
+		return 0.0;
+	return step_between(by[0].y, by[1].w, dot(one, other) / sqrt(one2 * other2));
 }
 
-bool is_edge(ivec2 p)
+float edge_at(ivec2 p)
 {
 	int at = at_of(p);
-	float here = depths[at];
+	float here = depths[at], most = 0.0;
 	if (here >= FAR)
-		return false;
-	for (int n = 0; n < 4; n++) {
+		return 0.0;
+	for (int n = 0; n < 4 && most < 1.0; n++) {
 		ivec2 way = (n & 1) == 0 ? ivec2(1 - n, 0) : ivec2(0, 2 - n);
 		if (!is_in_area(p + way))
 			continue;
 		int other = at_of(p + way);
-		if (steps_down(p, way))
-			return true;
+		most = max(most, steps_down(p, way));
 		if (depths[other] >= FAR)
 			continue;
 		bool is_mine = here < depths[other] || (here == depths[other] && n < 2);
-		if (is_mine && bends(p, way))
-			return true;
+		if (is_mine && most < 1.0)
+			most = max(most, bends(p, way));
 		float leaf = d[4 * at + 3], other_leaf = d[4 * other + 3];
 		if (whole[0].y != 0 && is_mine && leaf > 0.0 && other_leaf > 0.0 && leaf != other_leaf)
-			return true;
+			most = 1.0;
 	}
-	return false;
+	return most;
+}
+
+float most_around(ivec2 p)
+{
+	float most = 0.0;
+	for (int y = max(p.y - 1, 0); y <= min(p.y + 1, area.y - 1); y++)
+		for (int x = max(p.x - 1, 0); x <= min(p.x + 1, area.x - 1); x++)
+			most = max(most, a[at_of(ivec2(x, y))]);
+	return most;
+}
+
+/* How much more there is of edges along the straight line of the most than along all of them. */
+float straightness_at(ivec2 p)
+{
+	float best = 0.0, all = 0.0;
+	for (int w = 0; w < WAYS; w++) {
+		float sum = 0.0;
+		for (int n = 0; n < REACH; n++) {
+			int entry = w * REACH + n;
+			ivec4 both = whole[1 + (entry >> 1)];
+			ivec2 step = (entry & 1) != 0 ? both.zw : both.xy;
+			sum += b[at_of(inside(p - step))] + b[at_of(inside(p + step))];
+		}
+		best = max(best, sum);
+		all += sum;
+	}
+	return (best - all / float(WAYS)) / float(2 * REACH);
 }
 
 float linked(ivec2 p)
 {
-	float sum = 0.0;
-	if (!(a[at_of(p)] > 0.0))
-		return 0.0;
-	ivec2 from = max(p - 2, ivec2(0)), end = min(p + 3, area.xy);
-	for (int y = from.y; y < end.y; y++)
-		for (int x = from.x; x < end.x; x++)
-			sum += a[at_of(ivec2(x, y))] > 0.0 ? 1.0 : 0.0;
-	return a[at_of(p)] * step_between(LINKED_LEAST, LINKED_ALL, sum);
+	float found = a[at_of(p)];
+	return found > 0.0 ? found * step_between(by[2].x, by[2].y, straightness_at(p)) : 0.0;
 }
 
 float widened(ivec2 p)
@@ -119,12 +145,13 @@ void main()
 	if (!is_here(p))
 		return;
 	int at = at_of(p);
-	if (extent.z == FIND)
-		b[at] = is_edge(p) ? solid_at(p) : 0.0;
+	if (extent.z == FIND) {
+		float edge = edge_at(p);
+		b[at] = edge > 0.0 ? edge * solid_at(p) : 0.0;
+	} else if (extent.z == SPREAD)
+		b[at] = most_around(p);
 	else if (extent.z == LINK)
-		b[at] = linked(p);
-	else if (extent.z == THIN)
-		d[at] = a[at] * step_between(CROWD_ALL, CROWD_SOME, b[at]);
+		d[at] = linked(p);
 	else if (extent.z == WIDEN)
 		b[at] = widened(p);
 	else
