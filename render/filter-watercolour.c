@@ -1,5 +1,6 @@
 #include "render/filter-planes.h"
 #include "render/filter-solid.h"
+#include "render/grain.h"
 #include <math.h>
 
 struct wash {
@@ -10,6 +11,21 @@ struct wash {
 	float *edge;
 	const float *sway[2], *turbulence, *dispersion; /* noise; NULL: not wanted */
 };
+
+/* Depths that differ by these parts are a little of another thing, and all of it. */
+#define SAME  0.02f
+#define OTHER 0.05f
+
+/* Colours stay on their things: what is carried from one to another flickers where these move against each other. */
+static float carried(const struct filter_image *i, size_t at, float x, float y)
+{
+	size_t from = (size_t)(CLAMP(y, 0, (float)(i->height - 1)) + 0.5f) * i->width +
+		      (size_t)(CLAMP(x, 0, (float)(i->width - 1)) + 0.5f);
+	float here = i->depth_m[at], there = i->depth_m[from];
+	if (here >= FILTER_FAR || there >= FILTER_FAR)
+		return here >= FILTER_FAR && there >= FILTER_FAR;
+	return grain_step(OTHER, SAME, fabsf(there - here) / here);
+}
 
 /* Borders that a wet brush leaves: colours from beside. */
 static void wobble_rows(const void *data, uint32_t from, uint32_t end)
@@ -23,7 +39,9 @@ static void wobble_rows(const void *data, uint32_t from, uint32_t end)
 			float by[2], rgb[3];
 			for (uint32_t k = 0; k < 2; k++)
 				by[k] = 1.6f * reach * w->sway[k][at];
-			filter_colour_between(i, (float)x + by[0], (float)y + by[1], rgb);
+			float part = carried(i, at, (float)x + by[0], (float)y + by[1]);
+			filter_colour_between(
+				i, (float)x + part * by[0], (float)y + part * by[1], rgb);
 			filter_put(w->wobbled[at], rgb);
 		}
 }

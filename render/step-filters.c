@@ -114,14 +114,14 @@ const struct step_parameter edges_parameters[] = {
 		"angle that surface is bent by; 0: bends make none"),
 	YES_NO(edges_step, segments, 1, "where segments meet"),
 	NUMBER(edges_step, wobble_px, RANGE(0, 12, 0, 6), 0, "px", "how unsteady the hand is"),
-	NUMBER(edges_step, opacity, PART, 1, "", "of lines"),
+	NUMBER(edges_step, opacity, PART, 0.6, "", "of lines"),
 	COLOUR(edges_step, colour, 0x101010, "of lines"),
 	WHERE(edges_step, WHERE_ALL),
 	{ NULL },
 };
 
 const struct step_parameter watercolour_parameters[] = {
-	NUMBER(watercolour_step, wobble_px, RANGE(0, 24, 0, 8), 3, "px",
+	NUMBER(watercolour_step, wobble_px, RANGE(0, 24, 0, 8), 2, "px",
 		"how unsteady borders of colours are"),
 	NUMBER(watercolour_step, darkening, RANGE(0, 4, 0, 2), 1, "",
 		"of edges, where pigment gathers"),

@@ -3,11 +3,21 @@
  * turbulence in b and dispersion in d, how dense the pigment is. by: wobble_px, darkening, turbulence, dispersion (0: there is none);
  * grain. */
 const int WOBBLE = 0;
+const float SAME = 0.02, OTHER = 0.05;
 const float CHANGE_MOST = 0.10, CHANGE_TO_DENSITY = 7.0;
 
 float lightness_at(ivec2 p)
 {
 	return a[at_of(inside(p))];
+}
+
+/* Colours stay on their things. */
+float carried(int at, vec2 from)
+{
+	float here = depths[at], there = depths[at_of(nearest(from))];
+	if (here >= FAR || there >= FAR)
+		return here >= FAR && there >= FAR ? 1.0 : 0.0;
+	return step_between(OTHER, SAME, abs(there - here) / here);
 }
 
 void main()
@@ -17,7 +27,8 @@ void main()
 		return;
 	int at = at_of(p);
 	if (extent.z == WOBBLE) {
-		uint rgba = rgba_of(colour_between(vec2(p) + 1.6 * by[0].x * vec2(a[at], b[at])));
+		vec2 sway = 1.6 * by[0].x * vec2(a[at], b[at]);
+		uint rgba = rgba_of(colour_between(vec2(p) + carried(at, vec2(p) + sway) * sway));
 		spare[at] = rgba;
 		d[at] = lightness_of(rgba);
 		return;
