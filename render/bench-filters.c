@@ -122,7 +122,7 @@ static const struct size {
 } sizes[3] = { { 640, 480 }, { 800, 600 }, { 1200, 800 } };
 
 #define ADAPTIVE                                                                                   \
-	"{\"step\":\"kuwahara\",\"radius_px\":%g,\"passes\":3,\"where\":\"away\"},"                \
+	"{\"step\":\"kuwahara\",\"softness\":0,\"radius_px\":%g,\"passes\":3,\"where\":\"away\"}," \
 	"{\"step\":\"dog\",\"where\":\"near\"}"
 static const struct redmond_row {
 	const char *title, *focus, *steps; /* %g: radius of 3 x 3 at that size */
@@ -131,8 +131,10 @@ static const struct redmond_row {
 } redmond_rows[] = {
 	{ "regular", "", "", 0, { 45, 45, 45 } },
 	{ "DoG edges", "", "{\"step\":\"dog\"}", 0, { 44, 44, 44 } },
-	{ "Kuwahara, 3 x 3", "", "{\"step\":\"kuwahara\",\"radius_px\":%g}", 2, { 42, 36, 23 } },
-	{ "Kuwahara, 5 x 5", "", "{\"step\":\"kuwahara\",\"radius_px\":%g}", 4, { 23, 18, 10 } },
+	{ "Kuwahara, 3 x 3", "", "{\"step\":\"kuwahara\",\"softness\":0,\"radius_px\":%g}", 2,
+		{ 42, 36, 23 } },
+	{ "Kuwahara, 5 x 5", "", "{\"step\":\"kuwahara\",\"softness\":0,\"radius_px\":%g}", 4,
+		{ 23, 18, 10 } },
 	{ "adaptive", "\"focus\":{\"on\":\"picture\",\"filters\":1},", ADAPTIVE, 2,
 		{ 46, 38, 24 } },
 	{ "adaptive, segments", "\"focus\":{\"on\":\"segment\",\"filters\":1,\"segment\":2},",

@@ -34,8 +34,8 @@ static float depth_on(
 /* 1/depth, which is linear on planes, goes on as it came from two pixels before, but changes by no more than this part a pixel. */
 #define SLOPE_MOST 0.05f
 /* Steps of these parts of what the style says begin to be lines, and are lines. */
-#define STEP_SOME 0.75f
-#define STEP_ALL  1.5f
+#define STEP_SOME 0.7f
+#define STEP_ALL  1.1f
 
 /* The nearer side has the line; so has the outermost pixel of what is there. */
 static float steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2])
@@ -167,21 +167,29 @@ static void spread_rows(const void *data, uint32_t from, uint32_t end)
 	}
 }
 
-/* How much more there is of edges along the straight line of the most than along all of them. */
-static float straightness_at(const struct edges_pass *p, uint32_t x, uint32_t y)
+/* Of edges on one side of a pixel, along a way. */
+static float along(const struct edges_pass *p, uint32_t x, uint32_t y, int way, int side)
 {
 	const struct filter_image *i = &p->j->image;
+	float sum = 0;
+	for (int n = 0; n < EDGES_REACH; n++) {
+		int at_x = (int)x + side * p->way[way][n][0],
+		    at_y = (int)y + side * p->way[way][n][1];
+		at_x = CLAMP(at_x, 0, (int)i->width - 1);
+		at_y = CLAMP(at_y, 0, (int)i->height - 1);
+		sum += p->spread[(size_t)at_y * i->width + (size_t)at_x];
+	}
+	return sum;
+}
+
+/* How much more there is of edges along the straight line of the most than along all of them. Where a line ends or turns, one side of it
+ * is enough. */
+static float straightness_at(const struct edges_pass *p, uint32_t x, uint32_t y)
+{
 	float best = 0, all = 0;
 	for (int w = 0; w < EDGES_WAYS; w++) {
-		float sum = 0;
-		for (int side = -1; side <= 1; side += 2)
-			for (int n = 0; n < EDGES_REACH; n++) {
-				int at_x = (int)x + side * p->way[w][n][0],
-				    at_y = (int)y + side * p->way[w][n][1];
-				at_x = CLAMP(at_x, 0, (int)i->width - 1);
-				at_y = CLAMP(at_y, 0, (int)i->height - 1);
-				sum += p->spread[(size_t)at_y * i->width + (size_t)at_x];
-			}
+		float one = along(p, x, y, w, -1), other = along(p, x, y, w, 1),
+		      sum = fmaxf(one + other, EDGES_ONE_SIDE * fmaxf(one, other));
 		best = fmaxf(best, sum);
 		all += sum;
 	}
@@ -293,8 +301,9 @@ void filter_edges(struct filter_job *j, const struct step *s)
 	p.bend_cosine = bend[0];
 	p.sharp_cosine = bend[1];
 	edges_ways(p.way);
-	for (uint32_t n = 0; n < 2 && k->wobble_px > 0; n++)
-		p.sway[n] = filter_noise(j, 4 + n, 40 * j->px, 71 + n);
+	const float *calm_m = k->wobble_px > 0 ? filter_calm_depth(j, 7) : NULL;
+	for (uint32_t n = 0; n < 2 && calm_m; n++)
+		p.sway[n] = filter_noise(j, 4 + n, 40 * j->px, 71 + n, calm_m);
 	p.solid = filter_solidity(j, 3);
 	filter_each_rows(j, find_rows, &p, i->height, 32);
 	filter_each_rows(j, spread_rows, &p, i->height, 32);

@@ -112,7 +112,7 @@ void filter_oil(struct filter_job *j, const struct step *s)
 	struct filter_trace t = { .j = j, .by = TRACE_NOISE };
 	float *height = filter_room_part(j->room, 4, filter_pixels(&j->image) * sizeof *height);
 	t.flow = filter_flow_find(j, s->oil.tensor_px);
-	t.from = filter_noise(j, 3, width, 5);
+	t.from = filter_noise(j, 3, width, 5, filter_calm_depth(j, 5));
 	t.to = height;
 	filter_trace_weigh(&t, fmaxf(s->oil.length_px * j->px / 2, 1));
 	filter_trace_run(&t);

@@ -125,8 +125,32 @@ INLINE void take_less(const struct kuwahara_desk *d, uint32_t at, vi *mean, vf *
 	*variance = least(other, *variance);
 }
 
+/* The mean of all four, weighted by how even they are, mixed with that of the most even one. */
+INLINE vi soften(const struct kuwahara_desk *d, const uint32_t corner[4], uint32_t x, vi best,
+	float softness)
+{
+	vf sum[3] = { { 0 } }, weights = { 0 };
+	for (int k = 0; k < 4; k++) {
+		vf w = 1 / (most(load(d->variance + corner[k] + x), all(0)) + KUWAHARA_EVEN);
+		vi mean = load_mask(d->mean + corner[k] + x);
+		w *= w;
+		w *= w;
+		weights += w;
+		for (int c = 0; c < 3; c++)
+			sum[c] += w * __builtin_convertvector(mean >> 8 * c & 255, vf);
+	}
+	vi packed = { 0 };
+	vf by = softness / weights;
+	for (int c = 0; c < 3; c++) {
+		vf hard = __builtin_convertvector(best >> 8 * c & 255, vf);
+		packed |= __builtin_convertvector(sum[c] * by + (1 - softness) * hard + 0.5f, vi)
+			  << 8 * c;
+	}
+	return packed;
+}
+
 INLINE void write_row(const struct kuwahara_desk *d, const struct filter_image *i, uint32_t radius,
-	uint32_t above, uint32_t below, uint32_t y)
+	float softness, uint32_t above, uint32_t below, uint32_t y)
 {
 	uint8_t *to = i->spare[(size_t)y * i->width];
 	const uint32_t corner[4] = { above * d->pitch, above * d->pitch + radius, below * d->pitch,
@@ -136,6 +160,8 @@ INLINE void write_row(const struct kuwahara_desk *d, const struct filter_image *
 		vi mean = load_mask(d->mean + corner[0] + x);
 		for (int k = 1; k < 4; k++)
 			take_less(d, corner[k] + x, &mean, &variance);
+		if (softness > 0)
+			mean = soften(d, corner, x, mean, softness);
 		mean |= (int32_t)0xff000000;
 		memcpy(to + 4 * (size_t)x, &mean, 4 * MIN(LANES, i->width - x));
 	}
@@ -156,7 +182,8 @@ void LANES_NAME(filter_kuwahara_rows)(const void *data, uint32_t from, uint32_t 
 		look(&d, i->width, p->radius, row);
 		add(&d, i, p->radius, y, -1);
 		if (y >= (int32_t)from) /* the next row of the ring is the oldest: radius above */
-			write_row(&d, i, p->radius, (row + 1) % d.rows, row, (uint32_t)y);
+			write_row(&d, i, p->radius, p->softness, (row + 1) % d.rows, row,
+				(uint32_t)y);
 	}
 	g_free(d.sum[0]);
 }

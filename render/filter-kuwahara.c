@@ -10,7 +10,7 @@ int kuwahara_radius(const struct kuwahara_step *s, float px)
 void filter_kuwahara(struct filter_job *j, const struct step *s)
 {
 	const struct kuwahara_step *k = &s->kuwahara;
-	struct kuwahara_pass p = { &j->image, (uint32_t)kuwahara_radius(k, j->px) };
+	struct kuwahara_pass p = { &j->image, (uint32_t)kuwahara_radius(k, j->px), k->softness };
 	int passes = (int)k->passes;
 	for (int n = 0; n < passes && !frame_is_stopped(j->f); n++) {
 		filter_each_rows(j, LANES_OF(j->lanes, filter_kuwahara_rows), &p, j->image.height,

@@ -6,6 +6,7 @@
 struct kuwahara_pass {
 	const struct filter_image *image;
 	uint32_t radius;
+	float softness;
 };
 /* Sums of squares stay below 2^31. */
 #define KUWAHARA_RADIUS_MOST 100u

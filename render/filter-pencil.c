@@ -165,8 +165,9 @@ void filter_pencil(struct filter_job *j, const struct step *s)
 	struct sketch k = { .j = j, .step = &s->pencil, .lightness = lightness };
 	k.layers = pencil_layers(&s->pencil, j->f, k.layer);
 	filter_lightness_plane(j, lightness);
-	k.press = filter_noise(j, 1, 45 * j->px, 17);
-	k.sway = filter_noise(j, 2, 60 * j->px, 23);
+	const float *calm_m = filter_calm_depth(j, 3);
+	k.press = filter_noise(j, 1, 45 * j->px, 17, calm_m);
+	k.sway = filter_noise(j, 2, 60 * j->px, 23, calm_m);
 	filter_each_rows(j, sketch_rows, &k, j->image.height, 16);
 	filter_swap(&j->image);
 }

@@ -110,7 +110,7 @@ void LANES_NAME(filter_noise_rows)(const void *data, uint32_t from, uint32_t end
 	const struct filter_noise_job *n = data;
 	const struct filter_image *i = &n->j->image;
 	for (uint32_t y = from; y < end; y++) {
-		const float *depth_m = i->depth_m + (size_t)y * i->width;
+		const float *depth_m = n->depth_m + (size_t)y * i->width;
 		float *to = n->to + (size_t)y * i->width;
 		for (uint32_t x = 0; x < i->width; x += LANES) {
 			size_t count = MIN(LANES, i->width - x) * sizeof(float);

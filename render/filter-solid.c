@@ -46,11 +46,89 @@ struct filter_solid filter_solidity(struct filter_job *j, uint32_t part)
 	filter_each_rows(j, count_rows, &c, c.solid.height, 16);
 	struct filter_blur b = { c.solid.part, whole, false, c.solid.width, c.solid.height, 1, 0,
 		NULL };
-	filter_blur_run(j, &b, FILTER_SOLID_SIGMA_PX * j->px / BLOCK);
+	filter_blur_run(j, &b, filter_solid_sigma(j->px));
 	c.solid.part = whole;
 	for (size_t n = 0; n < blocks; n++)
 		whole[n] = grain_step(SOLID_NOT, SOLID_ALL, whole[n]);
 	return c.solid;
+}
+
+/* ---- calm depths ---- */
+
+struct calming {
+	const float *from; /* 1/depth; 0 where nothing is */
+	float *to;
+	uint32_t width, height;
+	bool is_down;
+};
+
+/* Of a row, by what is at a distance before and behind. */
+static void add_pair(const float *own, const float *before, const float *behind, float *sum,
+	float *count, uint32_t pixels)
+{
+	for (uint32_t x = 0; x < pixels; x++) {
+		float most = FILTER_CALM_SAME * own[x], a = before[x] - own[x],
+		      b = behind[x] - own[x];
+		bool same = a < most && -a < most && b < most && -b < most;
+		sum[x] += same ? before[x] + behind[x] : 0;
+		count[x] += same ? 2 : 0;
+	}
+}
+
+static void calm_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct calming *c = data;
+	g_autofree float *sum = g_new(float, 2 * (size_t)c->width);
+	float *count = sum + c->width;
+	for (uint32_t y = from; y < end; y++) {
+		const float *own = c->from + (size_t)y * c->width;
+		for (uint32_t x = 0; x < c->width; x++) {
+			sum[x] = own[x];
+			count[x] = 1;
+		}
+		for (uint32_t k = 1; k <= FILTER_CALM_REACH; k++) {
+			size_t away = c->is_down ? (size_t)k * c->width : k;
+			if (!c->is_down && c->width > 2 * k)
+				add_pair(own + k, own, own + 2 * away, sum + k, count + k,
+					c->width - 2 * k);
+			if (c->is_down && y >= k && y + k < c->height)
+				add_pair(own, own - away, own + away, sum, count, c->width);
+		}
+		float *to = c->to + (size_t)y * c->width;
+		for (uint32_t x = 0; x < c->width; x++)
+			to[x] = sum[x] / count[x];
+	}
+}
+
+struct turning {
+	const float *from;
+	float *to;
+	size_t width;
+	float nothing, instead; /* where nothing is: before, and then */
+};
+
+static void turn_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct turning *t = data;
+	for (size_t at = from * t->width; at < end * t->width; at++)
+		t->to[at] = t->from[at] == t->nothing ? t->instead : 1 / t->from[at];
+}
+
+const float *filter_calm_depth(struct filter_job *j, uint32_t part)
+{
+	const struct filter_image *i = &j->image;
+	size_t bytes = filter_pixels(i) * sizeof(float);
+	float *one = filter_room_part(j->room, part, bytes),
+	      *other = filter_room_part(j->room, part + 1, bytes);
+	struct turning t = { i->depth_m, one, i->width, FILTER_FAR, 0 };
+	struct calming c = { one, other, i->width, i->height, false };
+	filter_each_rows(j, turn_rows, &t, i->height, 64);
+	filter_each_rows(j, calm_rows, &c, i->height, 32);
+	c = (struct calming){ other, one, i->width, i->height, true };
+	filter_each_rows(j, calm_rows, &c, i->height, 32);
+	t = (struct turning){ one, other, i->width, 0, FILTER_FAR };
+	filter_each_rows(j, turn_rows, &t, i->height, 64);
+	return other;
 }
 
 /* ---- noise ---- */
@@ -66,11 +144,13 @@ void filter_noise_look(struct filter_noise_job *n, const frame *f)
 		}
 }
 
-const float *filter_noise(struct filter_job *j, uint32_t part, float grain_px, uint32_t seed)
+const float *filter_noise(
+	struct filter_job *j, uint32_t part, float grain_px, uint32_t seed, const float *calm_m)
 {
 	struct filter_noise_job n = { .j = j,
 		.grain_px = fmaxf(grain_px, 1),
 		.seed = seed,
+		.depth_m = calm_m,
 		.to = filter_room_part(j->room, part, filter_pixels(&j->image) * sizeof(float)) };
 	filter_noise_look(&n, j->f);
 	filter_each_rows(j, LANES_OF(j->lanes, filter_noise_rows), &n, j->image.height, 16);

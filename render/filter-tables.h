@@ -57,7 +57,8 @@ void edges_bends(const struct edges_step *s, float ret[2]);
 /* From which straightness on edges are lines. */
 #define EDGES_STRAIGHT_SOME 0.22f
 #define EDGES_STRAIGHT_ALL  0.40f
-#define EDGES_SOFT_PX       0.8f /* of their borders */
+#define EDGES_ONE_SIDE      1.6f /* so much counts what is on one side alone */
+#define EDGES_SOFT_PX       0.7f /* of their borders */
 
 /* Pixels that gaps are closed by. */
 int gaps_radius(const struct gaps_step *s, float px, float spacing_px);

@@ -112,12 +112,13 @@ void filter_watercolour(struct filter_job *j, const struct step *s)
 		.lightness = filter_room_part(j->room, 1, pixels * sizeof(float)),
 		.edge = filter_room_part(j->room, 2, pixels * sizeof(float)) };
 	const struct watercolour_step *k = w.step;
+	const float *calm_m = filter_calm_depth(j, 7);
 	for (uint32_t n = 0; n < 2; n++)
-		w.sway[n] = filter_noise(j, 3 + n, 18 * j->px, 11 + n);
+		w.sway[n] = filter_noise(j, 3 + n, 18 * j->px, 11 + n, calm_m);
 	if (k->turbulence > 0)
-		w.turbulence = filter_noise(j, 5, k->turbulence_px * j->px, 31);
+		w.turbulence = filter_noise(j, 5, k->turbulence_px * j->px, 31, calm_m);
 	if (k->dispersion > 0)
-		w.dispersion = filter_noise(j, 6, 5 * j->px, 57);
+		w.dispersion = filter_noise(j, 6, 5 * j->px, 57, calm_m);
 	filter_each_rows(j, wobble_rows, &w, i->height, 16);
 	filter_each_rows(j, lightness_rows, &w, i->height, 64);
 	struct filter_blur b = { w.edge, w.lightness, false, i->width, i->height, 1, 0, NULL };

@@ -25,7 +25,7 @@ struct filter_image {
 };
 
 /* Memory that filters leave to each other. */
-#define FILTER_ROOM_PARTS 14
+#define FILTER_ROOM_PARTS 16
 typedef struct filter_room filter_room;
 struct filter_room {
 	void *memory[FILTER_ROOM_PARTS];

@@ -1,4 +1,4 @@
-/* Each filter as passes: beside the functions of the same names in filter-*.c, whose shaders say what planes are. */
+/* Each filter as passes, those that smooth apart (gles-filter-smooth.c): beside the functions of the same names in filter-*.c, whose shaders say what planes are. */
 #include "render/edl.h"
 #include "render/filter-tables.h"
 #include "render/filter-trace.h"
@@ -6,174 +6,45 @@
 #include <math.h>
 #include <string.h>
 
-typedef void run_kind(struct gles_filter_job *j, const struct step *s);
-
 static void set_colour(float to[4], const uint8_t colour[4])
 {
 	for (int k = 0; k < 3; k++)
 		to[k] = colour[k];
 }
 
-/* ---- smoothing ---- */
-
-enum { KUWAHARA_ACROSS, KUWAHARA_DOWN, KUWAHARA_TAKE };
-
-static void kuwahara(struct gles_filter_job *j, const struct step *s)
-{
-	const struct kuwahara_step *k = &s->kuwahara;
-	uint32_t radius = (uint32_t)kuwahara_radius(k, j->px), width = j->image.width + radius,
-		 height = j->image.height + radius;
-	GLuint planes[2];
-	const int64_t bytes[2] = { (int64_t)width * j->image.height * 16,
-		(int64_t)width * height * 8 };
-	for (int n = 0; n < 2; n++) {
-		struct gles_buffer *b = &j->d->filters.plane[n];
-		if (!gles_buffer_reserve(j->d->c, b, bytes[n], "filters of a picture", &j->error))
-			return;
-		planes[n] = b->name;
-	}
-	for (int n = 0; n < (int)k->passes; n++) {
-		struct gles_pass p = { .use = GLES_FILTER_KUWAHARA,
-			.mode = KUWAHARA_ACROSS,
-			.width = width,
-			.height = j->image.height,
-			.plane = { planes[0], planes[1] },
-			.whole = { { (int32_t)radius } } };
-		gles_pass_run(j, &p);
-		p.mode = KUWAHARA_DOWN;
-		p.height = height;
-		gles_pass_run(j, &p);
-		p.mode = KUWAHARA_TAKE;
-		p.width = p.height = 0;
-		gles_pass_run(j, &p);
-		gles_filter_finish(j, k->where, k->passes, (float)n);
-	}
-}
-
-/* As filter-anisotropic.glsl reads them: x, y, the weight's bits, and where a sector begins. */
-static void hold_taps(struct gles_filter_job *j, float radius)
-{
-	struct gles_filters *f = &j->d->filters;
-	if (f->taps.name && f->taps_radius == radius)
-		return;
-	struct anisotropic_pass p = { .reach = anisotropic_reach(radius) };
-	p.pitch = 2 * p.reach + 1;
-	g_autoptr(GArray) taps = anisotropic_taps(&p, radius);
-	size_t count = MAX(taps->len, G_N_ELEMENTS(p.first));
-	g_autofree int32_t(*to)[4] = g_malloc0_n(count, sizeof *to);
-	for (guint n = 0; n < taps->len; n++) {
-		int32_t side = (int32_t)p.pitch, reach = (int32_t)p.reach,
-			place = p.tap[n].offset + reach * side + reach;
-		to[n][0] = place % side - reach;
-		to[n][1] = place / side - reach;
-		memcpy(&to[n][2], &p.tap[n].weight, sizeof p.tap[n].weight);
-	}
-	for (size_t n = 0; n < G_N_ELEMENTS(p.first); n++)
-		to[n][3] = (int32_t)p.first[n];
-	if (!gles_buffer_reserve(j->d->c, &f->taps, (int64_t)(count * sizeof *to),
-		    "the places of a filter", &j->error))
-		return;
-	j->d->c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, f->taps.name);
-	j->d->c->gl.BufferSubData(
-		GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof *to), to);
-	f->taps_radius = radius;
-}
-
-static void anisotropic(struct gles_filter_job *j, const struct step *s)
-{
-	const struct anisotropic_step *k = &s->anisotropic;
-	_Static_assert(ANISOTROPIC_WAYS == 48 && ANISOTROPIC_LENGTHS == 8,
-		"as filter-anisotropic.glsl has it");
-	hold_taps(j, fmaxf(k->radius_px * j->px, 1));
-	for (int n = 0; n < (int)k->passes; n++) {
-		struct gles_pass p = { .use = GLES_FILTER_ANISOTROPIC,
-			.plane = { 0, 0, gles_flow_find(j, k->tensor_px), j->d->filters.taps.name },
-			.by = { { k->stretch, k->sharpness } },
-			.whole = { { (int32_t)((j->image.width + 1) / 2) } } };
-		gles_pass_run(j, &p);
-		gles_filter_finish(j, k->where, k->passes, (float)n);
-	}
-}
-
-enum { BILATERAL_TO_LAB, BILATERAL_ACROSS, BILATERAL_DOWN, BILATERAL_OF_LAB };
-
-static void bilateral(struct gles_filter_job *j, const struct step *s)
-{
-	const struct bilateral_step *k = &s->bilateral;
-	float weight[BILATERAL_RADIUS_MOST + 1];
-	uint32_t radius = bilateral_weigh(fmaxf(k->sigma_px * j->px, 0.5f), weight);
-	GLuint one = gles_filter_plane(j, 0, 3), other = gles_filter_plane(j, 1, 3);
-	struct gles_pass p = { .use = GLES_FILTER_BILATERAL,
-		.mode = BILATERAL_TO_LAB,
-		.plane = { other, one },
-		.by = { { 0.5f / (k->sigma_tone * k->sigma_tone) } },
-		.whole = { { (int32_t)radius } } };
-	for (uint32_t n = 0; n <= radius; n++)
-		p.by[1 + n / 4][n % 4] = weight[n];
-	gles_pass_run(j, &p);
-	for (int n = 0; n < (int)k->passes; n++)
-		for (int down = 0; down < 2; down++) {
-			p.mode = down ? BILATERAL_DOWN : BILATERAL_ACROSS;
-			p.plane[0] = down ? other : one;
-			p.plane[1] = down ? one : other;
-			gles_pass_run(j, &p);
-		}
-	p.mode = BILATERAL_OF_LAB;
-	p.plane[0] = one;
-	gles_pass_run(j, &p);
-	gles_filter_finish(j, k->where, 1, 0);
-}
-
-static void gaussian(struct gles_filter_job *j, const struct step *s)
-{
-	gles_blur_run(j, &(struct gles_blur){ .channels = 4 }, s->gaussian.sigma_px * j->px);
-	gles_filter_finish(j, s->gaussian.where, 1, 0);
-}
-
-static void gaps(struct gles_filter_job *j, const struct step *s)
-{
-	struct gles_pass p = { .use = GLES_FILTER_GAPS,
-		.plane = { 0, gles_filter_plane(j, 0, 1), gles_counts(j, 1) },
-		.whole = { { gaps_radius(&s->gaps, j->px, j->spacing_px) } } };
-	gles_pass_run(j, &p);
-	gles_filter_take(j, j->image.depth, 0);
-	gles_filter_swap(&j->image);
-}
-
-static void flow(struct gles_filter_job *j, const struct step *s)
-{
-	const struct flow_step *k = &s->flow;
-	float across = k->across_px * j->px;
-	struct gles_trace t = { .flow = gles_flow_find(j, k->tensor_px), .is_pixels = true };
-	if (across >= 0.3f) {
-		t.to = gles_filter_plane(j, 3, 1);
-		t.is_across = true;
-		t.sigma = across;
-		gles_trace_run(j, &t);
-		t.from = t.to;
-		t.to = 0;
-		t.is_across = false;
-	}
-	t.sigma = fmaxf(k->length_px * j->px / 2, 0.5f);
-	gles_trace_run(j, &t);
-	gles_filter_finish(j, k->where, 1, 0);
-}
-
 /* ---- tones and lines ---- */
+
+enum { QUANTISE_TAKE = QUANTISE_CHANNELS + 1 };
+
+/* Plane 0 is CIELab then, plane 2 smoothed lightness. */
+static void quantise_lightness(struct gles_filter_job *j, float sigma_px, struct gles_pass *p)
+{
+	GLuint lab = gles_to_lab(j, 0), own = gles_filter_plane(j, 1, 1),
+	       smooth = gles_filter_plane(j, 2, 1);
+	struct gles_pass first = {
+		.use = GLES_FILTER_QUANTISE, .mode = QUANTISE_TAKE, .plane = { lab, own }
+	};
+	gles_pass_run(j, &first);
+	gles_blur_run(j, &(struct gles_blur){ own, smooth, j->image.width, j->image.height, 1, 3 },
+		sigma_px);
+	p->plane[0] = lab;
+	p->plane[2] = smooth;
+}
 
 static void quantise(struct gles_filter_job *j, const struct step *s)
 {
 	const struct quantise_step *k = &s->quantise;
-	struct gles_pass p = { .use = GLES_FILTER_BILATERAL, .mode = BILATERAL_TO_LAB };
+	struct gles_pass p = { .use = GLES_FILTER_QUANTISE,
+		.mode = k->by,
+		.by = { { rintf(k->levels), k->softness } },
+		.whole = { { k->smooth_px > 0 } } };
+	float sigma_px = k->smooth_px * j->px;
 	if (k->by == QUANTISE_LIGHTNESS) {
-		p.plane[1] = gles_filter_plane(j, 0, 3);
-		gles_pass_run(j, &p);
+		quantise_lightness(j, sigma_px, &p);
+	} else if (k->smooth_px > 0) {
+		p.plane[2] = gles_filter_plane(j, 2, 4);
+		gles_blur_run(j, &(struct gles_blur){ 0, p.plane[2], 0, 0, 4, 3 }, sigma_px);
 	}
-	p.use = GLES_FILTER_QUANTISE;
-	p.mode = k->by;
-	p.plane[0] = p.plane[1];
-	p.by[0][0] = rintf(k->levels);
-	p.by[0][1] = k->softness;
 	gles_pass_run(j, &p);
 	gles_filter_finish(j, k->where, 1, 0);
 }
@@ -259,7 +130,7 @@ static void edges_numbers(
 	*ret = (struct gles_pass){ .use = GLES_FILTER_EDGES,
 		.by = { { k->depth, bend[0], k->opacity, k->wobble_px * px },
 			{ k->colour[0], k->colour[1], k->colour[2], bend[1] },
-			{ EDGES_STRAIGHT_SOME, EDGES_STRAIGHT_ALL } },
+			{ EDGES_STRAIGHT_SOME, EDGES_STRAIGHT_ALL, EDGES_ONE_SIDE } },
 		.whole = { { (int32_t)floorf(fmaxf(k->width_px * px, 0.5f) / 2), k->segments } },
 		.plane = { [3] = surface },
 		.where = k->where };
@@ -282,8 +153,9 @@ static void edges(struct gles_filter_job *j, const struct step *s)
 	struct gles_pass p;
 	GLuint sway[2] = { 0 }, found, spread, line, surface = j->image.surface->name;
 	edges_numbers(k, j->px, surface, &p);
+	GLuint calm = k->wobble_px > 0 ? gles_calm_depth(j, 7, 0) : 0;
 	for (uint32_t n = 0; n < 2 && k->wobble_px > 0; n++)
-		sway[n] = gles_noise(j, 4 + n, 40 * j->px, 71 + n);
+		sway[n] = gles_noise(j, 4 + n, 40 * j->px, 71 + n, calm);
 	p.plane[2] = gles_solidity(j, 3);
 	found = gles_filter_plane(j, 0, 1);
 	spread = gles_filter_plane(j, 1, 1);
@@ -313,13 +185,14 @@ static void watercolour(struct gles_filter_job *j, const struct step *s)
 		.to = wobbled,
 		.by = { { k->wobble_px * j->px, k->darkening, k->turbulence, k->dispersion },
 			{ k->grain } } };
-	p.plane[0] = gles_noise(j, 3, 18 * j->px, 11);
-	p.plane[1] = gles_noise(j, 4, 18 * j->px, 12);
+	GLuint calm = gles_calm_depth(j, 8, 7);
+	p.plane[0] = gles_noise(j, 3, 18 * j->px, 11, calm);
+	p.plane[1] = gles_noise(j, 4, 18 * j->px, 12, calm);
 	p.plane[3] = edge;
 	if (k->turbulence > 0)
-		more[0] = gles_noise(j, 5, k->turbulence_px * j->px, 31);
+		more[0] = gles_noise(j, 5, k->turbulence_px * j->px, 31, calm);
 	if (k->dispersion > 0)
-		more[1] = gles_noise(j, 6, 5 * j->px, 57);
+		more[1] = gles_noise(j, 6, 5 * j->px, 57, calm);
 	gles_pass_run(j, &p);
 	gles_blur_run(j, &(struct gles_blur){ edge, smooth, width, height, 1, 7 }, 1.2f * j->px);
 	p.mode = WATERCOLOUR_PAINT;
@@ -339,7 +212,7 @@ static void oil(struct gles_filter_job *j, const struct step *s)
 	struct gles_pass p = { .use = GLES_FILTER_OIL,
 		.by = { { k->relief, k->shine, k->variation, k->canvas } } };
 	struct gles_trace t = { .flow = gles_flow_find(j, k->tensor_px),
-		.from = gles_noise(j, 3, width, 5),
+		.from = gles_noise(j, 3, width, 5, gles_calm_depth(j, 5, 6)),
 		.to = gles_filter_plane(j, 4, 1),
 		.by = TRACE_NOISE,
 		.sigma = fmaxf(k->length_px * j->px / 2, 1) };
@@ -373,8 +246,9 @@ static void pencil(struct gles_filter_job *j, const struct step *s)
 	p.by[PENCIL_PARAMETERS + 1][0] = k->own_colour;
 	set_colour(p.by[PENCIL_PARAMETERS + 2], k->colour);
 	p.plane[0] = gles_lightness(j, 0);
-	p.plane[1] = gles_noise(j, 1, 45 * j->px, 17);
-	p.plane[2] = gles_noise(j, 2, 60 * j->px, 23);
+	GLuint calm = gles_calm_depth(j, 3, 4);
+	p.plane[1] = gles_noise(j, 1, 45 * j->px, 17, calm);
+	p.plane[2] = gles_noise(j, 2, 60 * j->px, 23, calm);
 	p.plane[3] = j->image.surface->name;
 	gles_pass_run(j, &p);
 	gles_filter_swap(&j->image);
@@ -505,18 +379,18 @@ static void neural(struct gles_filter_job *j, const struct step *s)
 
 static const struct row {
 	const char *name;
-	run_kind *run;
+	gles_filter_kind *run;
 } rows[] = {
-	{ "kuwahara", kuwahara },
-	{ "anisotropic-kuwahara", anisotropic },
-	{ "bilateral", bilateral },
-	{ "gaussian", gaussian },
-	{ "gaps", gaps },
+	{ "kuwahara", gles_kuwahara },
+	{ "anisotropic-kuwahara", gles_anisotropic },
+	{ "bilateral", gles_bilateral },
+	{ "gaussian", gles_gaussian },
+	{ "gaps", gles_gaps },
 	{ "quantise", quantise },
 	{ "dog", dog },
 	{ "edges", edges },
 	{ "watercolour", watercolour },
-	{ "flow", flow },
+	{ "flow", gles_flow },
 	{ "oil", oil },
 	{ "pencil", pencil },
 	{ "grade", grade },

@@ -142,7 +142,7 @@ void gles_blur_run(struct gles_filter_job *j, const struct gles_blur *b, float s
 
 /* ---- numbers of pixels ---- */
 
-enum { NUMBERS_LIGHTNESS, NUMBERS_COUNT, NUMBERS_SOLID };
+enum { NUMBERS_LIGHTNESS, NUMBERS_COUNT, NUMBERS_SOLID, NUMBERS_CALM_ACROSS, NUMBERS_CALM_DOWN };
 
 GLuint gles_lightness(struct gles_filter_job *j, uint32_t plane)
 {
@@ -172,14 +172,27 @@ GLuint gles_solidity(struct gles_filter_job *j, uint32_t plane)
 		.use = GLES_FILTER_NUMBERS, .mode = NUMBERS_SOLID, .width = width, .height = height
 	};
 	gles_blur_run(j, &(struct gles_blur){ own, other, width, height, 1, 1 },
-		FILTER_SOLID_SIGMA_PX * j->px / FILTER_SOLID_BLOCK);
+		filter_solid_sigma(j->px));
 	p.plane[0] = other;
 	p.plane[1] = own;
 	gles_pass_run(j, &p);
 	return own;
 }
 
-GLuint gles_noise(struct gles_filter_job *j, uint32_t plane, float grain_px, uint32_t seed)
+GLuint gles_calm_depth(struct gles_filter_job *j, uint32_t plane, uint32_t between)
+{
+	struct gles_pass p = { .use = GLES_FILTER_NUMBERS, .mode = NUMBERS_CALM_ACROSS };
+	p.plane[1] = gles_filter_plane(j, between, 1);
+	gles_pass_run(j, &p);
+	p.mode = NUMBERS_CALM_DOWN;
+	p.plane[0] = p.plane[1];
+	p.plane[1] = gles_filter_plane(j, plane, 1);
+	gles_pass_run(j, &p);
+	return p.plane[1];
+}
+
+GLuint gles_noise(
+	struct gles_filter_job *j, uint32_t plane, float grain_px, uint32_t seed, GLuint calm)
 {
 	struct filter_noise_job n;
 	struct gles_pass p = { .use = GLES_FILTER_NOISE };
@@ -193,6 +206,7 @@ GLuint gles_noise(struct gles_filter_job *j, uint32_t plane, float grain_px, uin
 			p.whole[o][k] = n.cell[k][o];
 		}
 	p.whole[FILTER_NOISE_OCTAVES][0] = (int32_t)seed;
+	p.plane[0] = calm;
 	p.plane[1] = gles_filter_plane(j, plane, 1);
 	gles_pass_run(j, &p);
 	return p.plane[1];

@@ -63,6 +63,12 @@ void gles_filter_swap(struct gles_filter_image *i);
 void gles_filter_take(struct gles_filter_job *j, struct gles_buffer *b, uint32_t plane);
 void gles_filter_finish(struct gles_filter_job *j, int32_t where, float times, float less);
 
+/* ---- kinds ---- */
+
+typedef void gles_filter_kind(struct gles_filter_job *j, const struct step *s);
+gles_filter_kind gles_kuwahara, gles_anisotropic, gles_bilateral, gles_gaussian, gles_gaps,
+	gles_flow;
+
 /* ---- what several filters ask for: the functions of filter-planes.h, filter-solid.h and filter-trace.h ---- */
 
 struct gles_blur {
@@ -71,6 +77,8 @@ struct gles_blur {
 	uint32_t between; /* the number of a plane for what is blurred across alone */
 };
 void gles_blur_run(struct gles_filter_job *j, const struct gles_blur *b, float sigma_px);
+/* CIELab of the picture's pixels, three floats. */
+GLuint gles_to_lab(struct gles_filter_job *j, uint32_t plane);
 /* Into plane 2, by planes 0 and 1. */
 GLuint gles_flow_find(struct gles_filter_job *j, float sigma_px);
 GLuint gles_lightness(struct gles_filter_job *j, uint32_t plane);
@@ -78,7 +86,10 @@ GLuint gles_lightness(struct gles_filter_job *j, uint32_t plane);
 GLuint gles_counts(struct gles_filter_job *j, uint32_t plane);
 /* Into that plane, by planes 0 and 1. */
 GLuint gles_solidity(struct gles_filter_job *j, uint32_t plane);
-GLuint gles_noise(struct gles_filter_job *j, uint32_t plane, float grain_px, uint32_t seed);
+/* Into the first plane, by the second. */
+GLuint gles_calm_depth(struct gles_filter_job *j, uint32_t plane, uint32_t between);
+GLuint gles_noise(
+	struct gles_filter_job *j, uint32_t plane, float grain_px, uint32_t seed, GLuint calm);
 
 /* depth-inpaint.h: image.grey becomes what it asks for; then, once filters are through, the depths, in that plane. */
 void gles_inpaint_begin(struct gles_filter_job *j);

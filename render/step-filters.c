@@ -35,6 +35,9 @@ static const char *const composite_names[] = { [COMPOSITE_INPAINTED] = "inpainte
 const struct step_parameter kuwahara_parameters[] = {
 	NUMBER(kuwahara_step, radius_px, RANGE(1, 40, 1, 12), 2, "px",
 		"of the window; its four squares have a pixel more a side: 2 is 3 x 3, 4 is 5 x 5"),
+	NUMBER(kuwahara_step, softness, PART, 1, "",
+		"0: the most even square alone, as it was first told; 1: all, weighted by how even "
+		"they are"),
 	PASSES(kuwahara_step, 1),
 	WHERE(kuwahara_step, WHERE_ALL),
 	{ NULL },
@@ -80,14 +83,16 @@ const struct step_parameter quantise_parameters[] = {
 	CHOICE(quantise_step, by, quantise_names, QUANTISE_LIGHTNESS,
 		"steps of lightness, or of red, green and blue each"),
 	NUMBER(quantise_step, levels, RANGE(2, 64, 2, 16), 8, "", "how many there are"),
-	NUMBER(quantise_step, softness, PART, 0.5, "",
+	NUMBER(quantise_step, softness, PART, 0.65, "",
 		"of steps where lightness changes slowly; where it changes fast they are sharp"),
+	NUMBER(quantise_step, smooth_px, RANGE(0, 12, 0, 6), 3, "px",
+		"which step it is, is told by means of what is so far around; detail stays"),
 	WHERE(quantise_step, WHERE_ALL),
 	{ NULL },
 };
 
 const struct step_parameter dog_parameters[] = {
-	NUMBER(dog_step, sigma_px, RANGE(0.4, 12, 0.5, 4), 1, "px",
+	NUMBER(dog_step, sigma_px, RANGE(0.4, 12, 0.5, 4), 1.2, "px",
 		"standard deviation of the finer Gaussian: how broad lines are"),
 	NUMBER(dog_step, ratio, RANGE(1.1, 4, 1.2, 2.5), 1.6, "",
 		"of the coarser Gaussian to the finer one"),
@@ -96,7 +101,7 @@ const struct step_parameter dog_parameters[] = {
 	NUMBER(dog_step, threshold, RANGE(-1, 1, -0.1, 0.9), -0.01, "",
 		"lines are where the difference is below; with sharpness, what is darker is "
 		"filled"),
-	NUMBER(dog_step, contrast, RANGE(0.1, 1000, 1, 200), 14, "", "how suddenly they are"),
+	NUMBER(dog_step, contrast, RANGE(0.1, 1000, 1, 200), 9, "", "how suddenly they are"),
 	NUMBER(dog_step, flow_px, RANGE(0, 24, 0, 12), 0, "px",
 		"how far lines are joined along the flow of the picture; 0: not at all"),
 	NUMBER(dog_step, opacity, PART, 1, "", "of lines"),
@@ -114,14 +119,14 @@ const struct step_parameter edges_parameters[] = {
 		"angle that surface is bent by; 0: bends make none"),
 	YES_NO(edges_step, segments, 1, "where segments meet"),
 	NUMBER(edges_step, wobble_px, RANGE(0, 12, 0, 6), 0, "px", "how unsteady the hand is"),
-	NUMBER(edges_step, opacity, PART, 0.6, "", "of lines"),
+	NUMBER(edges_step, opacity, PART, 0.55, "", "of lines"),
 	COLOUR(edges_step, colour, 0x101010, "of lines"),
 	WHERE(edges_step, WHERE_ALL),
 	{ NULL },
 };
 
 const struct step_parameter watercolour_parameters[] = {
-	NUMBER(watercolour_step, wobble_px, RANGE(0, 24, 0, 8), 2, "px",
+	NUMBER(watercolour_step, wobble_px, RANGE(0, 24, 0, 8), 2.5, "px",
 		"how unsteady borders of colours are"),
 	NUMBER(watercolour_step, darkening, RANGE(0, 4, 0, 2), 1, "",
 		"of edges, where pigment gathers"),
@@ -147,12 +152,12 @@ const struct step_parameter flow_parameters[] = {
 
 const struct step_parameter oil_parameters[] = {
 	NUMBER(oil_step, length_px, RANGE(2, 80, 6, 40), 26, "px", "of bristles' traces"),
-	NUMBER(oil_step, width_px, RANGE(1, 12, 1, 6), 3, "px", "of bristles"),
+	NUMBER(oil_step, width_px, RANGE(1, 12, 1, 6), 4, "px", "of bristles"),
 	NUMBER(oil_step, tensor_px, RANGE(0.5, 40, 2, 20), 12, "px",
 		"around a pixel, in which it is asked what runs where"),
-	NUMBER(oil_step, relief, RANGE(0, 4, 0, 2), 0.8, "", "how thick paint lies"),
+	NUMBER(oil_step, relief, RANGE(0, 4, 0, 2), 0.3, "", "how thick paint lies"),
 	NUMBER(oil_step, shine, RANGE(0, 2, 0, 1), 0.1, "", "how wet it looks"),
-	NUMBER(oil_step, variation, PART, 0.15, "", "how much the traces differ in lightness"),
+	NUMBER(oil_step, variation, PART, 0.06, "", "how much the traces differ in lightness"),
 	NUMBER(oil_step, canvas, PART, 0.25, "", "how much the paper's relief shows in it"),
 	{ NULL },
 };

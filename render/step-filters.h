@@ -9,9 +9,11 @@
 enum filter_where { WHERE_ALL, WHERE_AWAY, WHERE_NEAR };
 
 /* Kuwahara's filter (1976; Redmond & Dingliana 2007, section 3.1): of four squares that meet in the pixel, the mean of that with the least
- * variance. Squares have radius + 1 pixels a side. */
+ * variance. Squares have radius + 1 pixels a side. Softness: instead of that the mean of all four, weighted by the inverse fourth power of
+ * their variances, so that two that are as even do not take turns from frame to frame (Papari, Petkov & Campisi 2007). */
+#define KUWAHARA_EVEN 2.f /* levels^2 of variance that are as good as none */
 struct kuwahara_step {
-	float radius_px, passes;
+	float radius_px, softness, passes;
 	int32_t where;
 };
 
@@ -38,11 +40,12 @@ struct gaps_step {
 	float radius_px;
 };
 
-/* Steps of lightness (soft: Winnemoeller et al. 2006, section 3.3), or of each colour (posterisation). */
+/* Steps of lightness (soft: Winnemoeller et al. 2006, section 3.3), or of each colour (posterisation). Which step it is, is told by what is
+ * smoothed; finer detail stays as it is, for steps make more of noise: smooth_px 0 has none of that. */
 enum quantise_by { QUANTISE_LIGHTNESS, QUANTISE_CHANNELS };
 struct quantise_step {
 	int32_t by;
-	float levels, softness;
+	float levels, softness, smooth_px;
 	int32_t where;
 };
 

@@ -6,10 +6,12 @@
 #define HEIGHT 93u
 
 static const char *const all_steps[] = { "\"kuwahara\",\"passes\":2",
-	"\"kuwahara\",\"radius_px\":12", "\"anisotropic-kuwahara\"", "\"bilateral\"",
-	"\"gaussian\"", "\"gaps\"", "\"quantise\"", "\"dog\"", "\"dog\",\"flow_px\":3",
-	"\"edges\",\"wobble_px\":1", "\"watercolour\"", "\"flow\"", "\"oil\"", "\"pencil\"",
-	"\"grade\",\"segments\":0.5,\"hue_shift_deg\":40", "\"warp\"", "\"occlusion\"", "\"edl\"" };
+	"\"kuwahara\",\"radius_px\":12,\"softness\":0", "\"anisotropic-kuwahara\"", "\"bilateral\"",
+	"\"gaussian\"", "\"gaps\"", "\"quantise\"", "\"quantise\",\"by\":\"channels\"",
+	"\"quantise\",\"by\":\"channels\",\"softness\":0,\"smooth_px\":0", "\"dog\"",
+	"\"dog\",\"flow_px\":3", "\"edges\",\"wobble_px\":1", "\"watercolour\"", "\"flow\"",
+	"\"oil\"", "\"pencil\"", "\"grade\",\"segments\":0.5,\"hue_shift_deg\":40", "\"warp\"",
+	"\"occlusion\"", "\"edl\"" };
 
 /* The same bytes for any vectors and any number of threads; and in one pixel, a row, a column. */
 static void test_bytes(void)

@@ -2,126 +2,8 @@
 #include "render/depth-inpaint.h"
 #include "render/filter-planes.h"
 #include "render/light.h"
-#include "tests/filter-made.h"
+#include "tests/filter-reference.h"
 #include <stdlib.h>
-
-#define WIDTH  157u
-#define HEIGHT 93u
-
-/* Tests run twice: on the processor, and on whatever OpenGL ES there is. False: there is none. */
-static bool goes_on(const char *on)
-{
-	if (strcmp(on, "cpu") == 0) {
-		g_clear_pointer(&filter_made_gles, gles_draw_free);
-		return true;
-	}
-	if (!filter_made_gles)
-		filter_made_gles = gles_here_draw();
-	return filter_made_gles != NULL;
-}
-
-static void add(const char *name, GTestDataFunc test)
-{
-	static const char *const on[] = { "cpu", "gles" };
-	for (int n = 0; n < 2; n++) {
-		g_autofree char *path = g_strdup_printf("/filters/%s/%s", on[n], name);
-		g_test_add_data_func(path, on[n], test);
-	}
-}
-
-static const uint8_t *pixel_at(const struct filter_image *i, const uint8_t (*from)[4], int x, int y)
-{
-	x = CLAMP(x, 0, (int)i->width - 1);
-	y = CLAMP(y, 0, (int)i->height - 1);
-	return from[(size_t)y * i->width + (size_t)x];
-}
-
-/* Of the reference's picture: the share of pixels that are off by more than least, and the mean difference. */
-static void assert_alike(const struct filter_image *i, const double (*wanted)[3], double least,
-	double share_most, double mean_most, const char *what)
-{
-	double mean = 0;
-	size_t off = 0;
-	for (size_t at = 0; at < filter_pixels(i); at++) {
-		double most = 0;
-		for (int k = 0; k < 3; k++) {
-			double here = fabs((double)i->rgba[at][k] - wanted[at][k]);
-			mean += here / 3;
-			most = MAX(most, here);
-		}
-		off += most > least;
-	}
-	mean /= (double)filter_pixels(i);
-	double share = (double)off / (double)filter_pixels(i);
-	g_test_message(
-		"%s: mean %.3f, %.4f %% off by more than %g", what, mean, 100 * share, least);
-	g_assert_cmpfloat(mean, <=, mean_most);
-	g_assert_cmpfloat(share, <=, share_most);
-}
-
-/* ---- Kuwahara: Redmond & Dingliana 2007, section 3.1 ---- */
-
-struct square {
-	double mean[3], variance;
-};
-
-static struct square square_of(
-	const struct filter_image *i, const uint8_t (*from)[4], int left, int top, int side)
-{
-	struct square s = { 0 };
-	double squares = 0, count = side * side;
-	for (int y = top; y < top + side; y++)
-		for (int x = left; x < left + side; x++)
-			for (int k = 0; k < 3; k++) {
-				double v = pixel_at(i, from, x, y)[k];
-				s.mean[k] += v / count;
-				squares += v * v / count;
-			}
-	s.variance = squares;
-	for (int k = 0; k < 3; k++)
-		s.variance -= s.mean[k] * s.mean[k];
-	return s;
-}
-
-/* The mean of the square of the least variance; of two that are as even, either one. */
-static void check_kuwahara(int radius)
-{
-	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
-	struct filter_image *i = &m.job.image;
-	g_autofree uint8_t(*before)[4] = copy_of(i);
-	g_autofree char *step = g_strdup_printf("\"kuwahara\",\"radius_px\":%d", radius);
-	filter_made_run(&m, step);
-	for (int y = 0; y < (int)HEIGHT; y++)
-		for (int x = 0; x < (int)WIDTH; x++) {
-			struct square of[4];
-			double least = 1e9;
-			bool is_one = false;
-			for (int n = 0; n < 4; n++) {
-				of[n] = square_of(i, (const uint8_t(*)[4])before,
-					n & 1 ? x : x - radius, n & 2 ? y : y - radius, radius + 1);
-				least = MIN(least, of[n].variance);
-			}
-			const uint8_t *is = i->rgba[(size_t)y * WIDTH + (size_t)x];
-			for (int n = 0; n < 4; n++) {
-				bool same = of[n].variance <= least + 0.02;
-				for (int k = 0; k < 3; k++)
-					same &= fabs(is[k] - of[n].mean[k]) <= 0.51;
-				is_one |= same;
-			}
-			g_assert_true(is_one);
-			g_assert_cmpuint(is[3], ==, 255);
-		}
-	filter_made_clear(&m);
-}
-
-static void test_kuwahara(gconstpointer on)
-{
-	if (!goes_on(on))
-		return;
-	check_kuwahara(2); /* 3 x 3 */
-	check_kuwahara(4); /* 5 x 5 */
-	check_kuwahara(13);
-}
 
 /* ---- Gaussian, difference of Gaussians ---- */
 
@@ -390,84 +272,6 @@ static void test_tensor(gconstpointer on)
 	filter_made_clear(&m);
 }
 
-/* ---- anisotropic Kuwahara: Kyprianidis et al. 2010, without tables ---- */
-
-static void sector_weights(double x, double y, double radius, double ret[8])
-{
-	double zeta = 2 / radius, eta = (zeta + cos(0.58)) / (sin(0.58) * sin(0.58)), sum = 0;
-	for (int half = 0; half < 2; half++) {
-		double vxx = zeta - eta * x * x, vyy = zeta - eta * y * y;
-		double z[4] = { MAX(0, y + vxx), MAX(0, -x + vyy), MAX(0, -y + vxx),
-			MAX(0, x + vyy) };
-		for (int k = 0; k < 4; k++)
-			sum += ret[2 * k + half] = z[k] * z[k];
-		double next = G_SQRT2 / 2 * (x - y);
-		y = G_SQRT2 / 2 * (x + y);
-		x = next;
-	}
-	for (int k = 0; k < 8; k++)
-		ret[k] *= exp(-3.125 * (x * x + y * y)) / MAX(sum, 1e-9);
-}
-
-static void anisotropic_at(const struct filter_image *i, const uint8_t (*from)[4],
-	const struct filter_flow *flow, int x, int y, double radius, double ret[3])
-{
-	double along = radius * (1 + flow->anisotropy), across = radius / (1 + flow->anisotropy);
-	double mean[8][3] = { { 0 } }, squares[8] = { 0 }, weights[8] = { 0 };
-	int reach = (int)ceil(2 * radius);
-	for (int dy = -reach; dy <= reach; dy++)
-		for (int dx = -reach; dx <= reach; dx++) {
-			double u = (dx * flow->along[0] + dy * flow->along[1]) / along,
-			       v = (dy * flow->along[0] - dx * flow->along[1]) / across, w[8];
-			if (u * u + v * v > 1)
-				continue;
-			sector_weights(u, v, radius, w);
-			const uint8_t *rgb = pixel_at(i, from, x + dx, y + dy);
-			for (int k = 0; k < 8; k++) {
-				weights[k] += w[k];
-				for (int c = 0; c < 3; c++) {
-					mean[k][c] += w[k] * rgb[c] / 255.0;
-					squares[k] += w[k] * rgb[c] * rgb[c] / 255.0 / 255.0;
-				}
-			}
-		}
-	double sum = 0;
-	ret[0] = ret[1] = ret[2] = 0;
-	for (int k = 0; k < 8; k++) {
-		double variance = squares[k] / weights[k];
-		for (int c = 0; c < 3; c++) {
-			mean[k][c] /= weights[k];
-			variance -= mean[k][c] * mean[k][c];
-		}
-		double w = 1 / (1 + pow(1000 * fabs(variance), 4));
-		for (int c = 0; c < 3; c++)
-			ret[c] += w * mean[k][c];
-		sum += w;
-	}
-	for (int c = 0; c < 3; c++)
-		ret[c] *= 255 / sum;
-}
-
-static void test_anisotropic(gconstpointer on)
-{
-	if (!goes_on(on))
-		return;
-	struct filter_made m = filter_made_new(WIDTH, HEIGHT, "");
-	struct filter_image *i = &m.job.image;
-	g_autofree uint8_t(*before)[4] = copy_of(i);
-	g_autofree double(*wanted)[3] = g_malloc_n(filter_pixels(i), sizeof *wanted);
-	m.job.room = &m.room;
-	struct filter_flow_plane flow = filter_flow_find(&m.job, 2);
-	for (uint32_t y = 0; y < HEIGHT; y++)
-		for (uint32_t x = 0; x < WIDTH; x++)
-			anisotropic_at(i, (const uint8_t(*)[4])before, filter_flow_at(&flow, x, y),
-				(int)x, (int)y, 5, wanted[y * WIDTH + x]);
-	filter_made_run(&m, "\"anisotropic-kuwahara\",\"radius_px\":5");
-	/* Directions and lengths of ellipses are rounded to steps. */
-	assert_alike(i, (const double(*)[3])wanted, 8, 0.01, 0.8, "anisotropic Kuwahara");
-	filter_made_clear(&m);
-}
-
 /* ---- steps of tone ---- */
 
 static void test_quantise(gconstpointer on)
@@ -480,11 +284,12 @@ static void test_quantise(gconstpointer on)
 	for (size_t at = 0; at < filter_pixels(i); at++)
 		for (int k = 0; k < 3; k++)
 			wanted[at][k] = round(round(i->rgba[at][k] / 255.0 * 4) / 4 * 255);
-	filter_made_run(&m, "\"quantise\",\"by\":\"channels\",\"levels\":5");
+	filter_made_run(
+		&m, "\"quantise\",\"by\":\"channels\",\"levels\":5,\"softness\":0,\"smooth_px\":0");
 	assert_alike(i, (const double(*)[3])wanted, 1, 0, 0.6, "posterised");
 	/* Of lightness: as many steps as were asked for, when they are hard. */
 	filter_made_fill(i, 8);
-	filter_made_run(&m, "\"quantise\",\"levels\":6,\"softness\":0");
+	filter_made_run(&m, "\"quantise\",\"levels\":6,\"softness\":0,\"smooth_px\":0");
 	size_t near = 0, all = 0;
 	for (size_t at = 0; at < filter_pixels(i); at++) {
 		double lab[3], step = 20;
@@ -580,16 +385,11 @@ static void test_inpaint(gconstpointer on)
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
-	add("kuwahara", test_kuwahara);
 	add("gaussian", test_gaussian);
 	add("dog", test_dog);
 	add("bilateral", test_bilateral);
 	add("tensor", test_tensor);
-	add("anisotropic", test_anisotropic);
 	add("quantise", test_quantise);
 	add("inpaint", test_inpaint);
-	int status = g_test_run();
-	gles_draw_free(filter_made_gles);
-	gles_context_free(gles_here_context);
-	return status;
+	return run_all();
 }

@@ -100,8 +100,10 @@ static enum shown truth_at(const struct camera *c, uint32_t x, uint32_t y, doubl
 
 /* Each segment's lines are of its own colour, so that it can be told what they are of. */
 #define CARTOON(colour)                                                                            \
-	"{\"step\":\"points\"},{\"step\":\"bilateral\",\"passes\":1},{\"step\":\"quantise\"},"     \
-	"{\"step\":\"edges\",\"width_px\":12,\"bend_deg\":0,\"segments\":false,\"colour\":"        \
+	"{\"step\":\"points\"},{\"step\":\"bilateral\",\"passes\":1},{\"step\":\"quantise\","      \
+	"\"smooth_px\":0},"                                                                        \
+	"{\"step\":\"edges\",\"width_px\":12,\"bend_deg\":0,\"segments\":false,\"opacity\":1,"     \
+	"\"colour\":"                                                                              \
 	"\"" colour "\"}"
 #define WOVEN(by)                                                                                  \
 	"\"building\":{\"steps\":[" CARTOON("#801010") "]},\"vegetation\":{\"steps\":[" CARTOON(   \

@@ -30,13 +30,13 @@ void add(vec3 there, vec3 middle, float weight, inout vec4 sum)
 	sum += vec4(there, 1.0) * w;
 }
 
-vec3 smoothed(ivec2 p, ivec2 step)
+vec3 smoothed(ivec2 p, ivec2 on)
 {
 	vec3 middle = taken(p);
 	vec4 sum = vec4(middle, 1.0);
 	for (int n = 1; n <= whole[0].x; n++) {
-		add(taken(p - n * step), middle, weight_of(n), sum);
-		add(taken(p + n * step), middle, weight_of(n), sum);
+		add(taken(p - n * on), middle, weight_of(n), sum);
+		add(taken(p + n * on), middle, weight_of(n), sum);
 	}
 	return sum.rgb / sum.a;
 }

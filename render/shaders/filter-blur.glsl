@@ -21,12 +21,12 @@ vec4 taken(ivec2 p)
 
 void main()
 {
-	ivec2 p, step = whole[0].z != 0 ? ivec2(0, 1) : ivec2(1, 0);
+	ivec2 p, on = whole[0].z != 0 ? ivec2(0, 1) : ivec2(1, 0);
 	if (!is_here(p))
 		return;
 	vec4 sum = taken(p) * weight_of(0);
 	for (int k = 1; k <= whole[0].x; k++)
-		sum += (taken(p - k * step) + taken(p + k * step)) * weight_of(k);
+		sum += (taken(p - k * on) + taken(p + k * on)) * weight_of(k);
 	int at = p.y * extent.x + p.x, channels = whole[0].y;
 	if ((whole[0].w & TO_PIXELS) != 0) {
 		spare[at] = rgba_of(sum.rgb);

@@ -2,10 +2,10 @@
 /* Lines where depth, slant or segment change (filter-edges.c): edges are found, into b, by normals and segments in d; b becomes the most around
  * each pixel of a; lines are those of a that are straight by what is around them in b, into d; they become as wide as lines, from a into b;
  * then they are drawn, of a, wobbling by b and d. by: depth, cosine of bends that begin to be lines or 2, opacity, wobble_px; colour, cosine of
- * bends that are; straightness that begins, and is. whole: radius, 1: segments; then places on straight lines, two in one. */
+ * bends that are; straightness that begins, and is; EDGES_ONE_SIDE. whole: radius, 1: segments; then places on straight lines, two in one. */
 const int FIND = 0, SPREAD = 1, LINK = 2, WIDEN = 3;
 const int BEYOND = 4, SIDE = 4, WAYS = 8, REACH = 7;
-const float SLOPE_MOST = 0.05, STEP_SOME = 0.75, STEP_ALL = 1.5;
+const float SLOPE_MOST = 0.05, STEP_SOME = 0.7, STEP_ALL = 1.1;
 BETWEEN(between_a, a)
 
 /* -1 beyond the picture. */
@@ -96,19 +96,21 @@ float most_around(ivec2 p)
 /* How much more there is of edges along the straight line of the most than along all of them. */
 float straightness_at(ivec2 p)
 {
-	float best = 0.0, all = 0.0;
+	float best = 0.0, together = 0.0;
 	for (int w = 0; w < WAYS; w++) {
-		float sum = 0.0;
+		float one = 0.0, other = 0.0;
 		for (int n = 0; n < REACH; n++) {
 			int entry = w * REACH + n;
 			ivec4 both = whole[1 + (entry >> 1)];
-			ivec2 step = (entry & 1) != 0 ? both.zw : both.xy;
-			sum += b[at_of(inside(p - step))] + b[at_of(inside(p + step))];
+			ivec2 on = (entry & 1) != 0 ? both.zw : both.xy;
+			one += b[at_of(inside(p - on))];
+			other += b[at_of(inside(p + on))];
 		}
+		float sum = max(one + other, by[2].z * max(one, other));
 		best = max(best, sum);
-		all += sum;
+		together += sum;
 	}
-	return (best - all / float(WAYS)) / float(2 * REACH);
+	return (best - together / float(WAYS)) / float(2 * REACH);
 }
 
 float linked(ivec2 p)

@@ -1,7 +1,8 @@
 #version 310 es
 /* Kuwahara's filter: sums along rows, then of columns the mean and the variance of each square, by its left upper corner; each pixel
- * takes the mean of the least variance of the four squares that it is a corner of. whole: radius. */
+ * takes the mean of the least variance of the four squares that it is a corner of. by: softness. whole: radius. */
 const int ACROSS = 0, DOWN = 1, TAKE = 2;
+const float EVEN = 2.0; /* KUWAHARA_EVEN */
 
 layout(std430, binding = 4) buffer Sums {
 	ivec4 sums[]; /* red green blue squares, of radius + 1 pixels */
@@ -36,14 +37,20 @@ void down(ivec2 p, int radius)
 void take(ivec2 p, int radius)
 {
 	int pitch = area.x + radius;
-	uvec2 best = squares[p.y * pitch + p.x];
-	for (int n = 1; n < 4; n++) {
+	uvec2 best = uvec2(0u, 0xffffffffu);
+	vec4 sum = vec4(0.0);
+	for (int n = 0; n < 4; n++) {
 		uvec2 other = squares[(p.y + (n >> 1) * radius) * pitch + p.x + (n & 1) * radius];
+		float weight = 1.0 / (uintBitsToFloat(other.y) + EVEN);
+		weight *= weight;
+		sum += vec4(rgb_of(other.x), 1.0) * weight * weight;
 		/* Of floats that are not below 0, bits are in their order. */
 		if (other.y < best.y)
 			best = other;
 	}
-	spare[at_of(p)] = best.x;
+	float softness = by[0].x;
+	spare[at_of(p)] = softness > 0.0 ? rgba_of(softness / sum.a * sum.rgb + (1.0 - softness) * rgb_of(best.x))
+					 : best.x;
 }
 
 void main()

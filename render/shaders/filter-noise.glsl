@@ -1,5 +1,5 @@
 #version 310 es
-/* Noise that sticks to the site (filter_noise), into plane b. by: grain_px; then of each octave where in its cell the eye is. whole: that
+/* Noise that sticks to the site (filter_noise), into plane b, by the calm depths in a. by: grain_px; then of each octave where in its cell the eye is. whole: that
  * cell; behind them the seed. */
 const int LOWEST = -24, OCTAVES = 48;
 
@@ -62,7 +62,7 @@ void main()
 	if (!is_here(p))
 		return;
 	int at = at_of(p);
-	float near_m = depths[at];
+	float near_m = a[at];
 	vec2 whole_at = vec2(p + area.zw);
 	if (near_m >= FAR) {
 		b[at] = flat_noise(whole_at);

@@ -15,10 +15,10 @@ float corners(ivec2 p)
 		float reached = reach * (float(n * 5 % RING) + 1.0) / float(RING);
 		int entry = turned * RING + n;
 		vec4 ways = by[1 + (entry >> 1)];
-		ivec2 step = ivec2(roundEven(((entry & 1) != 0 ? ways.zw : ways.xy) * reached));
+		ivec2 on = ivec2(roundEven(((entry & 1) != 0 ? ways.zw : ways.xy) * reached));
 		float both = 0.0;
 		for (int side = -1; side <= 1; side += 2) {
-			float there = depths[at_of(inside(p + side * step))];
+			float there = depths[at_of(inside(p + side * on))];
 			float before = there >= FAR ? -radius_m : here - there;
 			if (before > radius_m)
 				before = max(2.0 * radius_m - before, 0.0);
