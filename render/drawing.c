@@ -335,6 +335,23 @@ GArray *style_steps(const style *s, const segments *tree, uint32_t node, GError 
 	return steps;
 }
 
+static bool sways(const struct pipeline *p)
+{
+	for (uint32_t n = p->layers; n < p->layers + p->filters; n++)
+		if (strcmp(p->steps[n].kind->name, "warp") == 0 &&
+			p->steps[n].warp.amplitude_px > 0)
+			return true;
+	return false;
+}
+
+bool drawing_sways(const drawing *d)
+{
+	bool ret = sways(&d->picture);
+	for (guint n = 0; n < d->pipelines->len; n++)
+		ret |= sways(&g_array_index(d->pipelines, struct pipeline, n));
+	return ret;
+}
+
 void drawing_free(drawing *d)
 {
 	if (!d)

@@ -141,6 +141,8 @@ struct drawing {
  * pipelines, and a change of a step that is not inherited where a thing stands in this tree. Needs neither afterwards. */
 drawing *drawing_new(const style *s, const segments *tree, char ***ret_unused, GError **error);
 void drawing_free(drawing *d); /* NULL is fine */
+/* Whether it changes with time (frame.h, time_s). */
+bool drawing_sways(const drawing *d);
 /* The steps of one node of the tree as it inherits them, the mask first; of STYLE_PICTURE those of "picture", which has no mask. Of
  * struct step, caller frees. Errors of drawing_new. */
 #define STYLE_PICTURE G_MAXUINT32

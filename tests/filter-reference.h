@@ -27,7 +27,8 @@ static inline void add(const char *name, GTestDataFunc test)
 	}
 }
 
-static inline const uint8_t *pixel_at(const struct filter_image *i, const uint8_t (*from)[4], int x, int y)
+static inline const uint8_t *pixel_at(
+	const struct filter_image *i, const uint8_t (*from)[4], int x, int y)
 {
 	x = CLAMP(x, 0, (int)i->width - 1);
 	y = CLAMP(y, 0, (int)i->height - 1);
@@ -35,8 +36,8 @@ static inline const uint8_t *pixel_at(const struct filter_image *i, const uint8_
 }
 
 /* Of the reference's picture: the share of pixels that are off by more than least, and the mean difference. */
-static inline void assert_alike(const struct filter_image *i, const double (*wanted)[3], double least,
-	double share_most, double mean_most, const char *what)
+static inline void assert_alike(const struct filter_image *i, const double (*wanted)[3],
+	double least, double share_most, double mean_most, const char *what)
 {
 	double mean = 0;
 	size_t off = 0;

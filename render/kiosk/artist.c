@@ -3,7 +3,9 @@
 #include "render/kiosk/light-sum.h"
 #include <math.h>
 
-enum task { TASK_WAIT, TASK_QUIT, TASK_LOOK, TASK_FINER, TASK_SMALL };
+enum task { TASK_WAIT, TASK_QUIT, TASK_LOOK, TASK_FINER, TASK_SMALL, TASK_SWAY };
+/* From one picture of what sways to the next, at least. */
+#define SWAY_US 40000
 
 /* What the thread hands over. Lives until the last of both sides lets go of it. */
 struct post {
@@ -48,6 +50,8 @@ struct artist {
 	uint32_t seen_serial;
 	int64_t seen_wished_us;
 	bool seen_moving, is_broken;
+	bool sways;
+	int64_t begin_us, swayed_us; /* when time was 0; when the last picture was begun */
 	uint32_t size;
 	struct light_sum sum;
 	GPtrArray *small;
@@ -140,7 +144,7 @@ static double coarser_of(uint32_t size)
 	return pow(artist_sizes[size], -COARSER);
 }
 
-static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GError **error)
+static frame *find_frame(artist *a, uint32_t size, const struct camera *c, GError **error)
 {
 	frame **f = &a->frame[size];
 	if (*f && ((*f)->camera.width != c->width || (*f)->camera.height != c->height))
@@ -153,6 +157,14 @@ static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GE
 		return *f;
 	}
 	return frame_move(*f, c, error) ? *f : NULL;
+}
+
+static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GError **error)
+{
+	frame *f = find_frame(a, size, c, error);
+	if (f && a->sways)
+		f->time_s = (double)(g_get_monotonic_time() - a->begin_us) * 1e-6;
+	return f;
 }
 
 static bool draw(artist *a, uint32_t size, const struct camera *c, struct picture_buffer *ret,
@@ -184,7 +196,8 @@ static struct artist_picture to_show(const struct picture_buffer *p, const struc
 		.camera = *c };
 }
 
-static bool draw_moving(artist *a, GError **error)
+/* pictures: of artist_picture. */
+static bool draw_in_time(artist *a, uint32_t pictures, GError **error)
 {
 	struct picture_buffer p;
 	struct camera c = camera_scaled(&a->seen, artist_sizes[a->size]);
@@ -193,7 +206,9 @@ static bool draw_moving(artist *a, GError **error)
 		return false;
 	struct artist_picture show = to_show(&p, &a->seen);
 	show.seconds = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
-	show.wished_us = a->seen_wished_us;
+	show.wished_us = pictures ? begin_us : a->seen_wished_us;
+	show.pictures = pictures;
+	a->swayed_us = begin_us;
 	a->size = artist_size_next(a->size, show.seconds);
 	send(a, (struct letter){ .kind = LETTER_PICTURE, .picture = show });
 	picture_buffer_clear(&p);
@@ -271,6 +286,8 @@ static void adopt(artist *a)
 		a->drawing = g_steal_pointer(&a->next_drawing);
 		a->size = ARTIST_SIZE_FIRST;
 		a->has_accents = false;
+		a->sways = drawing_sways(a->drawing);
+		a->begin_us = g_get_monotonic_time();
 	}
 	if (a->has_next_accents) {
 		a->has_accents = true;
@@ -310,17 +327,27 @@ static enum task next_task(artist *a)
 		return TASK_LOOK;
 	if (a->seen_moving)
 		return TASK_WAIT;
-	if (a->sum.pictures < ARTIST_PICTURES)
+	if (a->sum.pictures < ARTIST_PICTURES && !a->sways)
 		return TASK_FINER;
-	return a->small && a->small_next < a->small->len ? TASK_SMALL : TASK_WAIT;
+	if (a->small && a->small_next < a->small->len)
+		return TASK_SMALL;
+	return a->sways ? TASK_SWAY : TASK_WAIT;
 }
 
 static enum task wait_for_task(artist *a)
 {
 	enum task t = TASK_WAIT;
 	g_mutex_lock(&a->lock);
-	while (!a->quit && (t = next_task(a)) == TASK_WAIT)
-		g_cond_wait(&a->changed, &a->lock);
+	while (!a->quit) {
+		t = next_task(a);
+		/* Something else may be wished for until it is time. */
+		if (t == TASK_SWAY && g_get_monotonic_time() < a->swayed_us + SWAY_US)
+			g_cond_wait_until(&a->changed, &a->lock, a->swayed_us + SWAY_US);
+		else if (t == TASK_WAIT)
+			g_cond_wait(&a->changed, &a->lock);
+		else
+			break;
+	}
 	g_atomic_int_set(&a->stop, 0);
 	a->may_be_stopped = !(t == TASK_LOOK && a->seen_moving);
 	if (a->quit)
@@ -334,7 +361,9 @@ static bool run_task(artist *a, enum task t, GError **error)
 	if (t == TASK_SMALL)
 		return draw_small(a, error);
 	if (t == TASK_LOOK && a->seen_moving)
-		return draw_moving(a, error);
+		return draw_in_time(a, 0, error);
+	if (t == TASK_SWAY)
+		return draw_in_time(a, 1, error);
 	if (t == TASK_LOOK)
 		light_sum_restart(&a->sum, a->seen.width, a->seen.height);
 	return draw_still(a, error);

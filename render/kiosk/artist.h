@@ -2,7 +2,8 @@
 #define RENDER_KIOSK_ARTIST_H
 /* Draws a site on a thread of its own, so that touch never waits for it. Of all that was wished for meanwhile only the last is drawn:
  * while the view moves as small as this machine needs to keep up, then whole, then finer and finer from views that differ by parts
- * of a pixel, then the small pictures of other styles. A new wish stops whatever is being drawn.
+ * of a pixel, then the small pictures of other styles. A new wish stops whatever is being drawn. Where a drawing changes with time, a
+ * still view goes on instead, once the small pictures are there: as large as this machine needs to keep up.
  *
  * All functions and callbacks are of the thread that made it, which runs a main loop; after artist_free no callback comes. */
 #include "render/painter.h"
