@@ -167,7 +167,7 @@ static void key_changes(rig *r, unsigned key, const char *state)
 static void draw_by_keys(rig *r)
 {
 	press(r, "site-draw");
-	rig_wait_for(r, "style-ballpoint", limit_s);
+	rig_wait_for(r, "style-figure-7d", limit_s); /* where the strip opens */
 	check_screen(r, "draw");
 	press(r, "style-wax-crayons"); /* Tab has left the strip at its end */
 	go_to(r, "draw-canvas");

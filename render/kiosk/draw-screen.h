@@ -19,6 +19,8 @@ struct draw_screen {
 	easel *easel;
 	/* The strip. */
 	GtkWidget *strip;
+	bool strip_is_new; /* the style that is drawn is not where one looks yet */
+	guint strip_timer;
 	char **names;        /* of styles */
 	GPtrArray *pictures; /* GtkPicture of each, not owned */
 	char *style_name;

@@ -115,6 +115,42 @@ static GtkWidget *style_button(struct draw_screen *s, const char *name, const ch
 	return button;
 }
 
+/* The style that is drawn is where one looks when the strip comes, once it has a place: true. */
+static bool show_chosen(GtkWidget *strip, GtkAdjustment *at)
+{
+	graphene_rect_t place;
+	for (GtkWidget *b = gtk_widget_get_first_child(strip); b;
+		b = gtk_widget_get_next_sibling(b)) {
+		if (!(gtk_widget_get_state_flags(b) & GTK_STATE_FLAG_CHECKED) ||
+			!gtk_widget_compute_bounds(b, strip, &place) || place.size.width <= 0)
+			continue;
+		gtk_adjustment_set_value(at, (double)(place.origin.x + place.size.width / 2) -
+						     gtk_adjustment_get_page_size(at) / 2);
+		return true;
+	}
+	return false;
+}
+
+static gboolean has_a_place(gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	GtkAdjustment *at = gtk_scrolled_window_get_hadjustment(
+		GTK_SCROLLED_WINDOW(gtk_widget_get_ancestor(s->strip, GTK_TYPE_SCROLLED_WINDOW)));
+	s->strip_timer = 0;
+	if (show_chosen(s->strip, at))
+		s->strip_is_new = false;
+	return G_SOURCE_REMOVE;
+}
+
+/* The strip is as long as its styles now; they get their places next. */
+static void has_length(GtkAdjustment *at, gpointer user_data)
+{
+	struct draw_screen *s = user_data;
+	if (s->strip_is_new && !s->strip_timer &&
+		gtk_adjustment_get_upper(at) > gtk_adjustment_get_page_size(at))
+		s->strip_timer = g_idle_add(has_a_place, s);
+}
+
 void draw_strip_fill(struct draw_screen *s)
 {
 	g_auto(GStrv) all = style_names(s->folder);
@@ -140,6 +176,7 @@ void draw_strip_fill(struct draw_screen *s)
 	s->names = (char **)g_ptr_array_free(g_steal_pointer(&good), FALSE);
 	easel_set_small(s->easel, drawings, SMALL_WIDTH, SMALL_HEIGHT);
 	mark_chosen(s);
+	s->strip_is_new = true;
 }
 
 void draw_strip_got_small(struct draw_screen *s, uint32_t n, const struct artist_picture *p)
@@ -159,5 +196,7 @@ GtkWidget *draw_strip_new(struct draw_screen *s)
 		GTK_SCROLLED_WINDOW(scroll), GTK_POLICY_AUTOMATIC, GTK_POLICY_NEVER);
 	gtk_scrolled_window_set_child(GTK_SCROLLED_WINDOW(scroll), s->strip);
 	gtk_widget_set_name(scroll, "draw-strip");
+	g_signal_connect(gtk_scrolled_window_get_hadjustment(GTK_SCROLLED_WINDOW(scroll)),
+		"changed", G_CALLBACK(has_length), s);
 	return kit_classed(scroll, "strip");
 }

@@ -339,6 +339,8 @@ static void destroyed(GtkWidget *w, gpointer user_data)
 	g_cancellable_cancel(s->gone);
 	kiosk_forget_undo(s->kiosk, s);
 	draw_accents_stop(s);
+	s->strip_is_new = false;
+	g_clear_handle_id(&s->strip_timer, g_source_remove);
 	easel_free(s->easel);
 	s->easel = NULL;
 }
