@@ -98,11 +98,13 @@ Styles of filters | What the shipped styles make of them. Stands beside Wegen's 
 Compositing | Pictures of segments, laid on each other as they are listed; by depths of points, which lines beside things have none of; and with depths for them. Stands beside Wegen's Figure 12. | cartoon:view=walk;$yard;composite.by=layers,depth,inpainted-depth
 Kuwahara, sampled regions | Of 3 x 3, 5 x 5, 9 x 9 and 17 x 17 pixels. Stands beside Redmond's Figures 1 and 2. | $(filter kuwahara);kuwahara.radius_px=2.4,4.8,9.6,19.2
 Kuwahara, iterated | 3 x 3 once, twice, four and eight times. Redmond, section 3.1. | $(filter kuwahara);kuwahara.radius_px=2.4;kuwahara.passes=1,2,4,8
+Kuwahara, hard and soft | The most even square alone, half of each, all weighted by how even they are. | $(filter kuwahara);kuwahara.radius_px=6;kuwahara.softness=0,0.5,1
 Painted patches | Patches along the picture, larger and larger. | $(filter anisotropic-kuwahara);anisotropic-kuwahara.radius_px=3,6,10,16
 Painted patches, round and long | From round ones to those that run along what is there. | $(filter anisotropic-kuwahara);anisotropic-kuwahara.radius_px=8;anisotropic-kuwahara.stretch=0,0.5,1
 Even colours | The more colours differ that are smoothed. | $(filter bilateral);bilateral.sigma_tone=2,5,10,25
-Steps of tone | Fewer and fewer; soft where lightness changes slowly, or hard. | $(filter quantise);quantise.levels=12,8,5,3;quantise.softness=0.5,0.5,0.5,0
-Poster | The same of red, green and blue each. | $(filter quantise);quantise.by=channels;quantise.levels=8,6,4,2
+Steps of tone | Fewer and fewer; soft where lightness changes slowly, or hard. | $(filter quantise);quantise.levels=12,8,5,3;quantise.softness=0.65,0.65,0.65,0
+Steps of tone, smoothed | Steps that smoothed lightness tells, and detail on them. | $(filter quantise);quantise.levels=6;quantise.softness=0.3;quantise.smooth_px=0,2,4,8
+Poster | The same of red, green and blue each. | $(filter quantise);quantise.by=channels;quantise.softness=0;quantise.levels=8,6,4,2
 Lines of the picture | How broad they are. Redmond, section 3.2. | $(filter dog);dog.sigma_px=0.7,1.2,2,3.5
 Lines along the flow | Joined along what the picture shows, farther and farther. | $(filter dog);dog.alone=true;dog.sigma_px=1.4;dog.flow_px=0,2,5,10
 Filled with black | Sharpness fills what is dark. | $(filter dog);dog.alone=true;dog.flow_px=4;dog.contrast=14;dog.threshold=0.45;dog.sharpness=4,10,20,50
