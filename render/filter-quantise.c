@@ -7,7 +7,7 @@ struct quantising {
 	struct quantise_step step;
 	float (*lab)[3];
 	float *lightness;    /* 0..100, smoothed */
-	const float *colour; /* 3 a pixel, smoothed; NULL: they are not */
+	const float *colour; /* 4 a pixel, smoothed; NULL: they are not */
 };
 
 /* Steps are sharp where lightness changes by so much from pixel to pixel. */
@@ -112,14 +112,28 @@ static void channel_rows(const void *data, uint32_t from, uint32_t end)
 	}
 }
 
+struct widening {
+	const struct filter_image *image;
+	float *to;
+};
+
+static void widen_rows(const void *data, uint32_t from, uint32_t end)
+{
+	const struct widening *w = data;
+	size_t line = 4 * (size_t)w->image->width;
+	const uint8_t *bytes = (const uint8_t *)w->image->rgba;
+	for (size_t n = from * line; n < end * line; n++)
+		w->to[n] = bytes[n];
+}
+
 static void by_channels(struct filter_job *j, struct quantising *q)
 {
 	if (q->step.smooth_px > 0) {
 		const struct filter_image *i = &j->image;
 		float *own = filter_room_part(j->room, 0, filter_pixels(i) * 4 * sizeof *own),
 		      *smooth = filter_room_part(j->room, 1, filter_pixels(i) * 4 * sizeof *smooth);
-		for (size_t n = 0; n < 4 * filter_pixels(i); n++)
-			own[n] = ((const uint8_t *)i->rgba)[n];
+		struct widening w = { i, own };
+		filter_each_rows(j, widen_rows, &w, i->height, 64);
 		struct filter_blur b = { own, smooth, false, i->width, i->height, 4, 0, NULL };
 		filter_blur_run(j, &b, q->step.smooth_px * j->px);
 		q->colour = smooth;

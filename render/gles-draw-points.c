@@ -3,7 +3,7 @@
 /* Points are drawn in groups: 16 slices of 256 are a whole chunk. */
 #define SLICES 16u
 
-static void draw_run(gles_draw *d, const struct gles_run *r)
+void gles_draw_points_of(gles_draw *d, const struct gles_run *r)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	gles_draw_bind_storage(d, 0, d->scene.slab[r->slab].points);
@@ -35,7 +35,7 @@ bool gles_draw_mask(gles_draw *d, GError **error)
 	gles_draw_bind_storage(d, 1, d->views.buffer.name);
 	gles_draw_bind_storage(d, 2, d->keys.name);
 	for (guint n = 0; n < d->views.runs->len; n++)
-		draw_run(d, gles_draw_run(d, n));
+		gles_draw_points_of(d, gles_draw_run(d, n));
 	fill_holes(d);
 	return true;
 }
@@ -56,7 +56,7 @@ static void add_points(gles_draw *d, uint32_t from, uint32_t end)
 		if (!r->has_points)
 			continue;
 		gles_draw_bind_storage(d, 3, d->scene.slab[r->slab].looks);
-		draw_run(d, r);
+		gles_draw_points_of(d, r);
 	}
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }

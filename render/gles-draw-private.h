@@ -63,6 +63,8 @@ void gles_draw_bind_texture(const gles_draw *d, GLuint unit, GLenum target, GLui
 
 /* All that is made when it is first wanted, for it takes the places of what shaders read. */
 bool gles_draw_hold(gles_draw *d, const frame *f, GError **error);
+/* All points of a run, by the program that is used; its views are bound. */
+void gles_draw_points_of(gles_draw *d, const struct gles_run *r);
 bool gles_draw_mask(gles_draw *d, GError **error);
 /* layers: a bit for each one that is drawn, here and below. */
 bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **error);

@@ -11,21 +11,14 @@ void gles_kuwahara(struct gles_filter_job *j, const struct step *s)
 	const struct kuwahara_step *k = &s->kuwahara;
 	uint32_t radius = (uint32_t)kuwahara_radius(k, j->px), width = j->image.width + radius,
 		 height = j->image.height + radius;
-	GLuint planes[2];
-	const int64_t bytes[2] = { (int64_t)width * j->image.height * 16,
-		(int64_t)width * height * 8 };
-	for (int n = 0; n < 2; n++) {
-		struct gles_buffer *b = &j->d->filters.plane[n];
-		if (!gles_buffer_reserve(j->d->c, b, bytes[n], "filters of a picture", &j->error))
-			return;
-		planes[n] = b->name;
-	}
+	GLuint sums = gles_filter_room(j, 0, (int64_t)width * j->image.height * 16),
+	       squares = gles_filter_room(j, 1, (int64_t)width * height * 8);
 	for (int n = 0; n < (int)k->passes; n++) {
 		struct gles_pass p = { .use = GLES_FILTER_KUWAHARA,
 			.mode = KUWAHARA_ACROSS,
 			.width = width,
 			.height = j->image.height,
-			.plane = { planes[0], planes[1] },
+			.plane = { sums, squares },
 			.by = { { k->softness } },
 			.whole = { { (int32_t)radius } } };
 		gles_pass_run(j, &p);

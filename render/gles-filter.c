@@ -13,14 +13,18 @@ struct rules_block {
 
 /* ---- passes ---- */
 
-GLuint gles_filter_plane(struct gles_filter_job *j, uint32_t n, uint32_t floats)
+GLuint gles_filter_room(struct gles_filter_job *j, uint32_t n, int64_t bytes)
 {
 	struct gles_buffer *b = &j->d->filters.plane[n];
-	int64_t bytes = (int64_t)j->image.width * j->image.height * floats * 4;
 	g_assert(n < GLES_FILTER_PLANES);
 	if (j->error || !gles_buffer_reserve(j->d->c, b, bytes, "filters of a picture", &j->error))
 		return 0;
 	return b->name;
+}
+
+GLuint gles_filter_plane(struct gles_filter_job *j, uint32_t n, uint32_t floats)
+{
+	return gles_filter_room(j, n, (int64_t)j->image.width * j->image.height * floats * 4);
 }
 
 static void set_rules(struct gles_filter_job *j, const struct gles_pass *p)

@@ -56,7 +56,8 @@ struct gles_pass {
 };
 void gles_pass_run(struct gles_filter_job *j, const struct gles_pass *p);
 
-/* Memory of any content, so many floats a pixel; 0 when there is none, which j->error says. */
+/* Memory of any content, so many bytes, or floats a pixel; 0 when there is none, which j->error says. */
+GLuint gles_filter_room(struct gles_filter_job *j, uint32_t n, int64_t bytes);
 GLuint gles_filter_plane(struct gles_filter_job *j, uint32_t n, uint32_t floats);
 void gles_filter_swap(struct gles_filter_image *i);
 /* That plane becomes the buffer, and the other way round. */

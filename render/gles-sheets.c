@@ -5,8 +5,6 @@
 
 enum { TAKE_ALL, TAKE_AWAY };                   /* of sheet-take.glsl */
 enum { MERGE_BEGIN, MERGE_SHEET, MERGE_BLEND }; /* of sheet-merge.glsl */
-/* Points are drawn in groups: 16 slices of 256 are a whole chunk. */
-#define SLICES 16u
 
 struct sheets_job {
 	gles_draw *d;
@@ -141,20 +139,6 @@ static void join(struct sheets_job *j)
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-static void go_through_points(gles_draw *d)
-{
-	const struct gles_functions *gl = &d->c->gl;
-	for (guint k = 0; k < d->views.runs->len; k++) {
-		const struct gles_run *r = gles_draw_run(d, k);
-		gles_draw_bind_storage(d, 0, d->scene.slab[r->slab].points);
-		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
-			gl->Uniform1ui(0, r->first + n);
-			gl->DispatchCompute(SLICES, MIN(r->count - n, GLES_GROUPS_MAX), 1);
-		}
-	}
-	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-}
-
 /* Sums of normals, nearest depths and segments, of the whole picture. */
 static void find_surface(struct sheets_job *j)
 {
@@ -179,7 +163,9 @@ static void find_surface(struct sheets_job *j)
 	gles_draw_bind_storage(d, 4, s->leaves.name);
 	for (GLuint finds_leaf = 0; finds_leaf < 2; finds_leaf++) {
 		d->c->gl.Uniform1ui(2, finds_leaf);
-		go_through_points(d);
+		for (guint n = 0; n < d->views.runs->len; n++)
+			gles_draw_points_of(d, gles_draw_run(d, n));
+		d->c->gl.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 	}
 }
 

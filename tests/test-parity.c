@@ -351,19 +351,27 @@ static void assert_same(gles_draw *d, const frame *f, const struct picture_buffe
 	picture_buffer_clear(&p);
 }
 
+#define SAME_STROKES                                                                               \
+	"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"strokes\",\"points\":\"all\","     \
+	"\"colour\":\"point\",\"spacing_px\":2},{\"step\":\"sprites\",\"points\":\"all\","         \
+	"\"blend\":\"paint\",\"spacing_px\":3,\"length_px\":9}]}"
+#define SAME_FILTERS                                                                               \
+	"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"gaps\"},{\"step\":\"edges\","      \
+	"\"wobble_px\":1}]},\"vegetation\":{\"add\":[{\"step\":\"warp\"},{\"step\":\"kuwahara\"}]" \
+	"},"                                                                                       \
+	"\"picture\":{\"steps\":[{\"step\":\"watercolour\"},{\"step\":\"oil\"},{\"step\":"         \
+	"\"edges\"}]}"
+
 /* Also where another frame was drawn between, and with buffers of its own. */
-static void test_same_bytes(void)
+static void test_same_bytes(gconstpointer steps)
 {
 	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
 	g_autoptr(gles_draw) other = gles_here_draw();
-	g_autoptr(style) how =
-		style_of("{\"schema\":1,\"segments\":{\"site\":{\"steps\":[{\"step\":\"points\"},{"
-			 "\"step\":\"strokes\","
-			 "\"points\":\"all\",\"colour\":\"point\",\"spacing_px\":2},{\"step\":"
-			 "\"sprites\",\"points\":\"all\","
-			 "\"blend\":\"paint\",\"spacing_px\":3,\"length_px\":9}]}}}");
+	g_autofree char *text =
+		g_strdup_printf("{\"schema\":1,\"segments\":{%s}}", (const char *)steps);
+	g_autoptr(style) how = style_of(text);
 	scene *s = make_scene();
 	struct camera c = make_camera(7, WIDTH, HEIGHT), near = make_camera(2, WIDTH, HEIGHT);
 	drawing *drawn;
@@ -530,7 +538,8 @@ int main(int argc, char **argv)
 	}
 	add_styles();
 	g_test_add_func("/parity/bytes", test_bytes);
-	g_test_add_func("/parity/same-bytes", test_same_bytes);
+	g_test_add_data_func("/parity/same-bytes/strokes", SAME_STROKES, test_same_bytes);
+	g_test_add_data_func("/parity/same-bytes/filters", SAME_FILTERS, test_same_bytes);
 	g_test_add_func("/parity/limits", test_limits);
 	g_test_add_func("/parity/too-large", test_too_large);
 	g_test_add_func("/painter/none", test_none);
