@@ -19,12 +19,18 @@ struct camera_controls {
 };
 
 #define CAMERA_FOURCC_NV12 0x3231564eu
+/* Of flags. */
 #define CAMERA_FRAME_ERROR 0x40u /* V4L2_BUF_FLAG_ERROR: the pixels may be damaged */
-#define CAMERA_SIDE_MAX    16384u
+#define CAMERA_HOST_CLOCK                                                                          \
+	0x10000u /* ticks are microseconds of the host's own clock, its low 32 bits */
+#define CAMERA_STAMP_END                                                                           \
+	0x20000u /* ticks are of the instant after the last pixel was read out, not of the start of exposure */
+#define CAMERA_SIDE_MAX 16384u
 
 /* As it stands in a record, before the pixels. */
 struct camera_frame_info {
-	uint32_t ticks; /* of the camera's clock at the start of exposure: it wraps */
+	uint32_t
+		ticks; /* of the camera's clock at the start of exposure, if flags say nothing else: it wraps */
 	uint32_t sequence;
 	uint32_t flags;
 	uint32_t fourcc; /* CAMERA_FOURCC_NV12: BT.601, limited range */
@@ -40,6 +46,10 @@ struct camera_ops {
 	 * an error (WIRE_ERROR). */
 	int (*read)(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
 		size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error);
+	/* For a head made of parts (parts.h): a descriptor that is readable while read has something, -1 while nothing can come; and what
+	 * frees it. NULL elsewhere. */
+	int (*wait_fd)(camera *c);
+	void (*close)(camera *c);
 };
 
 struct camera {

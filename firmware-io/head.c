@@ -105,6 +105,19 @@ void wire_close(wire *w)
 	w->ops->close(w);
 }
 
+bool wire_set_line(wire *w, const struct wire_line *line, GError **error)
+{
+	return !w->ops->set_line || w->ops->set_line(w, line, error);
+}
+
+struct wire_counts wire_count(wire *w)
+{
+	struct wire_counts c = { 0 };
+	if (w->ops->count)
+		w->ops->count(w, &c);
+	return c;
+}
+
 bool stage_start_move(stage *s, const struct stage_move *move, GError **error)
 {
 	return s->ops->move(s, move, error);
@@ -113,6 +126,11 @@ bool stage_start_move(stage *s, const struct stage_move *move, GError **error)
 bool stage_stop(stage *s, GError **error)
 {
 	return s->ops->stop(s, error);
+}
+
+bool stage_reset(stage *s, GError **error)
+{
+	return !s->ops->reset || s->ops->reset(s, error);
 }
 
 gssize stage_read(

@@ -18,14 +18,25 @@ enum stage_event_kind {
 	STAGE_HOME,
 	STAGE_STOPPED, /* the move is over */
 	STAGE_FAULT,   /* the drive stopped by itself */
+	/* What guards people (DEVICES 4.4). A stage that has these inputs tells how they stand when it is opened. */
+	STAGE_ESTOP_PRESSED, /* motor power is cut, by hardware; no move until stage_reset */
+	STAGE_ESTOP_RELEASED,
+	STAGE_INTERLOCK_OPENED, /* it ramps down by itself, and starts no move */
+	STAGE_INTERLOCK_CLOSED,
+	STAGE_BUTTON, /* pressed, by an operator */
+	STAGE_SYNC,   /* the lidar's mirror passed its index: SYNC line of a TiM */
+	STAGE_EVENT_KINDS
 };
+
+/* Ticks are microseconds of the host's own clock, its low 32 bits: nothing has to be found out about it. */
+#define STAGE_EVENT_HOST_CLOCK 1u
 
 /* As it stands in a record. */
 struct stage_event {
-	uint32_t ticks;    /* of the stage's clock: it wraps */
-	int8_t direction;  /* +1, -1 */
-	uint8_t kind;      /* enum stage_event_kind */
-	uint16_t reserved; /* 0 */
+	uint32_t ticks;   /* of the stage's clock: it wraps */
+	int8_t direction; /* +1, -1 */
+	uint8_t kind;     /* enum stage_event_kind */
+	uint16_t flags;   /* STAGE_EVENT_HOST_CLOCK */
 };
 
 struct stage_move {
@@ -43,6 +54,12 @@ struct stage_ops {
 	 * none, -1 with an error. The array is the stage's own, until the next call. */
 	gssize (*read)(stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns,
 		GError **error);
+	/* An operator says that it is safe to go on: after an emergency stop, once its contact is closed again, moves are taken again. The
+	 * stage has to be homed anew. Fails, in words, while the contact is open. NULL: has no such input. */
+	bool (*reset)(stage *s, GError **error);
+	/* For a head made of parts (parts.h): a descriptor that is readable while read has something, and what frees it. NULL elsewhere. */
+	int (*wait_fd)(stage *s);
+	void (*close)(stage *s);
 };
 
 struct stage {
@@ -52,6 +69,7 @@ struct stage {
 
 bool stage_start_move(stage *s, const struct stage_move *move, GError **error);
 bool stage_stop(stage *s, GError **error);
+bool stage_reset(stage *s, GError **error); /* true where there is nothing to reset */
 gssize stage_read(
 	stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error);
 
