@@ -1,9 +1,11 @@
 /* pleinair scan SITE: records one scan. */
 #include "acquire/cli.h"
 #include "acquire/configuration.h"
+#include "acquire/identify.h"
 #include "acquire/picture.h"
 #include "acquire/scan.h"
 #include <stdio.h>
+#include <string.h>
 
 #define COMMAND          "scan"
 #define PREVIEW_EVERY_US G_USEC_PER_SEC
@@ -13,7 +15,9 @@ static gboolean resume, salvage, discard, json;
 
 static const GOptionEntry entries[] = {
 	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device,
-		"The head: sim:SCENE, sim:/SOCKET or replay:FILE", "URI" },
+		"The head: tim:, scip:, scip:PORT, ld:PORT, rplidar:PORT, sim:SCENE, replay:FILE, "
+		"or auto",
+		"URI" },
 	{ "preset", 'p', 0, G_OPTION_ARG_STRING, &preset_name,
 		"draft (750x198), standard (1500x396) or fine (3000x792)", "NAME" },
 	{ "preview", 0, 0, G_OPTION_ARG_FILENAME, &preview,
@@ -174,6 +178,15 @@ static int record(site *s, head *h, const struct preset *preset)
 	return CLI_FAILED;
 }
 
+/* None was named: the one that is plugged in. */
+static bool find_device(GError **error)
+{
+	device = identify_find(error);
+	if (device && !json)
+		g_printerr("pleinair scan: found %s\n", device);
+	return device;
+}
+
 int main(int argc, char **argv)
 {
 	int status;
@@ -198,9 +211,8 @@ int main(int argc, char **argv)
 	/* A scan that is resumed has its own. */
 	if (!device && !resume && !discard)
 		device = configuration_device();
-	if (!device && !resume && !discard)
-		return cli_misuse(
-			COMMAND, "which device? Without a scanner try --device sim:court");
+	if (!resume && !discard && (!device || strcmp(device, "auto") == 0) && !find_device(&error))
+		return cli_fail(COMMAND, error);
 	/* A head that is not there must not leave a new, empty site behind. */
 	g_autoptr(head) h = resume || discard ? NULL : head_open(device, &error);
 	if (error)

@@ -26,6 +26,7 @@ static const struct {
 	{ "export", "write the points of a site for other programs" },
 	{ "copy", "copy a site to a drive, and compare" },
 	{ "kiosk", "show sites on a touch screen, and scan" },
+	{ "doctor", "check devices, rights, clocks and space" },
 	{ "bench", "measure speed and memory" },
 };
 

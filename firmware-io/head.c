@@ -1,39 +1,32 @@
 #include "firmware-io/head.h"
+#include "firmware-io/parts.h"
 #include <string.h>
 
 G_DEFINE_QUARK(wire - error - quark, wire_error)
 
-/* Real lidars are found by the port's name; what they need beside it (the stage's pins, the camera's node) stands in
- * /etc/pleinair.conf. Their backends join here; a row without one says so. */
+/* What opens a head whose URI begins so; whole: it takes all of the URI, not what follows the colon. */
 static const struct {
 	const char *scheme;
 	head *(*open)(const char *rest, GError **error);
+	bool whole;
 } schemes[] = {
 	{ "sim", head_open_sim },
 	{ "replay", head_open_replay },
-	{ "tim", NULL },
-	{ "scip", NULL },
-	{ "ld", NULL },
-	{ "rplidar", NULL },
+	{ "tim", head_open_parts, true },
+	{ "scip", head_open_parts, true },
+	{ "ld", head_open_parts, true },
+	{ "rplidar", head_open_parts, true },
 };
 
 head *head_open(const char *uri, GError **error)
 {
 	const char *colon = strchr(uri, ':');
-	for (size_t i = 0; colon && i < G_N_ELEMENTS(schemes); i++) {
-		if (strlen(schemes[i].scheme) != (size_t)(colon - uri) ||
-			!g_str_has_prefix(uri, schemes[i].scheme))
-			continue;
-		if (schemes[i].open)
-			return schemes[i].open(colon + 1, error);
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
-			"device '%s': this build has no USB, serial, camera and stage backends; "
-			"use sim:SCENE or replay:FILE",
-			uri);
-		return NULL;
-	}
+	for (size_t i = 0; colon && i < G_N_ELEMENTS(schemes); i++)
+		if (strlen(schemes[i].scheme) == (size_t)(colon - uri) &&
+			g_str_has_prefix(uri, schemes[i].scheme))
+			return schemes[i].open(schemes[i].whole ? uri : colon + 1, error);
 	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
-		"device '%s': is none of sim:SCENE, replay:FILE, tim:, scip:PORT, ld:PORT, "
+		"device '%s': is none of sim:SCENE, replay:FILE, tim:, scip:, scip:PORT, ld:PORT, "
 		"rplidar:PORT",
 		uri);
 	return NULL;

@@ -9,8 +9,9 @@ static const struct {
 	const char *group, *keys[32];
 } rows[] = {
 	{ "head", { "device", "certificate" } },
-	{ "stage", { "chip", "step", "dir", "enable", "home", "index", "estop", "interlock", "button", "sync", "led_ready", "led_emitting",
-			   "led_fault", "active_low", "steps_per_turn", "index_slots", "rate_max", "counted", "priority" } },
+	{ "stage", { "chip", "step", "dir", "enable", "home", "index", "estop", "interlock",
+			   "button", "sync", "led_ready", "led_emitting", "led_fault", "active_low",
+			   "steps_per_turn", "index_slots", "rate_max", "counted", "priority" } },
 	{ "camera", { "node", "width", "height", "format", "timestamps", "readout_us" } },
 };
 
@@ -31,7 +32,8 @@ static bool is_known(const char *group, const char *key)
 
 static bool refuse_key(const char *where, const char *group, const char *key, GError **error)
 {
-	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "%s: there is no key '%s' in [%s]: see pleinair.conf(5)", where, key, group);
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+		"%s: there is no key '%s' in [%s]: see pleinair.conf(5)", where, key, group);
 	return false;
 }
 
@@ -41,7 +43,8 @@ static bool take_group(parts *p, const char *group, GError **error)
 	for (char **key = keys; key && *key; key++) {
 		if (!is_known(group, *key))
 			return refuse_key(p->path, group, *key, error);
-		g_hash_table_insert(p->texts, g_strdup_printf("%s.%s", group, *key), g_key_file_get_string(p->file, group, *key, NULL));
+		g_hash_table_insert(p->texts, g_strdup_printf("%s.%s", group, *key),
+			g_key_file_get_string(p->file, group, *key, NULL));
 	}
 	return true;
 }
@@ -51,9 +54,11 @@ static bool take_file(parts *p, GError **error)
 {
 	g_autoptr(GError) failed = NULL;
 	if (!g_key_file_load_from_file(p->file, p->path, G_KEY_FILE_NONE, &failed)) {
-		if (g_error_matches(failed, G_FILE_ERROR, G_FILE_ERROR_NOENT) && !g_getenv("PLEINAIR_CONF"))
+		if (g_error_matches(failed, G_FILE_ERROR, G_FILE_ERROR_NOENT) &&
+			!g_getenv("PLEINAIR_CONF"))
 			return true;
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "%s: %s", p->path, failed->message);
+		g_set_error(
+			error, WIRE_ERROR, WIRE_ERROR_BROKEN, "%s: %s", p->path, failed->message);
 		return false;
 	}
 	g_auto(GStrv) groups = g_key_file_get_groups(p->file, NULL);
@@ -67,10 +72,12 @@ static bool take_pair(parts *p, const char *uri, const char *pair, GError **erro
 {
 	const char *dot = strchr(pair, '.'), *equals = dot ? strchr(dot, '=') : NULL;
 	if (!equals) {
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "device '%s': '%s' is not of the form group.key=value", uri, pair);
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+			"device '%s': '%s' is not of the form group.key=value", uri, pair);
 		return false;
 	}
-	g_autofree char *group = g_strndup(pair, dot - pair), *key = g_strndup(dot + 1, equals - dot - 1);
+	g_autofree char *group = g_strndup(pair, dot - pair),
+			*key = g_strndup(dot + 1, equals - dot - 1);
 	if (!is_known(group, key))
 		return refuse_key(uri, group, key, error);
 	g_hash_table_insert(p->texts, g_strndup(pair, equals - pair), g_strdup(equals + 1));
@@ -80,7 +87,8 @@ static bool take_pair(parts *p, const char *uri, const char *pair, GError **erro
 parts *parts_read(const char *uri, GError **error)
 {
 	g_autoptr(parts) p = g_new0(parts, 1);
-	const char *conf = g_getenv("PLEINAIR_CONF"), *colon = strchr(uri, ':'), *mark = strchr(uri, '?');
+	const char *conf = g_getenv("PLEINAIR_CONF"), *colon = strchr(uri, ':'),
+		   *mark = strchr(uri, '?');
 	p->file = g_key_file_new();
 	p->path = g_strdup(conf ? conf : FILE_NAME);
 	p->texts = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, g_free);
@@ -129,20 +137,26 @@ bool parts_number(const parts *p, const char *group, const char *key, double min
 		return true;
 	double number = g_ascii_strtod(text, &end);
 	if (end == text || *end || !(number >= min && number <= max)) {
-		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "%s: [%s] %s=%s is not a number from %g to %g", p->path, group, key,
-			text, min, max);
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+			"%s: [%s] %s=%s is not a number from %g to %g", p->path, group, key, text,
+			min, max);
 		return false;
 	}
 	*ret = number;
 	return true;
 }
 
-bool parts_flag(const parts *p, const char *group, const char *key, bool otherwise, bool *ret, GError **error)
+bool parts_flag(const parts *p, const char *group, const char *key, bool otherwise, bool *ret,
+	GError **error)
 {
 	const char *text = parts_text(p, group, key);
-	*ret = text ? strcmp(text, "1") == 0 || strcmp(text, "yes") == 0 || strcmp(text, "true") == 0 : otherwise;
-	if (!text || *ret || strcmp(text, "0") == 0 || strcmp(text, "no") == 0 || strcmp(text, "false") == 0)
+	*ret = text ? strcmp(text, "1") == 0 || strcmp(text, "yes") == 0 ||
+			       strcmp(text, "true") == 0
+		    : otherwise;
+	if (!text || *ret || strcmp(text, "0") == 0 || strcmp(text, "no") == 0 ||
+		strcmp(text, "false") == 0)
 		return true;
-	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "%s: [%s] %s=%s is neither yes nor no", p->path, group, key, text);
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN, "%s: [%s] %s=%s is neither yes nor no",
+		p->path, group, key, text);
 	return false;
 }

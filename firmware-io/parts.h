@@ -14,7 +14,8 @@ const char *parts_text(const parts *p, const char *group, const char *key);
 /* A number within a range; `otherwise` where it is not given. Refuses what is none. */
 bool parts_number(const parts *p, const char *group, const char *key, double min, double max,
 	double otherwise, double *ret, GError **error);
-bool parts_flag(const parts *p, const char *group, const char *key, bool otherwise, bool *ret, GError **error);
+bool parts_flag(const parts *p, const char *group, const char *key, bool otherwise, bool *ret,
+	GError **error);
 
 /* The file, with what uri says after its '?' above it; rest is what the URI says between ':' and '?'. */
 parts *parts_read(const char *uri, GError **error);
