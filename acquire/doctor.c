@@ -1,7 +1,7 @@
 #include "acquire/doctor.h"
 #include "acquire/preset.h"
+#include "firmware-io/files.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <glib/gstdio.h>
 #include <grp.h>
 #include <string.h>
@@ -16,6 +16,7 @@
 #define SITES         "/var/lib/pleinair/sites"
 #define MEGABYTE      1000000.0
 #define PROBE_BYTES   (4u << 20)
+#define PROBE_NAME    "pleinair-doctor.probe"
 #define SLOW_DISK_MBS 4.0 /* a fine scan by a fast lidar, with its photos, writes half of that */
 #define FEW_SCANS     10
 #define LITTLE_MEMORY (1000 * MEGABYTE)
@@ -61,33 +62,27 @@ static double fine_scan_bytes(void)
 }
 
 /* Bytes a second that reach the disk; below 0: it cannot be written. */
-static double disk_speed(const char *folder)
+static double disk_speed(const char *folder, GError **error)
 {
-	g_autofree char *path = g_build_filename(folder, ".pleinair-doctor-XXXXXX", NULL),
-			*bytes = g_malloc(PROBE_BYTES);
-	int fd = g_mkstemp_full(path, O_RDWR | O_CLOEXEC, 0600);
-	if (fd < 0)
-		return -1;
-	memset(bytes, 0x5a, PROBE_BYTES);
+	g_autofree char *path = g_build_filename(folder, PROBE_NAME, NULL),
+			*bytes = g_malloc0(PROBE_BYTES);
 	int64_t begun_us = g_get_monotonic_time();
-	bool good = write(fd, bytes, PROBE_BYTES) == PROBE_BYTES && fdatasync(fd) == 0;
-	int why = errno;
+	bool good = files_write(path, bytes, PROBE_BYTES, error);
 	double seconds = (double)MAX(g_get_monotonic_time() - begun_us, 1) * 1e-6;
-	close(fd);
 	g_unlink(path);
-	errno = why;
 	return good ? PROBE_BYTES / seconds : -1;
 }
 
 static void look_at_writing(GPtrArray *findings, const char *folder)
 {
-	double speed = disk_speed(folder);
+	g_autoptr(GError) error = NULL;
+	double speed = disk_speed(folder, &error);
 	if (speed < 0)
 		doctor_say(findings, FINDING_BAD, "space",
-			errno == EACCES ? "Use a folder of your own, or become a member of the "
-					  "group 'pleinair'."
-					: "Choose another folder, or another disk.",
-			"%s cannot be written: %s", folder, g_strerror(errno));
+			"Choose another folder, or another disk; the appliance's folder is for "
+			"members of "
+			"the group 'pleinair'.",
+			"%s cannot be written: %s", folder, error->message);
 	else if (speed < SLOW_DISK_MBS * MEGABYTE)
 		doctor_say(findings, FINDING_BAD, "space", "Scan onto a faster disk.",
 			"%s takes only %.1f MB a second", folder, speed / MEGABYTE);

@@ -23,7 +23,7 @@ static const struct usage {
 	{ "scan-no-site", { "scan" }, 2, "which site" },
 	{ "scan-empty-site", { "scan", "" }, 2, "which site" },
 	{ "scan-two-sites", { "scan", "x", "y", "--device", DEVICE }, 2, "one site" },
-	{ "scan-no-device", { "scan", "x" }, 2, "which device" },
+	{ "scan-no-device", { "scan", "x" }, 1, "no lidar was found" },
 	{ "scan-preset", { "scan", "x", "--device", DEVICE, "--preset", "rough" }, 2, "'rough'" },
 	{ "scan-salvage-alone", { "scan", "x", "--salvage" }, 2, "--salvage" },
 	{ "scan-discard-resume", { "scan", "x", "--discard", "--resume" }, 2, "--discard" },
