@@ -2,6 +2,7 @@
 #include "acquire/configuration.h"
 #include "acquire/doctor.h"
 #include "acquire/identify.h"
+#include "acquire/rate-check.h"
 #include "firmware-io/devices.h"
 #include "firmware-io/parts.h"
 #include <gio/gio.h>
@@ -130,6 +131,27 @@ static void talk_to(GPtrArray *findings, const char *uri)
 			"it has no camera whose place is known: scans have no colour");
 }
 
+static void let_stream(GPtrArray *findings, const char *uri, const struct doctor_options *o)
+{
+	struct rate_check r;
+	g_autoptr(GError) error = NULL;
+	if (!rate_check(uri, o->stream_s, o->goes_on, o->user_data, &r, &error)) {
+		doctor_say(findings, FINDING_BAD, "stream", advice_for(error), "%s: %s", uri,
+			error->message);
+		return;
+	}
+	uint64_t lost = r.report.lost_revolutions + r.report.bad_telegrams + r.counts.lost_bytes +
+			r.counts.overruns;
+	doctor_say(findings, lost ? FINDING_BAD : FINDING_GOOD, "stream",
+		lost ? "Try another cable or port, and close other programs." : NULL,
+		"%s: %" G_GUINT64_FORMAT " revolutions of %u beams in %.1f s, %" G_GUINT64_FORMAT
+		" lost, %" G_GUINT64_FORMAT " telegrams damaged, %" G_GUINT64_FORMAT
+		" bytes lost; %u of %u bytes of room used at most, %.1f %% of a core",
+		uri, r.report.revolutions, r.lidar.beams, r.seconds, r.report.lost_revolutions,
+		r.report.bad_telegrams, r.counts.lost_bytes + r.counts.overruns,
+		r.counts.waiting_most, r.counts.room, r.core_percent);
+}
+
 /* A file that names pins wrongly must be known of before a head is opened. */
 static bool look_at_configuration(GPtrArray *findings, const char *uri)
 {
@@ -153,7 +175,9 @@ void doctor_look_at_devices(GPtrArray *findings, const struct doctor_options *o)
 			    : NULL) ||
 		o->only_look || (!o->device && ask_service(findings)))
 		return;
-	if (uri)
+	if (uri && o->stream_s > 0)
+		let_stream(findings, uri, o);
+	else if (uri)
 		talk_to(findings, uri);
 	else
 		doctor_say(findings, FINDING_NOTE, "head",

@@ -21,6 +21,9 @@ struct doctor_options {
 		folder; /* of sites; NULL: that of the appliance if it is there, else the current one */
 	const char *device; /* to be talked to; NULL: what /etc/pleinair.conf names, if it does */
 	bool only_look;     /* talks to no device */
+	double stream_s;    /* > 0: ranges flow for so long, and what gets lost is counted */
+	bool (*goes_on)(double fraction, gpointer user_data); /* meanwhile; may be NULL */
+	gpointer user_data;
 };
 /* Of struct finding; caller unrefs. */
 GPtrArray *doctor_look(const struct doctor_options *options);

@@ -8,11 +8,14 @@
 
 static char *device;
 static gboolean only_look, json;
+static double stream_s;
 
 static const GOptionEntry entries[] = {
 	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device,
 		"Talk to this head, instead of the one that is set up", "URI" },
 	{ "look", 0, 0, G_OPTION_ARG_NONE, &only_look, "Only look: talk to no device", NULL },
+	{ "stream", 0, 0, G_OPTION_ARG_DOUBLE, &stream_s,
+		"Let the lidar stream for so many seconds, and count what gets lost", "S" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the findings as JSON", NULL },
 	{ NULL },
 };
@@ -59,6 +62,12 @@ static guint count(const GPtrArray *findings, enum finding_state state)
 	return n;
 }
 
+static bool show_progress(double fraction, gpointer user_data)
+{
+	cli_bar_update(user_data, fraction, "streaming");
+	return !cli_interrupted();
+}
+
 int main(int argc, char **argv)
 {
 	int status;
@@ -74,10 +83,20 @@ int main(int argc, char **argv)
 		return status;
 	if (argc > 2)
 		return cli_misuse(COMMAND, "one folder at a time");
-	struct doctor_options options = {
-		.folder = argc == 2 ? argv[1] : NULL, .device = device, .only_look = only_look
-	};
+	if (stream_s && !(stream_s >= 1 && stream_s <= 3600))
+		return cli_misuse(COMMAND, "--stream goes from 1 to 3600 seconds");
+	if (stream_s && only_look)
+		return cli_misuse(COMMAND, "--stream talks to the lidar, --look does not");
+	struct cli_bar bar = cli_bar_begin(COMMAND);
+	cli_catch_interrupts();
+	struct doctor_options options = { .folder = argc == 2 ? argv[1] : NULL,
+		.device = device,
+		.only_look = only_look,
+		.stream_s = stream_s,
+		.goes_on = show_progress,
+		.user_data = &bar };
 	g_autoptr(GPtrArray) findings = doctor_look(&options);
+	cli_bar_end(&bar);
 	guint bad = count(findings, FINDING_BAD), notes = count(findings, FINDING_NOTE);
 	if (json) {
 		print_json(findings);
