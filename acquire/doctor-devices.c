@@ -6,6 +6,7 @@
 #include "firmware-io/devices.h"
 #include "firmware-io/parts.h"
 #include <gio/gio.h>
+#include <glib/gi18n.h>
 #include <string.h>
 
 #define SERVICE_NAME "org.pleinair.Acquisition1"
@@ -22,10 +23,10 @@ static const char *advice_on(const struct found_device *d)
 	if (!d->trouble)
 		return NULL;
 	if (!d->may_open && d->group)
-		return "Become a member of that group (sudo adduser $USER GROUP, then log in "
-		       "again), or scan through the service.";
-	return "Install the appliance's files: make install, then udevadm control --reload && "
-	       "udevadm trigger.";
+		return N_("Become a member of that group (sudo adduser $USER GROUP, then log in "
+			  "again), or scan through the service.");
+	return N_("Install the appliance's files: make install, then udevadm control --reload && "
+		  "udevadm trigger.");
 }
 
 static void say_device(GPtrArray *findings, const struct found_device *d)
@@ -47,11 +48,12 @@ static void look_at_plugs(GPtrArray *findings)
 	}
 	if (!lidar)
 		doctor_say(findings, FINDING_NOTE, "lidar",
-			"Plug it in and give it power; without a scanner, scan with --device "
-			"sim:court.",
+			N_("Plug it in and give it power; without a scanner, scan with --device "
+			   "sim:court."),
 			"no lidar is plugged in, and no serial line that could have one");
 	if (power)
-		doctor_say(findings, FINDING_BAD, "lidar", "Then plug it in anew.", "%s", power);
+		doctor_say(
+			findings, FINDING_BAD, "lidar", N_("Then plug it in anew."), "%s", power);
 }
 
 /* Who owns the scanner answers for it. */
@@ -75,7 +77,8 @@ static bool ask_service(GPtrArray *findings)
 	if (!answer) {
 		g_dbus_error_strip_remote_error(error);
 		doctor_say(findings, FINDING_NOTE, "service",
-			"Ask it again when it is done, or become a member of the group 'pleinair'.",
+			N_("Ask it again when it is done, or become a member of the group "
+			   "'pleinair'."),
 			"the scanner's service runs, and says: %s", error->message);
 		return true;
 	}
@@ -120,14 +123,14 @@ static void talk_to(GPtrArray *findings, const char *uri)
 		who.lidar.beams, who.lidar.scan_rate_hz, who.lidar.firmware);
 	if (strcmp(who.calibration.serial, "uncalibrated") == 0)
 		doctor_say(findings, FINDING_NOTE, "head",
-			"Calibrate it: pleinair calibrate; then name the certificate in "
-			"/etc/pleinair.conf.",
+			N_("Calibrate it: pleinair calibrate; then name the certificate in "
+			   "/etc/pleinair.conf."),
 			"it was never calibrated: its parts are taken to be where they are meant "
 			"to be");
 	if (!who.has_camera)
 		doctor_say(findings, FINDING_NOTE, "camera",
-			"Set it up in [camera] of /etc/pleinair.conf, and calibrate it, for scans "
-			"in colour.",
+			N_("Set it up in [camera] of /etc/pleinair.conf, and calibrate it, for "
+			   "scans in colour."),
 			"it has no camera whose place is known: scans have no colour");
 }
 
@@ -143,7 +146,7 @@ static void let_stream(GPtrArray *findings, const char *uri, const struct doctor
 	uint64_t lost = r.report.lost_revolutions + r.report.bad_telegrams + r.counts.lost_bytes +
 			r.counts.overruns;
 	doctor_say(findings, lost ? FINDING_BAD : FINDING_GOOD, "stream",
-		lost ? "Try another cable or port, and close other programs." : NULL,
+		lost ? N_("Try another cable or port, and close other programs.") : NULL,
 		"%s: %" G_GUINT64_FORMAT " revolutions of %u beams in %.1f s, %" G_GUINT64_FORMAT
 		" lost, %" G_GUINT64_FORMAT " telegrams damaged, %" G_GUINT64_FORMAT
 		" bytes lost; %u of %u bytes of room used at most, %.1f %% of a core",
@@ -160,7 +163,7 @@ static bool look_at_configuration(GPtrArray *findings, const char *uri)
 	if (p)
 		return true;
 	doctor_say(findings, FINDING_BAD, "configuration",
-		"Correct it; pleinair.conf(5) lists all keys.", "%s", error->message);
+		N_("Correct it; pleinair.conf(5) lists all keys."), "%s", error->message);
 	return false;
 }
 
@@ -181,6 +184,6 @@ void doctor_look_at_devices(GPtrArray *findings, const struct doctor_options *o)
 		talk_to(findings, uri);
 	else
 		doctor_say(findings, FINDING_NOTE, "head",
-			"Name one in [head] of /etc/pleinair.conf, or with --device.",
+			N_("Name one in [head] of /etc/pleinair.conf, or with --device."),
 			"no head is set up to be talked to");
 }

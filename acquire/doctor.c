@@ -2,6 +2,7 @@
 #include "acquire/preset.h"
 #include "firmware-io/files.h"
 #include <errno.h>
+#include <glib/gi18n.h>
 #include <glib/gstdio.h>
 #include <grp.h>
 #include <string.h>
@@ -79,12 +80,11 @@ static void look_at_writing(GPtrArray *findings, const char *folder)
 	double speed = disk_speed(folder, &error);
 	if (speed < 0)
 		doctor_say(findings, FINDING_BAD, "space",
-			"Choose another folder, or another disk; the appliance's folder is for "
-			"members of "
-			"the group 'pleinair'.",
+			N_("Choose another folder, or another disk; the appliance's folder is for "
+			   "members of the group 'pleinair'."),
 			"%s cannot be written: %s", folder, error->message);
 	else if (speed < SLOW_DISK_MBS * MEGABYTE)
-		doctor_say(findings, FINDING_BAD, "space", "Scan onto a faster disk.",
+		doctor_say(findings, FINDING_BAD, "space", N_("Scan onto a faster disk."),
 			"%s takes only %.1f MB a second", folder, speed / MEGABYTE);
 	else
 		doctor_say(findings, FINDING_GOOD, "space", NULL,
@@ -95,16 +95,17 @@ static void look_at_space(GPtrArray *findings, const char *folder)
 {
 	struct statvfs s;
 	if (statvfs(folder, &s) < 0) {
-		doctor_say(findings, FINDING_BAD, "space", "Make it, or name another folder.",
+		doctor_say(findings, FINDING_BAD, "space", N_("Make it, or name another folder."),
 			"%s cannot be looked at: %s", folder, g_strerror(errno));
 		return;
 	}
 	double bytes = (double)s.f_bavail * s.f_frsize, scans = bytes / fine_scan_bytes();
 	const char *advice =
-		"Copy finished sites to a drive and remove them here ('pleinair copy').";
+		N_("Copy finished sites to a drive and remove them here ('pleinair copy').");
 	if (s.f_flag & ST_RDONLY)
 		doctor_say(findings, FINDING_BAD, "space",
-			"Choose another folder, or another disk.", "%s can only be read", folder);
+			N_("Choose another folder, or another disk."), "%s can only be read",
+			folder);
 	else if (scans < 1)
 		doctor_say(findings, FINDING_BAD, "space", advice,
 			"%s has %.0f MB left: no fine scan fits", folder, bytes / MEGABYTE);
@@ -129,9 +130,9 @@ static void look_at_memory(GPtrArray *findings)
 	double bytes = at ? g_ascii_strtod(at + strlen("MemAvailable:"), NULL) * 1024 : 0;
 	if (at)
 		doctor_say(findings, bytes < LITTLE_MEMORY ? FINDING_NOTE : FINDING_GOOD, "memory",
-			bytes < LITTLE_MEMORY
-				? "Scanning works; close other programs before a site is processed."
-				: NULL,
+			bytes < LITTLE_MEMORY ? N_("Scanning works; close other programs before a "
+						   "site is processed.")
+					      : NULL,
 			"%.1f GB of memory are free", bytes / 1e9);
 }
 
@@ -145,13 +146,13 @@ static void look_at_wall_clock(GPtrArray *findings)
 	g_autofree char *text = g_date_time_format(now, "%F %R");
 	if (g_date_time_get_year(now) < 2025)
 		doctor_say(findings, FINDING_BAD, "clock",
-			"Set it: timedatectl set-time 'YYYY-MM-DD HH:MM'.",
+			N_("Set it: timedatectl set-time 'YYYY-MM-DD HH:MM'."),
 			"the clock says %s: scans would be dated so", text);
 	else
 		doctor_say(findings, in_step ? FINDING_GOOD : FINDING_NOTE, "clock",
 			in_step ? NULL
-				: "See that the date is right; scans are placed by another clock, "
-				  "and not harmed.",
+				: N_("See that the date is right; scans are placed by another "
+				     "clock, and not harmed."),
 			in_step ? "the clock says %s, and is kept in step"
 				: "the clock says %s, and nothing keeps it in step",
 			text);
@@ -167,8 +168,8 @@ static void look_at_clock_source(GPtrArray *findings)
 	g_strstrip(source);
 	bool coarse = g_strv_contains(slow, source);
 	doctor_say(findings, coarse ? FINDING_BAD : FINDING_GOOD, "clock",
-		coarse ? "Boot without clocksource=, or with a newer kernel: beams are placed by "
-			 "this clock."
+		coarse ? N_("Boot without clocksource=, or with a newer kernel: beams are placed "
+			    "by this clock.")
 		       : NULL,
 		"beams are timed by the kernel's %s", source);
 }
@@ -198,9 +199,8 @@ static void look_at_wakes(GPtrArray *findings)
 {
 	int64_t worst = worst_wake_ns();
 	doctor_say(findings, worst > LATE_NS ? FINDING_NOTE : FINDING_GOOD, "clock",
-		worst > LATE_NS ? "Close other programs while scanning. Late steps make the head "
-				  "jerk, and are told of, but no beam is "
-				  "placed wrongly."
+		worst > LATE_NS ? N_("Close other programs while scanning. Late steps make the "
+				     "head jerk, and are told of, but no beam is placed wrongly.")
 				: NULL,
 		"a thread that waits for a millisecond wakes %.2f ms late at worst",
 		(double)worst * 1e-6);
@@ -215,9 +215,8 @@ static void look_at_priority(GPtrArray *findings)
 	bool may = geteuid() == 0 || limit.rlim_cur > 0;
 	doctor_say(findings, may ? FINDING_GOOD : FINDING_NOTE, "rights",
 		may ? NULL
-		    : "Scan through the service (systemctl start pleinair-acquired), which may, or "
-		      "raise rtprio in "
-		      "/etc/security/limits.d.",
+		    : N_("Scan through the service (systemctl start pleinair-acquired), which may, "
+			 "or raise rtprio in /etc/security/limits.d."),
 		may ? "steps of the stage can go before all else (real-time priority)"
 		    : "you may not let steps of the stage go before all else (real-time priority)");
 }
@@ -239,7 +238,7 @@ static void look_at_groups(GPtrArray *findings)
 		return;
 	bool member = is_member("pleinair");
 	doctor_say(findings, member ? FINDING_GOOD : FINDING_BAD, "rights",
-		member ? NULL : "Become one: sudo adduser $USER pleinair, then log in again.",
+		member ? NULL : N_("Become one: sudo adduser $USER pleinair, then log in again."),
 		member ? "you are in the group 'pleinair', which may use this appliance"
 		       : "you are not in the group 'pleinair': the appliance's service will not "
 			 "answer you");
@@ -251,18 +250,19 @@ static void look_at_kernel(GPtrArray *findings)
 		const char *path, *what, *advice;
 	} parts[] = {
 		{ "/dev/bus/usb", "USB devices",
-			"Without them no SICK TiM: is usbcore loaded, and /dev/bus/usb there?" },
-		{ "/sys/class/video4linux", "cameras", "modprobe videodev" },
+			N_("Without them no SICK TiM: is usbcore loaded, and /dev/bus/usb "
+			   "there?") },
+		{ "/sys/class/video4linux", "cameras", N_("modprobe videodev") },
 		{ "/sys/bus/gpio", "pins",
-			"Its kernel was built without GPIO (Debian's cloud kernel is): install "
-			"linux-image-amd64." },
+			N_("Its kernel was built without GPIO (Debian's cloud kernel is): install "
+			   "linux-image-amd64.") },
 	};
 	struct utsname u;
 	uname(&u);
 	double version = g_ascii_strtod(u.release, NULL);
 	int major = (int)version;
 	if (major < 5)
-		doctor_say(findings, FINDING_BAD, "kernel", "Use Linux 5.10 or later.",
+		doctor_say(findings, FINDING_BAD, "kernel", N_("Use Linux 5.10 or later."),
 			"Linux %s is too old: edges of pins are not timed as they should",
 			u.release);
 	else

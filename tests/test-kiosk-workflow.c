@@ -399,6 +399,9 @@ static void look_at_health(struct walk *w)
 	rig_wait_for(w->rig, "health-devices", limit_s);
 	g_usleep(1000000);
 	shot(w, "health");
+	rig_tap(w->rig, "health-doctor");
+	rig_wait_for(w->rig, "finding-first", limit_s);
+	shot(w, "health-doctor");
 	rig_tap(w->rig, "theme");
 	g_usleep(500000);
 	shot(w, "health-dark");

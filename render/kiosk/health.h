@@ -5,6 +5,8 @@
 
 /* The scanner's devices, what is wrong with them, and which ones they are. */
 GtkWidget *health_devices_new(kiosk *k);
+/* What is wrong with this machine as a scanner: what pleinair doctor says. */
+GtkWidget *health_doctor_new(kiosk *k);
 /* Room, battery, temperature, services, version. */
 GtkWidget *health_box_new(kiosk *k);
 /* Language, colours, sleep. */

@@ -21,7 +21,7 @@ collect() {
 		render/style.schema.json | sort -u > "$work/parameters.c"
 	xgettext --from-code=UTF-8 --keyword=_ --keyword=N_ --keyword=ngettext:1,2 --add-location=file --sort-by-file \
 		--package-name=pleinair --directory=. --directory="$work" --output="$work/pleinair.pot" \
-		render/kiosk/*.c acquire/advice.c style-titles.c parameters.c 2>"$work/said" || { cat "$work/said" >&2; exit 1; }
+		render/kiosk/*.c acquire/advice.c acquire/doctor*.c style-titles.c parameters.c 2>"$work/said" || { cat "$work/said" >&2; exit 1; }
 	# The day of every run would be a change of its own.
 	sed -i '/^"POT-Creation-Date/d' "$work/pleinair.pot"
 }
