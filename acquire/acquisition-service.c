@@ -3,6 +3,7 @@
 #include "acquire/acquisition-lists.h"
 #include "acquire/advice.h"
 #include "acquire/service.h"
+#include "firmware-io/hotplug.h"
 #include <gio/gunixfdlist.h>
 #include <math.h>
 #include <string.h>
@@ -32,6 +33,7 @@ struct acquisition_service {
 	struct wish wish;   /* the scan that has not begun yet */
 	GPtrArray *lookers; /* calls of Check that wait */
 	guint timer, look_again;
+	hotplug *plugs;
 	void (*ended)(void); /* once it shall end */
 };
 
@@ -428,6 +430,14 @@ static gboolean preview(BusAcquisition1 *b, GDBusMethodInvocation *call, GUnixFD
 
 /* ---- the object ---- */
 
+/* A head that was not there may be now, or the other way round. */
+static void plugs_changed(gpointer user_data)
+{
+	acquisition_service *s = user_data;
+	if (!recorder_is_working(s->recorder))
+		look(s);
+}
+
 acquisition_service *acquisition_service_new(const struct acquisition_options *options)
 {
 	acquisition_service *s = g_new0(acquisition_service, 1);
@@ -438,6 +448,7 @@ acquisition_service *acquisition_service_new(const struct acquisition_options *o
 	s->lookers = g_ptr_array_new();
 	s->recorder = recorder_new(&w);
 	s->bus = bus_acquisition1_skeleton_new();
+	s->plugs = hotplug_new(plugs_changed, s);
 	bus_acquisition1_set_device(s->bus, s->device ? s->device : "");
 	g_signal_connect(s->bus, "handle-list-presets", G_CALLBACK(list_presets), s);
 	g_signal_connect(s->bus, "handle-check", G_CALLBACK(check), s);
@@ -459,6 +470,7 @@ void acquisition_service_free(acquisition_service *s)
 		return;
 	g_clear_handle_id(&s->timer, g_source_remove);
 	g_clear_handle_id(&s->look_again, g_source_remove);
+	hotplug_free(s->plugs);
 	recorder_free(s->recorder);
 	g_dbus_interface_skeleton_unexport(G_DBUS_INTERFACE_SKELETON(s->bus));
 	g_object_unref(s->bus);
