@@ -126,6 +126,12 @@ bool stage_reset(stage *s, GError **error)
 	return !s->ops->reset || s->ops->reset(s, error);
 }
 
+void stage_show_emitting(stage *s, bool emitting)
+{
+	if (s->ops->emitting)
+		s->ops->emitting(s, emitting);
+}
+
 gssize stage_read(
 	stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
 {

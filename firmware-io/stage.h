@@ -57,6 +57,8 @@ struct stage_ops {
 	/* An operator says that it is safe to go on: after an emergency stop, once its contact is closed again, moves are taken again. The
 	 * stage has to be homed anew. Fails, in words, while the contact is open. NULL: has no such input. */
 	bool (*reset)(stage *s, GError **error);
+	/* The lidar's laser is on, or may be: what the light says. NULL: has none. */
+	void (*emitting)(stage *s, bool emitting);
 	/* For a head made of parts (parts.h): a descriptor that is readable while read has something, and what frees it. NULL elsewhere. */
 	int (*wait_fd)(stage *s);
 	void (*close)(stage *s);
@@ -70,6 +72,7 @@ struct stage {
 bool stage_start_move(stage *s, const struct stage_move *move, GError **error);
 bool stage_stop(stage *s, GError **error);
 bool stage_reset(stage *s, GError **error); /* true where there is nothing to reset */
+void stage_show_emitting(stage *s, bool emitting);
 gssize stage_read(
 	stage *s, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error);
 
