@@ -26,6 +26,7 @@ static const struct fault_row rows[FAULT_KINDS] = {
 		.max = 1000 },
 	[FAULT_CAMERAGONE] = { "cameragone" },
 	[FAULT_CODES] = { "codes", true, true, 100, 1, 100000 },
+	[FAULT_EPSTALL] = { "epstall" },
 };
 
 bool fault_is_of_camera(enum fault_kind kind)

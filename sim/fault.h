@@ -23,6 +23,7 @@
  *     badframe xN    N frames with the error flag and damaged pixels
  *     frameloss :N   N exposures (default 1) never come
  *     cameragone     the camera is unplugged for good
+ *     epstall        the USB endpoint halts until the host clears it; only behind a kernel
  *     codes xN :B    in N revolutions, a stretch of B beams (default 100) holds error codes */
 #include <glib.h>
 #include <stdbool.h>
@@ -46,6 +47,7 @@ enum fault_kind {
 	FAULT_FRAMELOSS,
 	FAULT_CAMERAGONE,
 	FAULT_CODES,
+	FAULT_EPSTALL,
 	FAULT_KINDS
 };
 

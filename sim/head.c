@@ -2,6 +2,7 @@
 #include "sim/camera.h"
 #include "sim/certificate.h"
 #include "sim/chance.h"
+#include "sim/head-stage.h"
 #include "sim/host.h"
 #include "sim/lidar.h"
 #include "sim/truth.h"
@@ -74,31 +75,30 @@ static double from_seed(const sim_options *o, uint64_t what, double low, double 
 	return low + (high - low) * chance_uniform(chance_hash(o->seed, CHANCE_STAGE, 0, what));
 }
 
-static stage *make_stage(const struct head *h)
+struct stage_desc sim_head_stage(const sim_options *o, int64_t now_ns)
 {
-	const sim_options *o = h->options;
 	double azimuth_deg = isnan(o->home_deg) ? from_seed(o, 0, 20, 340) : o->home_deg;
-	struct stage_desc desc = { .steps_per_turn = o->steps_per_turn,
+
+	return (struct stage_desc){ .steps_per_turn = o->steps_per_turn,
 		.index_slots = INDEX_SLOTS,
 		.initial_azimuth_rad = azimuth_deg * M_PI / 180,
 		.backlash_steps = o->backlash_steps,
-		.clock = { .origin_ns = h->now_ns,
+		.clock = { .origin_ns = now_ns,
 			.start_ticks = o->stage_clock_start == UINT64_MAX
 					       ? (uint64_t)from_seed(o, 1, 0, 4294967296.0)
 					       : o->stage_clock_start,
 			.tick_ns = 1e3,
 			.drift_ppm = isnan(o->stage_ppm) ? from_seed(o, 2, -50, 50) : o->stage_ppm,
 			.bits = 32 } };
-
-	return stage_new(&desc, h->now_ns);
 }
 
 static void make_devices(struct head *h, const struct world_station *station)
 {
 	bool wants_truth = h->log || h->wishes->truth;
+	struct stage_desc turns = sim_head_stage(h->options, h->now_ns);
 
 	h->out = outbox_new();
-	h->stage = make_stage(h);
+	h->stage = stage_new(&turns, h->now_ns);
 	h->lidar = lidar_new(&(struct lidar_setup){ .options = h->options,
 		.world = h->world,
 		.station = *station,
@@ -106,6 +106,7 @@ static void make_devices(struct head *h, const struct world_station *station)
 		.out = h->out,
 		.truth = wants_truth ? tell_truth : NULL,
 		.truth_data = h,
+		.settle_ns = h->wishes->settle_ns,
 		.now_ns = h->now_ns });
 	h->camera = camera_new(&(struct camera_setup){ .options = h->options,
 		.world = h->world,
@@ -175,12 +176,25 @@ static void greet(struct head *h)
 	send(h, LINK_HELLO, h->now_ns, payload->data, payload->len);
 }
 
+/* Whoever drives the stage by pulses has one of its own, which the same happens to. */
+static void slip(struct head *h, double steps)
+{
+	stage_slip(h->stage, h->now_ns, steps);
+	if (h->wishes->settle_ns == 0)
+		return;
+	GByteArray *payload = g_byte_array_new();
+
+	g_byte_array_append(payload, (const guint8 *)&steps, sizeof steps);
+	outbox_push(h->out, h->now_ns, LINK_STAGE_SLIPPED, payload);
+}
+
 static void strike(struct head *h, const struct fault *fault)
 {
 	switch (fault->kind) {
 	case FAULT_POWER: give_up(h); break;
 	case FAULT_STAGE: stage_fail(h->stage, h->now_ns); break;
-	case FAULT_SLIP: stage_slip(h->stage, h->now_ns, fault->param); break;
+	case FAULT_SLIP: slip(h, fault->param); break;
+	case FAULT_EPSTALL: outbox_push(h->out, h->now_ns, LINK_LIDAR_HALTED, NULL); break;
 	default:
 		if (fault_is_of_camera(fault->kind))
 			camera_strike(h->camera, h->now_ns, fault);
@@ -231,7 +245,7 @@ static void run_lidar(struct head *h)
 
 	if (lidar_passes(h->lidar, &from_rad, &to_rad))
 		strike_between(h, from_rad, to_rad, false);
-	lidar_run(h->lidar, h->now_ns);
+	lidar_run(h->lidar, h->now_ns - h->wishes->settle_ns);
 }
 
 static void run_outbox(struct head *h)
@@ -286,6 +300,17 @@ static void answer_wait(struct head *h, int64_t deadline_ns)
 	send(h, LINK_NOW, h->now_ns, NULL, 0);
 }
 
+static bool obey_pulses(struct head *h, const guint8 *payload, gsize length)
+{
+	struct link_stage_pulse pulse;
+
+	for (gsize at = 0; at + sizeof pulse <= length; at += sizeof pulse) {
+		memcpy(&pulse, payload + at, sizeof pulse);
+		stage_pulse(h->stage, MIN(pulse.at_ns, h->now_ns), pulse.direction);
+	}
+	return length % sizeof pulse == 0;
+}
+
 static bool obey_device(struct head *h, const struct link_header *header, const guint8 *payload)
 {
 	switch (header->kind) {
@@ -295,6 +320,8 @@ static bool obey_device(struct head *h, const struct link_header *header, const 
 		lidar_write(h->lidar, h->now_ns, payload, header->length);
 		return true;
 	case LINK_STAGE_STOP: stage_halt(h->stage, h->now_ns); return header->length == 0;
+	case LINK_STAGE_BEGIN: stage_begin_pulses(h->stage, h->now_ns); return header->length == 0;
+	case LINK_STAGE_PULSES: return obey_pulses(h, payload, header->length);
 	case LINK_CAMERA_QUEUE:
 		if (h->camera)
 			camera_lend(h->camera, h->now_ns);
@@ -345,7 +372,7 @@ static void obey_all(struct head *h)
 /* Uses a quiet moment to compute what will be due; false if there is nothing to do ahead. */
 static bool prepare(struct head *h)
 {
-	return lidar_prepare(h->lidar, h->now_ns, BEAMS_AT_ONCE) ||
+	return lidar_prepare(h->lidar, h->now_ns - h->wishes->settle_ns, BEAMS_AT_ONCE) ||
 	       (h->camera && camera_prepare(h->camera, h->now_ns, ROWS_AT_ONCE));
 }
 

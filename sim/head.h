@@ -34,6 +34,8 @@ struct sim_head_options {
 	const world *world;   /* of that scene and seed, to save the time of building it, or NULL */
 	sim_truth_func truth; /* may be NULL */
 	gpointer truth_data;
+	int64_t settle_ns; /* so long after an instant it is known how the stage moved then: beams are
+			      cast that late. 0 unless pulses from elsewhere drive it */
 };
 
 /* Serves one host on a connected stream socket until it hangs up (true) or a fault script cuts the

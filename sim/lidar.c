@@ -151,7 +151,7 @@ int64_t lidar_next_ns(const lidar *l)
 {
 	if (!cable_is_open(l->body.cable) || !l->protocol->is_waiting(l->self))
 		return INT64_MAX;
-	return mirror_last_ns(&l->body.mirror, l->next);
+	return mirror_last_ns(&l->body.mirror, l->next) + l->setup.settle_ns;
 }
 
 bool lidar_passes(const lidar *l, double *ret_from_rad, double *ret_to_rad)

@@ -51,6 +51,7 @@ struct lidar_setup {
 	outbox *out;
 	sim_truth_func truth; /* may be NULL */
 	gpointer truth_data;
+	int64_t settle_ns; /* lidar_next_ns() is so much later than the end of the revolution */
 	int64_t now_ns;
 };
 

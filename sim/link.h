@@ -39,6 +39,10 @@ enum link_kind {
 	LINK_CAMERA_FRAME, /* struct link_frame, then the pixels */
 	LINK_CAMERA_GONE,
 
+	/* Only where devices stand behind a kernel (kernel.h). */
+	LINK_LIDAR_HALTED = 32, /* the endpoint that its bytes come by has halted */
+	LINK_STAGE_SLIPPED,     /* double: so many steps were lost, against the direction of motion */
+
 	/* From the host. */
 	LINK_WAIT = 65,       /* no payload; host_ns is the deadline */
 	LINK_LIDAR_OPEN,      /* no payload */
@@ -51,6 +55,10 @@ enum link_kind {
 	LINK_CAMERA_QUEUE, /* no payload: lends one buffer; the next exposure that starts fills it.
 			    * Exposures with no buffer are dropped and counted in the sequence, as
 			    * V4L2 does. */
+	/* Only where devices stand behind a kernel. */
+	LINK_STAGE_BEGIN = 96, /* no payload: from now on pulses drive the stage, from where it stood
+				  at power-on */
+	LINK_STAGE_PULSES,     /* struct link_stage_pulse[], in order */
 };
 
 struct link_hello {
@@ -72,6 +80,13 @@ struct link_stage_event {
 	int8_t direction; /* +1 clockwise seen from above, -1 */
 	uint8_t kind;     /* enum link_stage_kind */
 	uint16_t reserved;
+};
+
+/* A pulse of the driver's STEP pin while it was enabled. */
+struct link_stage_pulse {
+	int64_t at_ns;     /* CLOCK_MONOTONIC of the simulator */
+	int32_t direction; /* +1, -1 */
+	uint32_t reserved;
 };
 
 struct link_stage_move {

@@ -1,5 +1,6 @@
 /* pleinair-sim: serves a simulated head to a host, or tells the truth about its world. */
 #include "sim/head.h"
+#include "sim/kernel.h"
 #include "sim/options.h"
 #include "sim/truth.h"
 #include <errno.h>
@@ -17,7 +18,8 @@ enum { DONE = 0, FAILED = 1, WRONG_USAGE = 2 };
 
 typedef struct arguments {
 	int fd;
-	char *listen_path;
+	int port; /* of --kernel, or -1 */
+	char *listen_path, *plug;
 	gboolean poses, truth, light;
 	int columns, rows;
 	char *output;
@@ -27,6 +29,7 @@ typedef struct arguments {
 static void arguments_clear(arguments *a)
 {
 	g_free(a->listen_path);
+	g_free(a->plug);
 	g_free(a->output);
 	g_strfreev(a->descriptions);
 }
@@ -81,6 +84,14 @@ static int listen_on(const char *path, const char *description)
 	}
 }
 
+static int serve_kernel(const arguments *a, const char *description)
+{
+	const struct kernel_options options = { description, a->plug, (uint16_t)a->port };
+	GError *error = NULL;
+
+	return kernel_serve(&options, -1, &error) ? DONE : complain("", error);
+}
+
 static int tell_poses(const char *description)
 {
 	GError *error = NULL;
@@ -113,6 +124,10 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 						 "Serve one host on an inherited socket", "N" },
 		{ "listen", 0, 0, G_OPTION_ARG_FILENAME, &a->listen_path,
 			"Serve one host after another on a Unix socket", "PATH" },
+		{ "kernel", 0, 0, G_OPTION_ARG_INT, &a->port,
+			"Serve a kernel's drivers: the lidar by USB/IP on TCP port N of 127.0.0.1", "N" },
+		{ "plug", 0, 0, G_OPTION_ARG_STRING, &a->plug,
+			"... as sick, hokuyo or cp2102 (as the lidar's protocol has it)", "NAME" },
 		{ "truth-poses", 0, 0, G_OPTION_ARG_NONE, &a->poses,
 			"Print where the scene's stations stand, as JSON", NULL },
 		{ "truth", 0, 0, G_OPTION_ARG_NONE, &a->truth,
@@ -136,9 +151,9 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 
 static bool makes_sense(const arguments *a)
 {
-	int ways = (a->fd >= 0) + (a->listen_path != NULL) + a->poses + a->truth + a->light;
+	int ways = (a->fd >= 0) + (a->port >= 0) + (a->listen_path != NULL) + a->poses + a->truth + a->light;
 
-	return ways == 1 && a->descriptions && g_strv_length(a->descriptions) == 1 &&
+	return ways == 1 && a->port < 65535 && (a->port >= 0 || !a->plug) && a->descriptions && g_strv_length(a->descriptions) == 1 &&
 	       (a->truth || a->light) == (a->output != NULL) && a->columns >= 1 &&
 	       a->columns <= 100000 && a->rows >= 1 && a->rows <= 100000;
 }
@@ -149,6 +164,8 @@ static int run(const arguments *a, const char *description)
 		return tell_poses(description);
 	if (a->truth || a->light)
 		return tell_truth(a, description);
+	if (a->port >= 0)
+		return serve_kernel(a, description);
 	if (a->listen_path)
 		return listen_on(a->listen_path, description);
 	return serve(a->fd, description, NULL);
@@ -167,7 +184,7 @@ static void wait_in_peace(char **argv)
 int main(int argc, char **argv)
 {
 	wait_in_peace(argv);
-	g_auto(arguments) a = { .fd = -1, .columns = 3000, .rows = 792 };
+	g_auto(arguments) a = { .fd = -1, .port = -1, .columns = 3000, .rows = 792 };
 	GError *error = NULL;
 
 	setlocale(LC_CTYPE, "");
@@ -176,7 +193,7 @@ int main(int argc, char **argv)
 		return WRONG_USAGE;
 	}
 	if (!makes_sense(&a)) {
-		complain("give one of --fd, --listen, --truth-poses, --truth, --light (with -o) "
+		complain("give one of --fd, --listen, --kernel, --truth-poses, --truth, --light (with -o) "
 			 "and one description; --help tells more",
 			NULL);
 		return WRONG_USAGE;

@@ -61,7 +61,9 @@ static void take(struct rig *rig, const struct link_header *header, GByteArray *
 		g_ptr_array_add(rig->frames, g_byte_array_ref(payload));
 		g_array_append_val(rig->frame_ns, header->host_ns);
 		break;
-	case LINK_NOW: break;
+	case LINK_NOW:
+	case LINK_LIDAR_HALTED:
+	case LINK_STAGE_SLIPPED: break;
 	default: g_assert_not_reached();
 	}
 	g_assert_true(rig->hello.real_time || header->host_ns >= rig->now_ns);

@@ -4,6 +4,7 @@
 #define KEEP_NS  INT64_C(2000000000)
 #define BATCH_NS INT64_C(20000000)
 #define EVER_S   1e9
+#define START_NS INT64_C(40000000) /* the first step from rest takes so long */
 
 /* Motion at one acceleration, without a change of direction. The last segment is rest, for ever. */
 struct segment {
@@ -30,6 +31,9 @@ struct stage {
 	int64_t count;       /* pulses */
 	int64_t gap;         /* the head is between this slot, counted from home, and the next */
 	bool moving, homed;
+	bool pulsed;          /* driven by pulses: the last of them, and the time since the one before */
+	int64_t pulse_ns, period_ns;
+	int pulse_direction;
 	GByteArray *pending;
 	int64_t pending_since_ns;
 };
@@ -360,7 +364,8 @@ static bool event_in_segment(const stage *s, guint index, struct event *ret_even
 
 	if (direction == 0)
 		return false;
-	double pulse_s = segment_reaches_s(g, (double)(s->count + direction));
+	double pulse_s = s->pulsed ? INFINITY
+				   : segment_reaches_s(g, (double)(s->count + direction));
 	double slot_s = segment_reaches_s(g, next_slot(s, g, direction));
 	bool is_slot = slot_s < pulse_s;
 	double t = is_slot ? slot_s : pulse_s;
@@ -383,6 +388,8 @@ static struct event next_event(const stage *s)
 	for (guint i = s->current; i < s->segments->len; i++)
 		if (event_in_segment(s, i, &event))
 			return event;
+	if (s->pulsed)
+		return event;
 	/* Rounding may have swallowed the last pulse of a ramp, which is due as the rotor comes to
 	 * rest. */
 	const struct segment *rest = segment_at(s, s->segments->len - 1);
@@ -438,4 +445,56 @@ GByteArray *stage_run(stage *s, int64_t now_ns)
 
 	s->pending = g_byte_array_new();
 	return batch;
+}
+
+void stage_begin_pulses(stage *s, int64_t now_ns)
+{
+	struct segment rest = { .start_ns = now_ns, .duration_s = EVER_S };
+
+	g_array_set_size(s->segments, 0);
+	g_array_append_val(s->segments, rest);
+	g_byte_array_set_size(s->pending, 0);
+	s->current = 0;
+	s->count = 0;
+	s->gap = slots_passed(s, 0);
+	s->reported_ns = s->pulse_ns = now_ns;
+	s->period_ns = 0;
+	s->pulsed = s->moving = true;
+	s->homed = false;
+}
+
+/* As if the next pulse came as this one did; and back, for it may have been the last. */
+static void append_guess(stage *s, struct segment *state, double duration_s)
+{
+	append(s, state, duration_s, 0);
+	state->rate = -4 / duration_s * s->pulse_direction;
+	append(s, state, duration_s / 4, 0);
+	state->position = (double)s->count;
+}
+
+void stage_pulse(stage *s, int64_t at_ns, int direction)
+{
+	int64_t to_ns = MAX(at_ns, s->pulse_ns + 1), period_ns = to_ns - s->pulse_ns;
+	int64_t from_ns = MAX(s->pulse_ns, to_ns - START_NS);
+	bool even = direction == s->pulse_direction && period_ns < START_NS &&
+		    period_ns < s->period_ns + s->period_ns / 4;
+
+	if (!s->pulsed || !s->moving || direction == 0)
+		return;
+	struct segment state = cut(s, from_ns);
+
+	state.position = (double)s->count;
+	state.rate = direction / seconds(from_ns, to_ns);
+	append(s, &state, seconds(from_ns, to_ns), 0);
+	s->count += direction;
+	s->pulse_direction = direction;
+	state.position = (double)s->count;
+	state.start_ns = to_ns;
+	if (even)
+		append_guess(s, &state, seconds(s->pulse_ns, to_ns));
+	append_rest(s, &state);
+	s->pulse_ns = to_ns;
+	s->period_ns = period_ns;
+	s->current = first_new_segment(s, from_ns);
+	forget_the_past(s, to_ns);
 }

@@ -1,6 +1,6 @@
 #!/bin/busybox sh
-# The first program in QEMU: puts the root folder together and lets systemd begin there. Lowest the machine's own root by 9p, then what
-# `make install` made, above both what is written, in memory.
+# The first program in QEMU: puts the root folder together and lets systemd begin there, or the program that the kernel's argument "test=" names.
+# Lowest the machine's own root by 9p, then what `make install` made, above both what is written, in memory.
 b=/bin/busybox
 die() {
 	$b echo "first: $*" > /dev/console
@@ -30,4 +30,5 @@ for folder in proc sys dev; do $b mount --move /$folder /new/$folder; done
 # As a package would do: users of ours, one that may use the appliance, and one that may not.
 $b chroot /new /usr/bin/systemd-sysusers > /dev/console 2>&1
 $b chroot /new /usr/bin/systemd-sysusers --inline 'u surveyor - - /' 'u passerby - - /' 'm surveyor pleinair' > /dev/console 2>&1
-exec $b switch_root /new /lib/systemd/systemd
+test=$(argument test)
+exec $b switch_root /new "${test:-/lib/systemd/systemd}"

@@ -1,0 +1,83 @@
+# Read by the tests that boot Debian's kernel in QEMU (run.sh, devices.sh), with $build set: unpacks the kernel, makes what runs first, installs
+# the appliance, boots. No KVM is needed. What it needs and does not find skips the whole test, with a reason.
+cache=$PWD/$build/kernel
+here=$PWD/tests/kernel
+PATH=$PATH:/sbin:/usr/sbin
+skip() {
+	echo "1..0 # SKIP $*"
+	exit 0
+}
+fail() {
+	echo "Bail out! $*"
+	exit 1
+}
+needs() { # PROGRAM...
+	for program; do
+		command -v "$program" > /dev/null || skip "$program is not installed"
+	done
+}
+
+# The kernel that Debian has today, as it is for real machines: unpacked, not installed.
+unpack_kernel() {
+	needs qemu-system-x86_64 busybox modprobe depmod cpio udevadm dpkg-deb python3
+	mkdir -p "$cache"
+	package=$(apt-cache depends linux-image-amd64 2> /dev/null | sed -n 's/.*Depends: \(linux-image-[0-9]\)/\1/p' | head -1)
+	[ -n "$package" ] || package=$(basename "$(ls -d "$cache"/linux-image-*/ 2> /dev/null | tail -1)")
+	case $package in linux-image-*) ;; *) skip "apt knows no linux-image-amd64, and none was kept in $cache" ;; esac
+	kernel=$cache/$package
+	release=${package#linux-image-}
+	[ -e "$kernel/vmlinux" ] && return
+	(cd "$cache" && apt-get download "$package" > download.log 2>&1) || skip "$package cannot be downloaded"
+	rm -rf "$kernel" && dpkg-deb -x "$cache/$package"_*.deb "$kernel" || fail "$package cannot be unpacked"
+	rm "$cache/$package"_*.deb
+	depmod -b "$kernel" "$release" || fail "depmod cannot read the modules"
+	python3 "$here/unpack-kernel.py" "$kernel"/boot/vmlinuz-* "$kernel/vmlinux" || fail "the kernel cannot be unpacked"
+}
+
+# What runs first: busybox, and the modules that the root folder needs.
+make_first() { # NAME
+	first=$cache/$1
+	rm -rf "$first" && mkdir -p "$first/bin" "$first/modules"
+	cp "$(command -v busybox)" "$first/bin/busybox"
+	cp "$here/first.sh" "$first/init" && chmod 755 "$first/init"
+	n=10
+	for file in $(for m in virtio_pci 9pnet_virtio 9p overlay; do
+		modprobe -d "$kernel" -S "$release" --show-depends "$m" || modprobe -d "$kernel" -S "$release" --show-depends "$(echo $m | tr _ -)"
+	done | sed -n 's/^insmod \([^ ]*\).*/\1/p' | awk '!seen[$0]++'); do
+		cp "$file" "$first/modules/$n-$(basename "$file")"
+		n=$((n + 1))
+	done
+	(cd "$first" && find . | cpio --quiet -o -H newc | gzip -1) > "$cache/$1.gz"
+}
+
+install_appliance() { # NAME
+	appliance=$cache/$1
+	rm -rf "$appliance"
+	make --no-print-directory install BUILD="$build" DESTDIR="$appliance" PREFIX=/usr > "$cache/install.log" 2>&1 || fail "make install: see $cache/install.log"
+	mkdir -p "$appliance/usr/lib/pleinair/test"
+}
+
+# A processor without AVX: Embree never comes back from what QEMU 7.2 makes of it.
+# Lines of the test come by one serial line, all else by another. A file, since an exit status of QEMU says nothing.
+boot() { # NAME KERNEL-ARGUMENTS QEMU-ARGUMENTS...
+	name=$1
+	arguments=$2
+	shift 2
+	said=$cache/$name.tap
+	: > "$said"
+	timeout --kill-after=5 "${KERNEL_TEST_SECONDS:-350}" qemu-system-x86_64 -M q35 -accel tcg,tb-size=1024 -cpu Nehalem -smp 1 -m 3072 \
+		-nodefaults -no-user-config -no-reboot -display none -vga none -serial "file:$cache/$name.console.log" -serial "file:$said" \
+		-kernel "$kernel/vmlinux" -initrd "$cache/first.gz" -append "console=ttyS0 quiet panic=-1 tsc=reliable no_timer_check norandmaps \
+nokaslr modules=$kernel/lib/modules $arguments $KERNEL_TEST_ARGUMENTS" \
+		-fsdev local,id=h,path=/,security_model=none,readonly=on,multidevs=remap -device virtio-9p-pci,fsdev=h,mount_tag=host \
+		-fsdev "local,id=a,path=$appliance,security_model=none,readonly=on,multidevs=remap" -device virtio-9p-pci,fsdev=a,mount_tag=appliance \
+		"$@" < /dev/null > "$cache/$name.qemu.log" 2>&1
+}
+
+# Prints what the test in QEMU said, and how it ended.
+tell() { # NAME BEGUN
+	tr -d '\r' < "$cache/$1.tap"
+	echo "# $(($(date +%s) - $2)) s; console: $build/kernel/$1.console.log"
+	grep -q '^1\.\.' "$cache/$1.tap" || fail "the test in QEMU did not come to its end: see $build/kernel/$1.console.log"
+	! grep -q '^not ok' "$cache/$1.tap"
+}
