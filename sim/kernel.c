@@ -1,4 +1,5 @@
 #include "sim/kernel.h"
+#include "sim/camera.h"
 #include "sim/head-stage.h"
 #include "sim/head.h"
 #include "sim/kernel-frame.h"
@@ -230,6 +231,16 @@ static bool take_messages(GByteArray *from, gsize longest,
 
 /* The agent. */
 
+/* When the exposure began, which a kernel's driver stamps frames with. */
+static int64_t exposure_ns(
+	const struct kernel *k, const struct link_header *header, const guint8 *payload)
+{
+	struct link_frame frame;
+
+	memcpy(&frame, payload, sizeof frame);
+	return header->host_ns - camera_transfer_ns(k->options) - frame.exposure_100us * INT64_C(100000);
+}
+
 static void pass_frame(struct kernel *k, const struct link_header *header, const guint8 *payload)
 {
 	if (!k->agent || header->length < sizeof(struct link_frame))
@@ -237,7 +248,8 @@ static void pass_frame(struct kernel *k, const struct link_header *header, const
 	g_autoptr(GByteArray) frame = kernel_frame(&k->format, payload, header->length);
 
 	if (peer_waiting(k->agent) < FRAMES_WAITING_MAX)
-		send_message(k->agent, LINK_CAMERA_FRAME, header->host_ns, frame->data, frame->len);
+		send_message(k->agent, LINK_CAMERA_FRAME, exposure_ns(k, header, payload), frame->data,
+			frame->len);
 }
 
 static void greet_agent(struct kernel *k)

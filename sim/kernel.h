@@ -21,6 +21,8 @@ enum kernel_kind {
 	/* To the agent. */
 	KERNEL_STAGE = 128, /* struct kernel_stage: the first */
 
+	/* LINK_CAMERA_FRAME has as host_ns when the exposure began. */
+
 	/* Both ways. */
 	KERNEL_CLOCK = 160, /* comes back as it was sent, at once, with host_ns */
 

@@ -4,6 +4,7 @@
 #define KEEP_NS  INT64_C(2000000000)
 #define BATCH_NS INT64_C(20000000)
 #define EVER_S   1e9
+#define GUESS_S  0.01
 #define START_NS INT64_C(40000000) /* the first step from rest takes so long */
 
 /* Motion at one acceleration, without a change of direction. The last segment is rest, for ever. */
@@ -463,12 +464,18 @@ void stage_begin_pulses(stage *s, int64_t now_ns)
 	s->homed = false;
 }
 
-/* As if the next pulse came as this one did; and back, for it may have been the last. */
-static void append_guess(stage *s, struct segment *state, double duration_s)
+/* As if pulses went on coming as this one did, for a step at least; and after a while back, for it may
+ * have been the last. */
+static void append_guess(stage *s, struct segment *state, double period_s)
 {
+	double duration_s = MAX(period_s, GUESS_S), ahead = duration_s / period_s;
+	double rate = state->rate;
+
 	append(s, state, duration_s, 0);
-	state->rate = -4 / duration_s * s->pulse_direction;
-	append(s, state, duration_s / 4, 0);
+	state->rate = 0;
+	append(s, state, 2 * duration_s, 0);
+	state->rate = -rate;
+	append(s, state, ahead / fabs(rate), 0);
 	state->position = (double)s->count;
 }
 

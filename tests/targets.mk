@@ -79,10 +79,11 @@ check-truth: all $(BUILD)/tests/test-segmentation-truth
 #: make check-units     what makes a machine an appliance, as systemd's and the bus's own tools see it; make check does this too
 check-units: all
 	@sh tests/check-units.sh $(BUILD)
-#: make check-kernel    both daemons under systemd on Debian's kernel in QEMU, which takes minutes; make check-slow does this too
+#: make check-kernel    on Debian's kernel in QEMU, which takes minutes: both daemons under systemd; devices behind their drivers. check-slow does too
 check-kernel: all
 	@sh tests/deps.sh $(kernel_packages) || true
-	prove --timer --exec sh tests/kernel/run.sh :: $(BUILD)
+	$(MAKE) $(kernel_programs)
+	prove --timer --exec sh tests/kernel/run.sh tests/kernel/devices.sh :: $(BUILD)
 .PHONY: check-units check-kernel
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:

@@ -26,9 +26,9 @@ $b mount -t tmpfs -o mode=755 tmpfs /new/run
 $b mount -t tmpfs -o mode=1777 tmpfs /new/tmp
 $b mkdir -p /new/usr/lib/modules
 $b mount --bind "/host$(argument modules)" /new/usr/lib/modules
+test=$(argument test)
 for folder in proc sys dev; do $b mount --move /$folder /new/$folder; done
 # As a package would do: users of ours, one that may use the appliance, and one that may not.
 $b chroot /new /usr/bin/systemd-sysusers > /dev/console 2>&1
 $b chroot /new /usr/bin/systemd-sysusers --inline 'u surveyor - - /' 'u passerby - - /' 'm surveyor pleinair' > /dev/console 2>&1
-test=$(argument test)
 exec $b switch_root /new "${test:-/lib/systemd/systemd}"

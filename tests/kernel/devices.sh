@@ -1,0 +1,42 @@
+#!/bin/sh
+# devices.sh BUILD: boots Debian's kernel in QEMU, as run.sh does but without systemd, with the simulated head behind the kernel's own drivers: lidars
+# plugged in by USB/IP, a stage on pins of gpio-sim, a camera of v4l2loopback. The simulators run here, since casting rays there is thirty times
+# slower; devices-guest.sh looks at what the kernel makes of them. Prints TAP, or skips it all with a reason.
+build=$1
+. tests/kernel/kernel.sh
+unpack_kernel
+modules=$cache/modules-$release
+why=$(sh "$here/modules.sh" "$release" "$modules" 2>&1) || skip "$why"
+make_first first
+install_appliance appliance-devices
+test=$appliance/usr/lib/pleinair/test
+cp "$modules"/*.ko "$build/tests/kernel/agent" "$build/tests/kernel/usb-probe" "$build/tests/kernel/pulse" "$here/devices-guest.sh" "$test/"
+chmod 755 "$test/devices-guest.sh"
+
+# Each is told the ports that it chose: usb_NAME=PORT agent_NAME=PORT.
+simulators=
+ports=
+trap 'kill $simulators 2> /dev/null' EXIT
+simulate() { # NAME DESCRIPTION OPTIONS...
+	told=$cache/simulator-$1.ports
+	rm -f "$told"
+	log=$cache/simulator-$1.log
+	name=$1
+	description=$2
+	shift 2
+	"$build/bin/pleinair-sim" --kernel 0 "$@" "$description" > "$told" 2> "$log" &
+	simulators="$simulators $!"
+	for _ in $(seq 100); do
+		[ -s "$told" ] && break
+		sleep 0.1
+	done
+	[ -s "$told" ] || fail "the simulator $name does not start: $(cat "$log")"
+	ports="$ports $(sed "s/usbip=/usb_$name=/; s/agent=/agent_$name=/" "$told")"
+}
+simulate tim 'hall?lidar=cola&seed=7&latency_ms=55&camera=360x640&fps=2&home_deg=350'
+simulate hokuyo 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none'
+simulate bridge 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none' --plug cp2102
+
+begun=$(date +%s)
+boot devices "test=/usr/lib/pleinair/test/devices-guest.sh $ports" -netdev user,id=n -device virtio-net-pci,netdev=n
+tell devices "$begun"
