@@ -73,7 +73,8 @@ static bool parts_wait(head *h, int64_t deadline_ns, GError **error)
 			.events = POLLIN },
 		{ .fd = h->camera ? h->camera->ops->wait_fd(h->camera) : -1, .events = POLLIN },
 	};
-	int64_t left_ns = MAX(deadline_ns - inbox_now_ns(), 0);
+	int64_t left_ns = deadline_ns - inbox_now_ns();
+	left_ns = MAX(left_ns, 0); /* that macro would ask the clock twice */
 	struct timespec left = { left_ns / SECOND_NS, left_ns % SECOND_NS };
 	/* A signal (Ctrl-C) is the caller's business, at the end of the turn. */
 	if (ppoll(fds, G_N_ELEMENTS(fds), &left, NULL) >= 0 || errno == EINTR)

@@ -10,13 +10,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define CONFIG  "/sys/kernel/config"
-#define TRACING "/sys/kernel/tracing"
+#define CONFIG   "/sys/kernel/config"
+#define TRACING  "/sys/kernel/tracing"
 #define PAUSE_MS 3
-#define BANK    CONFIG "/gpio-sim/head/bank0"
+#define BANK     CONFIG "/gpio-sim/head/bank0"
 
-static const char *const names[PIN_COUNT] = { "step", "dir", "enable", "home", "index", "estop", "interlock", "button",
-	"sync", "led_ready", "led_emitting", "led_fault" };
+static const char *const names[PIN_COUNT] = { "step", "dir", "enable", "home", "index", "estop",
+	"interlock", "button", "sync", "led_ready", "led_emitting", "led_fault" };
 
 struct pins {
 	pins_func changed;
@@ -45,7 +45,8 @@ static bool put(const char *path, const char *text, GError **error)
 	if (fd >= 0)
 		close(fd);
 	if (!good)
-		g_set_error(error, G_IO_ERROR, g_io_error_from_errno(number), "%s: %s", path, g_strerror(number));
+		g_set_error(error, G_IO_ERROR, g_io_error_from_errno(number), "%s: %s", path,
+			g_strerror(number));
 	return good;
 }
 
@@ -75,7 +76,8 @@ static bool make_chip(const char *label, GError **error)
 	if (!put(BANK "/num_lines", lines, error) || !put(BANK "/label", label, error))
 		return false;
 	for (int i = 0; i < PIN_COUNT; i++) {
-		g_autofree char *line = g_strdup_printf(BANK "/line%d", i), *name = g_strconcat(line, "/name", NULL);
+		g_autofree char *line = g_strdup_printf(BANK "/line%d", i),
+				*name = g_strconcat(line, "/name", NULL);
 
 		mkdir(line, 0755);
 		if (!put(name, names[i], error))
@@ -94,26 +96,32 @@ static bool find_base(pins *p, const char *label, GError **error)
 	bool found = false;
 
 	for (const char *entry; !found && (entry = g_dir_read_name(dir));) {
-		g_autofree char *path = g_strdup_printf("/sys/class/gpio/%s/label", entry), *text = get(path);
+		g_autofree char *path = g_strdup_printf("/sys/class/gpio/%s/label", entry),
+				*text = get(path);
 
-		found = text && strcmp(text, label) == 0 && sscanf(entry, "gpiochip%u", &p->base) == 1;
+		found = text && strcmp(text, label) == 0 &&
+			sscanf(entry, "gpiochip%u", &p->base) == 1;
 	}
 	g_dir_close(dir);
 	if (!found)
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "/sys/class/gpio has no chip %s", label);
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND,
+			"/sys/class/gpio has no chip %s", label);
 	return found;
 }
 
 static bool open_pulls(pins *p, GError **error)
 {
-	g_autofree char *device = get(CONFIG "/gpio-sim/head/dev_name"), *chip = get(BANK "/chip_name");
+	g_autofree char *device = get(CONFIG "/gpio-sim/head/dev_name"),
+			*chip = get(BANK "/chip_name");
 
 	for (int i = 0; i < PIN_COUNT; i++) {
-		g_autofree char *path = g_strdup_printf("/sys/devices/platform/%s/%s/sim_gpio%d/pull", device, chip, i);
+		g_autofree char *path = g_strdup_printf(
+			"/sys/devices/platform/%s/%s/sim_gpio%d/pull", device, chip, i);
 
 		p->pulls[i] = open(path, O_WRONLY | O_CLOEXEC);
 		if (p->pulls[i] < 0) {
-			g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "%s: %s", path, g_strerror(errno));
+			g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "%s: %s", path,
+				g_strerror(errno));
 			return false;
 		}
 	}
@@ -186,14 +194,17 @@ static gboolean on_trace(int fd, GIOCondition condition, gpointer data)
 static bool watch(pins *p, GError **error)
 {
 	/* Of a pulse, only its beginning. */
-	g_autofree char *filter = g_strdup_printf("get==0 && (gpio!=%u || value==1)", p->base + PIN_STEP);
+	g_autofree char *filter =
+		g_strdup_printf("get==0 && (gpio!=%u || value==1)", p->base + PIN_STEP);
 
-	if (!put(TRACING "/trace_clock", "mono", error) || !put(TRACING "/events/gpio/gpio_value/filter", filter, error) ||
+	if (!put(TRACING "/trace_clock", "mono", error) ||
+		!put(TRACING "/events/gpio/gpio_value/filter", filter, error) ||
 		!put(TRACING "/events/gpio/gpio_value/enable", "1", error))
 		return false;
 	p->trace = open(TRACING "/trace_pipe", O_RDONLY | O_NONBLOCK | O_CLOEXEC);
 	if (p->trace < 0) {
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_FAILED, "trace_pipe: %s", g_strerror(errno));
+		g_set_error(
+			error, G_IO_ERROR, G_IO_ERROR_FAILED, "trace_pipe: %s", g_strerror(errno));
 		return false;
 	}
 	p->source = g_unix_fd_add(p->trace, G_IO_IN, on_trace, p);
@@ -212,7 +223,8 @@ pins *pins_new(const char *label, pins_func changed, gpointer data, GError **err
 		p->pulls[i] = -1;
 	mount_if_missing("configfs", CONFIG, "gpio-sim");
 	mount_if_missing("tracefs", TRACING, "trace_pipe");
-	if (make_chip(label, error) && find_base(p, label, error) && open_pulls(p, error) && watch(p, error))
+	if (make_chip(label, error) && find_base(p, label, error) && open_pulls(p, error) &&
+		watch(p, error))
 		return p;
 	pins_free(p);
 	return NULL;

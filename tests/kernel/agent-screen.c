@@ -31,19 +31,24 @@ static bool fail(const char *what, GError **error)
 {
 	int number = errno;
 
-	g_set_error(error, G_IO_ERROR, g_io_error_from_errno(number), "camera: %s: %s", what, g_strerror(number));
+	g_set_error(error, G_IO_ERROR, g_io_error_from_errno(number), "camera: %s: %s", what,
+		g_strerror(number));
 	return false;
 }
 
-static bool set_format(screen *s, uint32_t fourcc, uint32_t width, uint32_t height, uint32_t fps_1000, GError **error)
+static bool set_format(screen *s, uint32_t fourcc, uint32_t width, uint32_t height,
+	uint32_t fps_1000, GError **error)
 {
 	struct v4l2_format format = { .type = V4L2_BUF_TYPE_VIDEO_OUTPUT,
 		.fmt.pix = { .width = width,
 			.height = height,
 			.pixelformat = fourcc,
 			.field = V4L2_FIELD_NONE,
-			.bytesperline = fourcc == V4L2_PIX_FMT_YUYV ? 2 * width : fourcc == V4L2_PIX_FMT_NV12 ? width : 0,
-			.sizeimage = fourcc == V4L2_PIX_FMT_NV12 ? width * height * 3 / 2 : 2 * width * height,
+			.bytesperline = fourcc == V4L2_PIX_FMT_YUYV   ? 2 * width
+					: fourcc == V4L2_PIX_FMT_NV12 ? width
+								      : 0,
+			.sizeimage = fourcc == V4L2_PIX_FMT_NV12 ? width * height * 3 / 2
+								 : 2 * width * height,
 			.colorspace = V4L2_COLORSPACE_SRGB } };
 	struct v4l2_streamparm pace = { .type = V4L2_BUF_TYPE_VIDEO_OUTPUT,
 		.parm.output.timeperframe = { 1000, fps_1000 } };
@@ -56,19 +61,22 @@ static bool set_format(screen *s, uint32_t fourcc, uint32_t width, uint32_t heig
 
 static bool map_buffers(screen *s, GError **error)
 {
-	struct v4l2_requestbuffers wanted = { .count = BUFFERS,
-		.type = V4L2_BUF_TYPE_VIDEO_OUTPUT,
-		.memory = V4L2_MEMORY_MMAP };
+	struct v4l2_requestbuffers wanted = {
+		.count = BUFFERS, .type = V4L2_BUF_TYPE_VIDEO_OUTPUT, .memory = V4L2_MEMORY_MMAP
+	};
 
 	if (call(s->fd, VIDIOC_REQBUFS, &wanted) < 0 || wanted.count < BUFFERS)
 		return fail("buffers", error);
 	for (guint i = 0; i < BUFFERS; i++) {
-		struct v4l2_buffer b = { .index = i, .type = V4L2_BUF_TYPE_VIDEO_OUTPUT, .memory = V4L2_MEMORY_MMAP };
+		struct v4l2_buffer b = {
+			.index = i, .type = V4L2_BUF_TYPE_VIDEO_OUTPUT, .memory = V4L2_MEMORY_MMAP
+		};
 
 		if (call(s->fd, VIDIOC_QUERYBUF, &b) < 0)
 			return fail("a buffer", error);
 		s->lengths[i] = b.length;
-		s->buffers[i] = mmap(NULL, b.length, PROT_READ | PROT_WRITE, MAP_SHARED, s->fd, b.m.offset);
+		s->buffers[i] =
+			mmap(NULL, b.length, PROT_READ | PROT_WRITE, MAP_SHARED, s->fd, b.m.offset);
 		if (s->buffers[i] == MAP_FAILED)
 			return fail("a buffer's memory", error);
 	}
@@ -77,7 +85,8 @@ static bool map_buffers(screen *s, GError **error)
 	return call(s->fd, VIDIOC_STREAMON, &type) == 0 || fail("streaming", error);
 }
 
-screen *screen_new(const char *node, uint32_t fourcc, uint32_t width, uint32_t height, uint32_t fps_1000, GError **error)
+screen *screen_new(const char *node, uint32_t fourcc, uint32_t width, uint32_t height,
+	uint32_t fps_1000, GError **error)
 {
 	screen *s = g_new0(screen, 1);
 
@@ -92,7 +101,9 @@ screen *screen_new(const char *node, uint32_t fourcc, uint32_t width, uint32_t h
 
 bool screen_show(screen *s, const struct screen_frame *frame, GError **error)
 {
-	struct v4l2_buffer b = { .index = s->next, .type = V4L2_BUF_TYPE_VIDEO_OUTPUT, .memory = V4L2_MEMORY_MMAP };
+	struct v4l2_buffer b = {
+		.index = s->next, .type = V4L2_BUF_TYPE_VIDEO_OUTPUT, .memory = V4L2_MEMORY_MMAP
+	};
 
 	if (s->next >= BUFFERS && call(s->fd, VIDIOC_DQBUF, &b) < 0)
 		return fail("a buffer back", error);

@@ -45,7 +45,7 @@ struct agent {
 	guint pair_count;
 	GByteArray *pulses; /* struct link_stage_pulse that are not yet sent */
 	guint64 steps, slots, frames;
-	guint leaving; /* a slot */
+	guint leaving;     /* a slot */
 	int64_t latest_ns; /* the longest from a slot's passing until its line was pulled */
 };
 
@@ -82,7 +82,8 @@ static void take_clock(struct agent *a, int64_t sent_ns, int64_t host_ns)
 {
 	int64_t now_ns = guest_ns(), middle_ns = sent_ns + (now_ns - sent_ns) / 2;
 
-	a->pairs[a->pair_count++ % CLOCK_KEPT] = (struct clock_pair){ middle_ns, host_ns - middle_ns, now_ns - sent_ns };
+	a->pairs[a->pair_count++ % CLOCK_KEPT] =
+		(struct clock_pair){ middle_ns, host_ns - middle_ns, now_ns - sent_ns };
 }
 
 static int64_t clock_difference_ns(const struct agent *a)
@@ -103,7 +104,8 @@ static void set_timer(struct agent *a)
 	struct itimerspec when = { 0 };
 
 	if (at_ns != INT64_MAX)
-		when.it_value = (struct timespec){ MAX(at_ns, 1) / 1000000000, MAX(at_ns, 1) % 1000000000 };
+		when.it_value =
+			(struct timespec){ MAX(at_ns, 1) / 1000000000, MAX(at_ns, 1) % 1000000000 };
 	timerfd_settime(a->timer, TFD_TIMER_ABSTIME, &when, NULL);
 }
 
@@ -125,7 +127,18 @@ static gboolean leave_slot(gpointer data)
 	return G_SOURCE_REMOVE;
 }
 
-/* A slot passes: its line goes up, and comes down a little later. */
+/* A slot is as wide as a few milliseconds of motion. The edge that lies at its angle is the first one clockwise, the last one the
+ * other way round. */
+static void pass_slot(struct agent *a, enum pin pin, int direction)
+{
+	pull(a, pin, true);
+	if (direction < 0)
+		pull(a, pin, false);
+	g_clear_handle_id(&a->leaving, g_source_remove);
+	a->leaving = g_timeout_add(SLOT_MS, leave_slot, a);
+	a->slots++;
+}
+
 static void run_stage(struct agent *a)
 {
 	int64_t due_ns;
@@ -133,17 +146,14 @@ static void run_stage(struct agent *a)
 	while ((due_ns = stage_next_ns(a->stage)) <= guest_ns()) {
 		g_autoptr(GByteArray) batch = stage_run(a->stage, guest_ns());
 
-		for (gsize at = 0; batch && at < batch->len; at += sizeof(struct link_stage_event)) {
+		for (gsize at = 0; batch && at < batch->len;
+			at += sizeof(struct link_stage_event)) {
 			struct link_stage_event event;
 
 			memcpy(&event, batch->data + at, sizeof event);
-			if (event.kind == LINK_STAGE_INDEX)
-				pull(a, PIN_INDEX, true);
-			else if (event.kind == LINK_STAGE_HOME)
-				pull(a, PIN_HOME, true);
-			g_clear_handle_id(&a->leaving, g_source_remove);
-			a->leaving = g_timeout_add(SLOT_MS, leave_slot, a);
-			a->slots++;
+			if (event.kind == LINK_STAGE_INDEX || event.kind == LINK_STAGE_HOME)
+				pass_slot(a, event.kind == LINK_STAGE_INDEX ? PIN_INDEX : PIN_HOME,
+					event.direction);
 			a->latest_ns = MAX(a->latest_ns, guest_ns() - due_ns);
 		}
 	}
@@ -220,7 +230,8 @@ static void begin_camera(struct agent *a)
 
 	if (!a->camera || a->head.width == 0)
 		return;
-	a->screen = screen_new(a->camera, format, a->head.width, a->head.height, a->head.fps_1000, &error);
+	a->screen = screen_new(
+		a->camera, format, a->head.width, a->head.height, a->head.fps_1000, &error);
 	if (!a->screen) {
 		g_printerr("agent: %s\n", error->message);
 		return;
@@ -320,10 +331,13 @@ static void tell_state(struct agent *a)
 {
 	const struct clock_pair *last = &a->pairs[(a->pair_count + CLOCK_KEPT - 1) % CLOCK_KEPT];
 
-	g_printerr("agent: %" G_GUINT64_FORMAT " steps, azimuth %.3f deg, %" G_GUINT64_FORMAT " slots (latest %.2f ms), %" G_GUINT64_FORMAT
+	g_printerr("agent: %" G_GUINT64_FORMAT " steps, azimuth %.3f deg, %" G_GUINT64_FORMAT
+		   " slots (latest %.2f ms), %" G_GUINT64_FORMAT
 		   " frames; trip %.2f ms, clock %.3f ms off the best; %.0f ms of CPU\n",
-		a->steps, stage_azimuth_rad(a->stage, guest_ns(), 0) * 180 / G_PI, a->slots, a->latest_ns * 1e-6, a->frames, last->trip_ns * 1e-6,
-		(last->difference_ns - clock_difference_ns(a)) * 1e-6, clock() * 1e3 / CLOCKS_PER_SEC);
+		a->steps, stage_azimuth_rad(a->stage, guest_ns(), 0) * 180 / G_PI, a->slots,
+		a->latest_ns * 1e-6, a->frames, last->trip_ns * 1e-6,
+		(last->difference_ns - clock_difference_ns(a)) * 1e-6,
+		clock() * 1e3 / CLOCKS_PER_SEC);
 	a->latest_ns = 0;
 }
 
@@ -337,6 +351,8 @@ static void obey(struct agent *a, char *line)
 		pull(a, (enum pin)pin, words[2][0] == '1');
 	else if (count == 1 && strcmp(words[0], "state") == 0)
 		tell_state(a);
+	else if (count == 1 && strcmp(words[0], "quit") == 0)
+		g_main_loop_quit(a->loop);
 	else if (count > 0 && *words[0])
 		g_printerr("agent: '%s' is no command\n", line);
 }
@@ -373,7 +389,8 @@ static bool reach(struct agent *a)
 	struct sockaddr_in address;
 	int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 
-	if (!parse_address(a->sim, &address) || connect(fd, (struct sockaddr *)&address, sizeof address) < 0) {
+	if (!parse_address(a->sim, &address) ||
+		connect(fd, (struct sockaddr *)&address, sizeof address) < 0) {
 		g_printerr("agent: %s: %s\n", a->sim, g_strerror(errno));
 		return false;
 	}
@@ -386,7 +403,8 @@ static void listen_to_commands(struct agent *a)
 	if (!a->commands)
 		return;
 	mkfifo(a->commands, 0600);
-	int fd = open(a->commands, O_RDWR | O_NONBLOCK | O_CLOEXEC); /* for writing too: it never ends then */
+	int fd = open(a->commands,
+		O_RDWR | O_NONBLOCK | O_CLOEXEC); /* for writing too: it never ends then */
 
 	if (fd >= 0)
 		g_unix_fd_add(fd, G_IO_IN, on_command, a);
@@ -403,11 +421,16 @@ static void plug_all(struct agent *a)
 
 static bool parse(int *argc, char ***argv, struct agent *a, GError **error)
 {
-	const GOptionEntry entries[] = { { "sim", 0, 0, G_OPTION_ARG_STRING, &a->sim, "The simulator's port for an agent", "HOST:PORT" },
-		{ "usb", 0, 0, G_OPTION_ARG_STRING_ARRAY, &a->usb, "A device to plug in", "HOST:PORT" },
-		{ "camera", 0, 0, G_OPTION_ARG_STRING, &a->camera, "A device of v4l2loopback", "NODE" },
-		{ "format", 0, 0, G_OPTION_ARG_STRING, &a->format, "... and what it gives", "YUYV|NV12|MJPG" },
-		{ "commands", 0, 0, G_OPTION_ARG_STRING, &a->commands, "A named pipe to make", "PATH" },
+	const GOptionEntry entries[] = { { "sim", 0, 0, G_OPTION_ARG_STRING, &a->sim,
+						 "The simulator's port for an agent", "HOST:PORT" },
+		{ "usb", 0, 0, G_OPTION_ARG_STRING_ARRAY, &a->usb, "A device to plug in",
+			"HOST:PORT" },
+		{ "camera", 0, 0, G_OPTION_ARG_STRING, &a->camera, "A device of v4l2loopback",
+			"NODE" },
+		{ "format", 0, 0, G_OPTION_ARG_STRING, &a->format, "... and what it gives",
+			"YUYV|NV12|MJPG" },
+		{ "commands", 0, 0, G_OPTION_ARG_STRING, &a->commands, "A named pipe to make",
+			"PATH" },
 		G_OPTION_ENTRY_NULL };
 	g_autoptr(GOptionContext) context = g_option_context_new(NULL);
 
@@ -417,7 +440,9 @@ static bool parse(int *argc, char ***argv, struct agent *a, GError **error)
 
 int main(int argc, char **argv)
 {
-	struct agent a = { .from = g_byte_array_new(), .pulses = g_byte_array_new(), .timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC) };
+	struct agent a = { .from = g_byte_array_new(),
+		.pulses = g_byte_array_new(),
+		.timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC) };
 	struct sched_param first = { .sched_priority = 60 };
 	g_autoptr(GError) error = NULL;
 
@@ -446,6 +471,7 @@ int main(int argc, char **argv)
 	}
 	listen_to_commands(&a);
 	g_main_loop_run(a.loop);
+	plug_pull();
 	pins_free(a.pins);
 	return 1;
 }

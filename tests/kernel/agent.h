@@ -9,7 +9,8 @@
  *  - feeds a v4l2loopback device with the simulator's frames;
  *  - plugs USB/IP devices in, and in again when they are gone and come back.
  *
- * It takes commands, a line each, from a named pipe: `line NAME 0|1` pulls an input. The lines estop,
+ * It takes commands, a line each, from a named pipe: `line NAME 0|1` pulls an input, `state` says how it is, `quit` pulls
+ * all plugs and ends it. The lines estop,
  * interlock, button, home, index are inputs of the host; 1 is what `high` is on the pin. While estop is low
  * or ENABLE is low, the motor has no power and pulses turn nothing. */
 #include <glib.h>
@@ -61,5 +62,7 @@ void screen_free(screen *s); /* NULL is fine */
 
 /* Keeps the device of a USB/IP server plugged in, from a thread of its own, for good. */
 void plug_keep(const char *host, uint16_t port);
+/* Pulls them all, for good. */
+void plug_pull(void);
 
 #endif

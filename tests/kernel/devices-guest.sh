@@ -3,31 +3,7 @@
 # TAP on the second serial line.
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8
 exec < /dev/null > /dev/ttyS1 2> /dev/console
-test=/usr/lib/pleinair/test
-n=0
-result() { # STATUS WORDS: 0 is good
-	n=$((n + 1))
-	if [ "$1" -eq 0 ]; then echo "ok $n - $2"; else echo "not ok $n - $2"; fi
-}
-comment() { printf '%s\n' "$*" | sed 's/^/# /'; }
-argument() { sed -n "s|.*[ ]$1=\([^ ]*\).*|\1|p" /proc/cmdline; }
-uptime_ms() { awk '{ printf "%d", $1 * 1000 }' /proc/uptime; }
-wait_for() { # SECONDS COMMAND...
-	left=$(($1 * 5))
-	shift
-	until "$@"; do
-		[ "$left" -gt 0 ] || return 1
-		left=$((left - 1))
-		sleep 0.2
-	done
-}
-bye() {
-	comment "the test ends $(uptime_ms) ms after the kernel began"
-	echo "1..$n"
-	dmesg > /dev/console
-	busybox poweroff -f
-	sleep 100
-}
+. /usr/lib/pleinair/test/guest-tap.sh
 comment "$(uname -r); the test begins $(uptime_ms) ms after the kernel"
 modprobe -a configfs virtio_net vhci_hcd cdc_acm cp210x videodev
 insmod $test/gpio-sim.ko

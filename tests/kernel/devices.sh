@@ -10,29 +10,9 @@ why=$(sh "$here/modules.sh" "$release" "$modules" 2>&1) || skip "$why"
 make_first first
 install_appliance appliance-devices
 test=$appliance/usr/lib/pleinair/test
-cp "$modules"/*.ko "$build/tests/kernel/agent" "$build/tests/kernel/usb-probe" "$build/tests/kernel/pulse" "$here/devices-guest.sh" "$test/"
+cp "$modules"/*.ko "$build/tests/kernel/agent" "$build/tests/kernel/usb-probe" "$build/tests/kernel/pulse" "$here/devices-guest.sh" "$here/guest-tap.sh" "$test/"
 chmod 755 "$test/devices-guest.sh"
 
-# Each is told the ports that it chose: usb_NAME=PORT agent_NAME=PORT.
-simulators=
-ports=
-trap 'kill $simulators 2> /dev/null' EXIT
-simulate() { # NAME DESCRIPTION OPTIONS...
-	told=$cache/simulator-$1.ports
-	rm -f "$told"
-	log=$cache/simulator-$1.log
-	name=$1
-	description=$2
-	shift 2
-	"$build/bin/pleinair-sim" --kernel 0 "$@" "$description" > "$told" 2> "$log" &
-	simulators="$simulators $!"
-	for _ in $(seq 100); do
-		[ -s "$told" ] && break
-		sleep 0.1
-	done
-	[ -s "$told" ] || fail "the simulator $name does not start: $(cat "$log")"
-	ports="$ports $(sed "s/usbip=/usb_$name=/; s/agent=/agent_$name=/" "$told")"
-}
 simulate tim 'hall?lidar=cola&seed=7&latency_ms=55&camera=360x640&fps=2&home_deg=350'
 simulate hokuyo 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none'
 simulate bridge 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none' --plug cp2102

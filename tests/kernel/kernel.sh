@@ -81,3 +81,24 @@ tell() { # NAME BEGUN
 	grep -q '^1\.\.' "$cache/$1.tap" || fail "the test in QEMU did not come to its end: see $build/kernel/$1.console.log"
 	! grep -q '^not ok' "$cache/$1.tap"
 }
+
+# Simulators that run here, outside of QEMU. The guest is told the ports that each chose: usb_NAME=PORT agent_NAME=PORT.
+simulators=
+ports=
+trap 'kill $simulators 2> /dev/null' EXIT
+simulate() { # NAME DESCRIPTION OPTIONS...
+	told=$cache/simulator-$1.ports
+	rm -f "$told"
+	log=$cache/simulator-$1.log
+	name=$1
+	description=$2
+	shift 2
+	"$build/bin/pleinair-sim" --kernel 0 "$@" "$description" > "$told" 2> "$log" &
+	simulators="$simulators $!"
+	for _ in $(seq 100); do
+		[ -s "$told" ] && break
+		sleep 0.1
+	done
+	[ -s "$told" ] || fail "the simulator $name does not start: $(cat "$log")"
+	ports="$ports $(sed "s/usbip=/usb_$name=/; s/agent=/agent_$name=/" "$told")"
+}

@@ -10,13 +10,15 @@ int main(int argc, char **argv)
 
 	if (!chip)
 		return 1;
-	struct gpiod_line *step = gpiod_chip_find_line(chip, "step"), *dir = gpiod_chip_find_line(chip, "dir"),
+	struct gpiod_line *step = gpiod_chip_find_line(chip, "step"),
+			  *dir = gpiod_chip_find_line(chip, "dir"),
 			  *enable = gpiod_chip_find_line(chip, "enable");
 	double period_ns = 1e9 / atof(argv[4]);
 	long count = atol(argv[2]);
 	struct timespec begun, at;
 
-	if (!step || !dir || !enable || gpiod_line_request_output(enable, "pulse", 1) || gpiod_line_request_output(dir, "pulse", atoi(argv[3])) ||
+	if (!step || !dir || !enable || gpiod_line_request_output(enable, "pulse", 1) ||
+		gpiod_line_request_output(dir, "pulse", atoi(argv[3])) ||
 		gpiod_line_request_output(step, "pulse", 0))
 		return 1;
 	clock_gettime(CLOCK_MONOTONIC, &begun);

@@ -34,7 +34,8 @@ static bool say(struct probe *p, const char *command)
 	g_autofree char *frame = g_strdup_printf("\x02%s\x03", command);
 	int sent;
 
-	return libusb_bulk_transfer(p->device, 0x02, (unsigned char *)frame, (int)strlen(frame), &sent, 1000) == 0;
+	return libusb_bulk_transfer(p->device, 0x02, (unsigned char *)frame, (int)strlen(frame),
+		       &sent, 1000) == 0;
 }
 
 static bool ask(struct probe *p, const char *command)
@@ -42,10 +43,13 @@ static bool ask(struct probe *p, const char *command)
 	static unsigned char answer[SIZE];
 	int got = 0;
 	double begun = now_s();
-	int done = say(p, command) ? libusb_bulk_transfer(p->device, 0x81, answer, SIZE - 1, &got, 2000) : -1;
+	int done = say(p, command)
+			   ? libusb_bulk_transfer(p->device, 0x81, answer, SIZE - 1, &got, 2000)
+			   : -1;
 
 	answer[got] = '\0';
-	printf("# %s: %s%.70s, %.1f ms\n", command, done == 0 ? "" : libusb_error_name(done), got > 0 ? (char *)answer + 1 : "", (now_s() - begun) * 1e3);
+	printf("# %s: %s%.70s, %.1f ms\n", command, done == 0 ? "" : libusb_error_name(done),
+		got > 0 ? (char *)answer + 1 : "", (now_s() - begun) * 1e3);
 	return done == 0;
 }
 
@@ -77,7 +81,8 @@ static void on_transfer(struct libusb_transfer *transfer)
 	}
 	if (transfer->status == LIBUSB_TRANSFER_STALL) {
 		p->halts++;
-	} else if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE || transfer->status == LIBUSB_TRANSFER_ERROR) {
+	} else if (transfer->status == LIBUSB_TRANSFER_NO_DEVICE ||
+		   transfer->status == LIBUSB_TRANSFER_ERROR) {
 		p->gone = true;
 	} else if (!p->stop && !p->gone && libusb_submit_transfer(transfer) == 0) {
 		return;
@@ -93,7 +98,8 @@ static bool stream(struct probe *p, double seconds)
 
 	for (int i = 0; i < QUEUED; i++) {
 		transfers[i] = libusb_alloc_transfer(0);
-		libusb_fill_bulk_transfer(transfers[i], p->device, 0x81, g_malloc(SIZE), SIZE, on_transfer, p, 0);
+		libusb_fill_bulk_transfer(
+			transfers[i], p->device, 0x81, g_malloc(SIZE), SIZE, on_transfer, p, 0);
 	}
 	while (!p->gone && now_s() - begun < seconds) {
 		if (p->flying == 0 && p->halts > 0)
@@ -107,8 +113,9 @@ static bool stream(struct probe *p, double seconds)
 		libusb_cancel_transfer(transfers[i]);
 	while (p->flying > 0)
 		libusb_handle_events_timeout(NULL, &wait);
-	printf("# %u telegrams in %.1f s, %u missing, %u transfers, %u halts%s, %.0f ms of CPU\n", p->telegrams, now_s() - begun, p->missing, p->transfers,
-		p->halts, p->gone ? ", unplugged" : "", ((double)clock() / CLOCKS_PER_SEC - cpu) * 1e3);
+	printf("# %u telegrams in %.1f s, %u missing, %u transfers, %u halts%s, %.0f ms of CPU\n",
+		p->telegrams, now_s() - begun, p->missing, p->transfers, p->halts,
+		p->gone ? ", unplugged" : "", ((double)clock() / CLOCKS_PER_SEC - cpu) * 1e3);
 	return p->telegrams > 0 && p->missing == 0 && !p->gone;
 }
 
