@@ -142,7 +142,7 @@ static guint lower_hull(struct pair *points, guint n)
 
 /* The hull's edge below the middle of the points has the least sum of distances to them of all
  * lines below them. */
-static struct line line_below(const struct pair *points, guint n)
+static struct line line_below(const device_clock *c, const struct pair *points, guint n)
 {
 	double mean = 0;
 	g_autofree struct pair *hull = g_memdup2(points, n * sizeof *points);
@@ -151,7 +151,10 @@ static struct line line_below(const struct pair *points, guint n)
 	guint m = lower_hull(hull, n), edge = 0;
 	while (edge + 2 < m && hull[edge + 1].device_s < mean)
 		edge++;
-	double limit = DEVICE_CLOCK_DRIFT_MAX_PPM * 1e-6, slope = 0;
+	double limit = (c->desc.drift_max_ppm > 0 ? c->desc.drift_max_ppm
+						  : DEVICE_CLOCK_DRIFT_MAX_PPM) *
+		       1e-6,
+	       slope = 0;
 	if (m >= 2 && points[n - 1].device_s - points[0].device_s >= SLOPE_BASE_MIN_S)
 		slope = (hull[edge + 1].lag_s - hull[edge].lag_s) /
 			(hull[edge + 1].device_s - hull[edge].device_s);
@@ -179,7 +182,7 @@ static struct line fit_around(const device_clock *c, double middle_s)
 	if (near->len == 0)
 		return (struct line){ 0 };
 	g_array_sort(near, by_device_time);
-	return line_below((const struct pair *)(void *)near->data, near->len);
+	return line_below(c, (const struct pair *)(void *)near->data, near->len);
 }
 
 static double line_at(const struct line *l, double device_s)
@@ -229,6 +232,6 @@ double device_clock_drift_ppm(device_clock *c)
 	g_autofree struct pair *all =
 		g_memdup2(c->pairs->data, c->pairs->len * sizeof(struct pair));
 	qsort(all, c->pairs->len, sizeof *all, by_device_time);
-	struct line l = line_below(all, c->pairs->len);
+	struct line l = line_below(c, all, c->pairs->len);
 	return -l.slope * 1e6; /* a device that runs fast lags less and less */
 }

@@ -21,9 +21,10 @@ typedef struct device_clock device_clock;
 
 struct device_clock_desc {
 	double ticks_hz;
-	uint32_t wrap_bits; /* 1..64 */
-	uint64_t wrap_at;   /* instead of bits, where ticks run 0..wrap_at-1; 0: bits hold */
-	int64_t delay_ns;   /* least delay from stamp to arrival, where no exchange tells it */
+	uint32_t wrap_bits;   /* 1..64 */
+	uint64_t wrap_at;     /* instead of bits, where ticks run 0..wrap_at-1; 0: bits hold */
+	int64_t delay_ns;     /* least delay from stamp to arrival, where no exchange tells it */
+	double drift_max_ppm; /* 0: DEVICE_CLOCK_DRIFT_MAX_PPM; more for what has no crystal */
 	bool truncates; /* ticks are cut off, not rounded: the true instant is half a tick later on
 			   average */
 };

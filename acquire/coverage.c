@@ -6,6 +6,8 @@
 /* A column is whole with this share of what full columns have: a lost revolution takes far more
  * than that. */
 #define WHOLE_SHARE 0.97
+/* Beams are never wider apart in a sweep without gaps: 1.8 degrees at 2000 a second and ten turns. */
+#define BEAMS_APART_RAD (2.5 * G_PI / 180)
 
 struct coverage {
 	struct panorama_desc desc;
@@ -34,18 +36,34 @@ void coverage_free(coverage *c)
 	g_free(c);
 }
 
-void coverage_add(coverage *c, const double *azimuth_rad, const float *elevation_rad, size_t beams)
+static void see(coverage *c, uint32_t column, uint32_t first_row, uint32_t last_row)
 {
-	for (size_t i = 0; i < beams; i++) {
-		double row = floor((c->desc.elevation_max_rad - elevation_rad[i]) / c->row_rad);
-		double x = azimuth_rad[i] / c->column_rad;
-		if (!(row >= 0 && row < c->desc.rows && x >= 0 && x < c->desc.columns + 1.0))
-			continue;
-		uint32_t column = (uint32_t)x % c->desc.columns;
-		size_t cell = (size_t)column * c->desc.rows + (uint32_t)row;
+	for (uint32_t row = first_row; row <= last_row; row++) {
+		size_t cell = (size_t)column * c->desc.rows + row;
 		uint8_t bit = 1u << (cell & 7);
 		c->count[column] += !(c->seen[cell / 8] & bit);
 		c->seen[cell / 8] |= bit;
+	}
+}
+
+void coverage_add(coverage *c, const double *azimuth_rad, const float *elevation_rad, size_t beams)
+{
+	uint32_t apart_max = (uint32_t)fmax(BEAMS_APART_RAD / c->row_rad, 1);
+	int64_t last_column = -1;
+	uint32_t last_row = 0;
+	for (size_t i = 0; i < beams; i++) {
+		double row = floor((c->desc.elevation_max_rad - elevation_rad[i]) / c->row_rad);
+		double x = azimuth_rad[i] / c->column_rad;
+		if (!(row >= 0 && row < c->desc.rows && x >= 0 && x < c->desc.columns + 1.0)) {
+			last_column = -1;
+			continue;
+		}
+		uint32_t column = (uint32_t)x % c->desc.columns, here = (uint32_t)row,
+			 low = MIN(here, last_row), high = MAX(here, last_row);
+		bool joins = column == last_column && high - low <= apart_max;
+		see(c, column, joins ? low : here, joins ? high : here);
+		last_column = column;
+		last_row = here;
 	}
 }
 

@@ -16,6 +16,8 @@ coverage *coverage_new(const struct panorama_desc *desc);
 void coverage_free(coverage *c); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(coverage, coverage_free)
 
+/* The beams of a line, in the order of its sweep: they stand for what lies between two of them too, where that is not more than
+ * 2.5 degrees of a column. Which rows the beams of a lidar meet differs from turn to turn when it measures at its own beat. */
 void coverage_add(coverage *c, const double *azimuth_rad, const float *elevation_rad, size_t beams);
 /* Forgets what was seen while the front was between these angles (front and back columns). */
 void coverage_clear(coverage *c, double from_rad, double to_rad);

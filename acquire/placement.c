@@ -53,8 +53,9 @@ void placement_free(placement *p)
 void placement_sweep(const struct scanline *line, enum stamp_instant stamp, int64_t stamp_ns,
 	int64_t *ret_first_ns, int64_t *ret_last_ns)
 {
-	double sweep_ns = (line->beams - 1) * fabs(line->angle_step_rad) /
-			  (2 * G_PI * line->scan_rate_hz) * 1e9;
+	double sweep_ns = line->beam_s > 0 ? (line->beams - 1) * line->beam_s * 1e9
+					   : (line->beams - 1) * fabs(line->angle_step_rad) /
+						     (2 * G_PI * line->scan_rate_hz) * 1e9;
 	sweep_ns = fmin(sweep_ns, SWEEP_MAX_NS);
 	*ret_first_ns = stamp_ns - (stamp == STAMP_LAST_BEAM ? llround(sweep_ns) : 0);
 	*ret_last_ns = *ret_first_ns + llround(sweep_ns);
@@ -78,7 +79,8 @@ static void tabulate(placement *p, const struct scanline *line)
 	if (line->beams > p->room)
 		grow(p, line->beams);
 	for (uint32_t i = 0; i < line->beams; i++) {
-		double angle = line->first_angle_rad + i * line->angle_step_rad;
+		double angle = line->angle_rad ? (double)line->angle_rad[i]
+					       : line->first_angle_rad + i * line->angle_step_rad;
 		double theta = l->beam_zero_rad + l->beam_direction * angle;
 		double *d = p->direction[i];
 		for (int k = 0; k < 3; k++)
@@ -86,7 +88,7 @@ static void tabulate(placement *p, const struct scanline *line)
 		p->head_azimuth_rad[i] = atan2(d[0], d[1]);
 		p->head_elevation_rad[i] = asin(CLAMP(d[2], -1.0, 1.0));
 	}
-	p->beams = line->beams;
+	p->beams = line->angle_rad ? 0 : line->beams; /* angles of their own serve one line */
 	p->first_angle_rad = line->first_angle_rad;
 	p->angle_step_rad = line->angle_step_rad;
 }

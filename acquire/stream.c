@@ -21,8 +21,9 @@ struct session {
 	struct calibration calibration;
 	const struct driver *driver;
 	device_clock *stage_clock, *camera_clock;
-	GPtrArray *lidar_clocks; /* one each time the lidar was plugged in: its clock starts anew */
-	GArray *stage_events;    /* of struct timed_event, in the first pass */
+	GPtrArray
+		*lidar_clocks; /* one each time the lidar was plugged in, or began to count anew */
+	GArray *stage_events;  /* of struct timed_event, in the first pass */
 	stage_track *track;
 	placement *place;
 	struct camera_controls locked; /* of the photos; zeros until settled */
@@ -30,8 +31,8 @@ struct session {
 
 struct pending {
 	struct scanline line;
-	int64_t ticks; /* unwrapped */
-	uint32_t range_and_intensity[];
+	int64_t ticks;     /* unwrapped */
+	uint32_t values[]; /* ranges, angles where they are uneven, intensities */
 };
 
 struct stream {
@@ -48,8 +49,8 @@ struct stream {
 	int64_t lidar_delay_ns; /* what its stamps are late beyond what its clock knows */
 	/* Of the last whole revolution. */
 	bool follows;
-	uint32_t last_counter;
-	int64_t last_ticks;
+	uint32_t last_counter, epoch;
+	int64_t last_ticks, last_arrival_ns;
 	double last_front_rad;
 	uint32_t lost_before; /* revolutions lost since, waiting for an angle */
 	GArray *losses;
@@ -145,15 +146,18 @@ static void place_pending(stream *s)
 static void keep_pending(stream *s, const struct scanline *line, int64_t ticks)
 {
 	size_t n = line->beams;
-	struct pending *p = g_malloc(sizeof *p + n * (sizeof(uint32_t) + sizeof(uint16_t)));
+	struct pending *p = g_malloc(sizeof *p + n * (2 * sizeof(uint32_t) + sizeof(uint16_t)));
+	uint32_t *to = p->values;
 	p->line = *line;
 	p->ticks = ticks;
-	memcpy(p->range_and_intensity, line->range_mm, n * sizeof(uint32_t));
-	p->line.range_mm = p->range_and_intensity;
-	if (line->intensity) {
-		memcpy(p->range_and_intensity + n, line->intensity, n * sizeof(uint16_t));
-		p->line.intensity = (const uint16_t *)(p->range_and_intensity + n);
+	p->line.range_mm = memcpy(to, line->range_mm, n * sizeof *to);
+	to += n;
+	if (line->angle_rad) {
+		p->line.angle_rad = memcpy(to, line->angle_rad, n * sizeof *line->angle_rad);
+		to += n;
 	}
+	if (line->intensity)
+		p->line.intensity = memcpy(to, line->intensity, n * sizeof *line->intensity);
 	g_queue_push_tail(&s->pending, p);
 }
 
@@ -176,6 +180,31 @@ static void count_losses(stream *s, const struct scanline *line, int64_t ticks)
 	s->last_ticks = ticks;
 }
 
+static void next_lidar_clock(stream *s)
+{
+	place_pending(s);
+	drop_pending(s);
+	if (s->learning || s->mode == STREAM_LIVE)
+		g_ptr_array_add(
+			s->session->lidar_clocks, device_clock_new(&s->session->driver->clock));
+	if (s->plug_at < s->session->lidar_clocks->len)
+		s->lidar_clock = s->session->lidar_clocks->pdata[s->plug_at++];
+}
+
+/* The device counts from somewhere else: what is missing in between, only the host can tell. */
+static void begin_epoch(stream *s, const struct scanline *line)
+{
+	int64_t turns = llround(
+		(double)(line->arrival_ns - s->last_arrival_ns) * 1e-9 * line->scan_rate_hz);
+	if (s->follows && !s->learning && turns > 1) {
+		s->lost_before += (uint32_t)MIN(turns - 1, 1000000);
+		s->report.lost_revolutions += turns - 1;
+	}
+	s->follows = false;
+	s->epoch = line->epoch;
+	next_lidar_clock(s);
+}
+
 static void take_line(const struct scanline *line, gpointer user_data)
 {
 	stream *s = user_data;
@@ -183,6 +212,9 @@ static void take_line(const struct scanline *line, gpointer user_data)
 		s->report.unplaced++;
 		return;
 	}
+	if (line->epoch != s->epoch)
+		begin_epoch(s, line);
+	s->last_arrival_ns = line->arrival_ns;
 	int64_t sent = device_clock_unwrap(s->lidar_clock, line->sent_ticks, line->arrival_ns);
 	int64_t ticks = sent - (int64_t)((line->sent_ticks - line->ticks) & 0xffffffff);
 	if (s->learning || s->mode == STREAM_LIVE)
@@ -225,6 +257,7 @@ static void reset_decoder(stream *s)
 	decoder_free(s->decode);
 	s->decode = decoder_new(s->session->driver->protocol, &sink);
 	s->follows = false;
+	s->epoch = 0;
 	s->asked_clock_ns = 0;
 }
 
@@ -282,13 +315,7 @@ static bool begin_session(stream *s, const struct record_entry *e, GError **erro
 
 static void plug_lidar(stream *s)
 {
-	place_pending(s);
-	drop_pending(s);
-	if (s->learning || s->mode == STREAM_LIVE)
-		g_ptr_array_add(
-			s->session->lidar_clocks, device_clock_new(&s->session->driver->clock));
-	if (s->plug_at < s->session->lidar_clocks->len)
-		s->lidar_clock = s->session->lidar_clocks->pdata[s->plug_at++];
+	next_lidar_clock(s);
 	reset_decoder(s);
 }
 

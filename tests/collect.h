@@ -10,7 +10,7 @@ struct collected {
 	unsigned scanlines, replies;
 	uint64_t hash;
 	struct scanline line; /* the last; range_mm and intensity point below */
-	GArray *range_mm, *intensity;
+	GArray *range_mm, *intensity, *angle_rad;
 	GString *command, *status, *text; /* of the last reply */
 };
 
@@ -47,6 +47,14 @@ static inline void collect_scanline(const struct scanline *line, gpointer user_d
 	COLLECT_HASH(c, line->scan_rate_hz);
 	COLLECT_HASH(c, line->beams);
 	COLLECT_HASH(c, line->range_min_mm);
+	COLLECT_HASH(c, line->beam_s);
+	COLLECT_HASH(c, line->epoch);
+	if (line->angle_rad) {
+		g_array_set_size(c->angle_rad, 0);
+		g_array_append_vals(c->angle_rad, line->angle_rad, line->beams);
+		c->line.angle_rad = (const float *)(void *)c->angle_rad->data;
+		collect_hash(c, line->angle_rad, line->beams * sizeof(float));
+	}
 }
 
 static inline void collect_reply(const struct lidar_reply *reply, gpointer user_data)
@@ -67,6 +75,7 @@ static inline struct collected *collected_new(void)
 	c->hash = UINT64_C(0xcbf29ce484222325);
 	c->range_mm = g_array_new(FALSE, FALSE, sizeof(uint32_t));
 	c->intensity = g_array_new(FALSE, FALSE, sizeof(uint16_t));
+	c->angle_rad = g_array_new(FALSE, FALSE, sizeof(float));
 	c->command = g_string_new(NULL);
 	c->status = g_string_new(NULL);
 	c->text = g_string_new(NULL);
@@ -77,6 +86,7 @@ static inline void collected_free(struct collected *c)
 {
 	g_array_free(c->range_mm, TRUE);
 	g_array_free(c->intensity, TRUE);
+	g_array_free(c->angle_rad, TRUE);
 	g_string_free(c->command, TRUE);
 	g_string_free(c->status, TRUE);
 	g_string_free(c->text, TRUE);
