@@ -274,9 +274,17 @@ static void lidar_close(wire *w)
 	send_message((struct sim_head *)w->head, LINK_LIDAR_CLOSE, 0, NULL, 0, NULL);
 }
 
-static const struct wire_ops lidar_ops = {
-	.open = lidar_open, .read = lidar_read, .write = lidar_write, .close = lidar_close
-};
+static bool lidar_set_line(wire *w, const struct wire_line *line, GError **error)
+{
+	struct link_line m = { line->baud, line->dtr };
+	return send_message((struct sim_head *)w->head, LINK_LIDAR_LINE, 0, &m, sizeof m, error);
+}
+
+static const struct wire_ops lidar_ops = { .open = lidar_open,
+	.read = lidar_read,
+	.write = lidar_write,
+	.close = lidar_close,
+	.set_line = lidar_set_line };
 
 static bool stage_move_sim(stage *st, const struct stage_move *move, GError **error)
 {

@@ -51,6 +51,7 @@ void beam_fan_free(struct beam_fan *fan)
 	if (!fan)
 		return;
 	g_free(fan->azimuth_rad);
+	g_free(fan->theta_rad);
 	g_free(fan->echoes);
 	g_free(fan->axis);
 	g_free(fan);
@@ -146,8 +147,7 @@ static void trace_edge(const struct beam_optics *o, const struct beam_fan *fan, 
 	int side, int along, struct beam_touch *touch)
 {
 	double azimuth = fan->azimuth_rad[i];
-	double theta =
-		fan->first_theta_rad + i * fan->theta_step_rad + along * o->half_divergence_rad;
+	double theta = beam_theta_rad(fan, i) + along * o->half_divergence_rad;
 	double across[3] = { cos(azimuth), -sin(azimuth), 0 }, scanner[3], direction[3];
 
 	beam_direction(azimuth, theta, scanner);
@@ -281,8 +281,8 @@ void beam_measure(
 	{
 #pragma omp for schedule(dynamic, 32)
 		for (uint32_t i = from; i < to; i++)
-			trace_at(optics, fan->azimuth_rad[i],
-				fan->first_theta_rad + i * fan->theta_step_rad, &fan->axis[i]);
+			trace_at(
+				optics, fan->azimuth_rad[i], beam_theta_rad(fan, i), &fan->axis[i]);
 #pragma omp for schedule(dynamic, 32)
 		for (uint32_t i = from; i < to; i++)
 			detect(optics, fan, i, to);

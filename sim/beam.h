@@ -50,10 +50,16 @@ struct beam_fan {
 	uint32_t revolution;
 	uint32_t beams;
 	double first_theta_rad, theta_step_rad;
+	double *theta_rad; /* of each beam, where they are not evenly apart; else NULL */
 	double *azimuth_rad;
 	struct echo *echoes;
 	struct beam_touch *axis;
 };
+
+static inline double beam_theta_rad(const struct beam_fan *fan, uint32_t i)
+{
+	return fan->theta_rad ? fan->theta_rad[i] : fan->first_theta_rad + i * fan->theta_step_rad;
+}
 
 struct beam_fan *beam_fan_new(uint32_t beams);
 void beam_fan_free(struct beam_fan *fan); /* NULL is fine */

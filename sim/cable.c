@@ -7,6 +7,7 @@
 #define REFUSAL_NS INT64_C(200000)
 #define PIECE_NS   INT64_C(50000)   /* between pieces of a telegram, less when there are many */
 #define PIECES_NS  INT64_C(2000000) /* at most, for all of them */
+#define UNSET_BAUD 9600             /* as kernels open a port */
 #define SPIKE_ODDS (1.0 / 400)
 
 struct cable {
@@ -20,7 +21,9 @@ struct cable {
 	int64_t last_due_ns;
 	double cut_s; /* the next telegram is cut by unplugging for so long; 0: no */
 	uint32_t garble_left, merge_left;
-	GByteArray *held; /* waits to be merged */
+	uint32_t host_baud;
+	int64_t line_free_ns; /* when the last byte is out */
+	GByteArray *held;     /* waits to be merged */
 };
 
 cable *cable_new(const struct cable_desc *desc, outbox *out)
@@ -30,7 +33,8 @@ cable *cable_new(const struct cable_desc *desc, outbox *out)
 	c->desc = *desc;
 	c->out = out;
 	c->powered_ns = desc->absent ? INT64_MAX : INT64_MIN;
-	c->silent_until_ns = INT64_MIN;
+	c->silent_until_ns = c->line_free_ns = INT64_MIN;
+	c->host_baud = UNSET_BAUD;
 	c->held = g_byte_array_new();
 	return c;
 }
@@ -79,6 +83,45 @@ static uint64_t draw(cable *c, uint64_t what)
 	return chance_hash(c->desc.seed, CHANCE_CABLE, c->said, what);
 }
 
+void cable_set_line(cable *c, uint32_t baud)
+{
+	c->host_baud = baud;
+}
+
+bool cable_is_clear(const cable *c)
+{
+	return c->desc.baud == 0 || c->desc.baud == c->host_baud;
+}
+
+/* Ten bits a byte; what is still going out goes first. */
+static int64_t through_line(cable *c, int64_t leaves_ns, gsize length)
+{
+	if (c->desc.baud == 0)
+		return leaves_ns;
+	double byte_ns = 10e9 / c->desc.baud;
+	/* All but the last of several frames were out before. */
+	int64_t last_ns = leaves_ns + llrint(byte_ns * (double)MIN(length, c->desc.frame));
+	c->line_free_ns = MAX(last_ns,
+		c->line_free_ns == INT64_MIN ? last_ns
+					     : c->line_free_ns + llrint(byte_ns * (double)length));
+	return c->line_free_ns;
+}
+
+/* What a receiver at another speed makes of it: bits cut elsewhere, as many as fit its pace. */
+static GByteArray *mangled(cable *c, const guint8 *bytes, gsize length)
+{
+	GByteArray *garbage = g_byte_array_new();
+	gsize heard = (gsize)((double)length * fmin(1, (double)c->host_baud / c->desc.baud));
+
+	for (gsize i = 0; i < MAX(heard, 1); i++) {
+		guint8 byte = (guint8)chance_hash(c->desc.seed, CHANCE_GARBLE, c->said + 1,
+			(uint64_t)bytes[i * length / MAX(heard, 1)] << 32 | i);
+
+		g_byte_array_append(garbage, &byte, 1);
+	}
+	return garbage;
+}
+
 static int64_t arrival(cable *c, int64_t leaves_ns)
 {
 	double delay = c->desc.latency_ns + c->desc.jitter_ns * chance_exponential(draw(c, 0));
@@ -91,7 +134,7 @@ static int64_t arrival(cable *c, int64_t leaves_ns)
 
 static void deliver(cable *c, int64_t leaves_ns, const guint8 *bytes, gsize length)
 {
-	int64_t due_ns = arrival(c, leaves_ns);
+	int64_t due_ns = arrival(c, through_line(c, leaves_ns, length));
 	gsize piece = c->desc.packet ? c->desc.packet : MAX(length, 1);
 	gsize pieces = (length + piece - 1) / piece;
 	int64_t apart_ns = MIN(PIECE_NS, PIECES_NS / (int64_t)MAX(pieces, 1));
@@ -116,7 +159,13 @@ static void say(cable *c, int64_t leaves_ns, const guint8 *bytes, gsize length)
 	if (!is_heard(c, leaves_ns))
 		return;
 	g_byte_array_append(c->held, bytes, (guint)length);
-	deliver(c, leaves_ns, c->held->data, c->held->len);
+	if (cable_is_clear(c)) {
+		deliver(c, leaves_ns, c->held->data, c->held->len);
+	} else {
+		g_autoptr(GByteArray) garbage = mangled(c, c->held->data, c->held->len);
+
+		deliver(c, leaves_ns, garbage->data, garbage->len);
+	}
 	g_byte_array_set_size(c->held, 0);
 }
 

@@ -9,8 +9,10 @@
 struct cable_desc {
 	uint64_t seed;
 	double latency_ns, jitter_ns;
-	gsize packet; /* bytes that arrive together, 0 for all */
-	bool absent;  /* nothing was ever plugged in */
+	gsize packet;  /* bytes that arrive together, 0 for all */
+	bool absent;   /* nothing was ever plugged in */
+	uint32_t baud; /* of a serial line, where bytes need their time; 0: none */
+	gsize frame;   /* bytes that begin to go out together there */
 };
 
 typedef struct cable cable;
@@ -21,6 +23,10 @@ void cable_free(cable *c);                                    /* NULL is fine */
 void cable_open(cable *c, int64_t now_ns);
 void cable_close(cable *c);
 bool cable_is_open(const cable *c);
+/* The host's end of a serial line; 9600 baud until it is set. At another speed than the lidar's,
+ * both hear garbage. */
+void cable_set_line(cable *c, uint32_t baud);
+bool cable_is_clear(const cable *c);
 
 /* The lidar's side: bytes that leave it together at a moment, answers or a telegram of measurements
  * (which is what the faults strike). */

@@ -169,8 +169,7 @@ static void greet(struct head *h)
 	g_autoptr(GByteArray) payload = g_byte_array_new();
 	struct link_hello hello = { .version = LINK_VERSION, .real_time = h->options->speed > 0 };
 
-	g_strlcpy(hello.lidar_protocol, h->options->lidar == SIM_LIDAR_COLA ? "cola" : "scip",
-		sizeof hello.lidar_protocol);
+	g_strlcpy(hello.lidar_protocol, h->options->lidar->protocol, sizeof hello.lidar_protocol);
 	g_byte_array_append(payload, (const guint8 *)&hello, sizeof hello);
 	g_byte_array_append(payload, (const guint8 *)json, (guint)strlen(json));
 	send(h, LINK_HELLO, h->now_ns, payload->data, payload->len);
@@ -336,8 +335,15 @@ static bool obey(struct head *h, const struct link_header *header, const guint8 
 {
 	struct link_stage_move move;
 	struct link_camera_controls controls;
+	struct link_line line;
 
 	switch (header->kind) {
+	case LINK_LIDAR_LINE:
+		if (header->length != sizeof line)
+			return false;
+		memcpy(&line, payload, sizeof line);
+		lidar_set_line(h->lidar, h->now_ns, &line);
+		return true;
 	case LINK_WAIT:
 		if (h->options->speed > 0 || header->length != 0)
 			return false;

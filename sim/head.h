@@ -17,12 +17,13 @@
  * during the call. */
 struct sim_truth_revolution {
 	uint32_t revolution; /* counts all turns of the mirror since power-on; only those sent are
-				told of */
+				told of. Of a lidar that sends in small packets: those packets */
 	uint32_t beams;
 	gint64 first_beam_host_ns; /* true time */
 	double beam_period_ns;     /* true time between beams */
 	const double *azimuth_rad; /* of the beam's plane at the beam's instant, from the home edge,
 				      clockwise, 0..2 pi */
+	const double *theta_rad; /* in the beam's plane, from the horizon in front over the zenith */
 	const double *range_m; /* what an ideal device would read on the beam's axis (behind glass,
 				* if it sees through it); 0 = no echo. A faint echo may be missed
 				* all the same. */

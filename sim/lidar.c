@@ -1,8 +1,18 @@
 #include "sim/lidar.h"
 #include "sim/chance.h"
 #include "sim/lidar-cola.h"
+#include "sim/lidar-ld.h"
+#include "sim/lidar-rplidar.h"
 #include "sim/lidar-scip.h"
 #include <math.h>
+#include <string.h>
+
+/* Motors wander: by so much of their speed, so often. */
+#define WANDER    0.004
+#define WANDER_HZ 0.37
+/* A range that turns a beam about as much as most do. */
+#define USUAL_M  6
+#define SETTLING 4
 
 struct lidar {
 	struct lidar_setup setup;
@@ -14,6 +24,11 @@ struct lidar {
 	uint32_t next;     /* the first revolution that was not dealt with */
 	uint32_t measured; /* beams of it */
 	uint32_t drop_left, codes_left, codes_beams;
+	/* The beam behind a portion is the first of the next. */
+	struct echo ahead;
+	double ahead_theta_rad, ahead_turned_rad;
+	uint32_t ahead_of; /* that next one */
+	bool has_ahead;
 	int64_t powered_ns; /* as the cable told last */
 };
 
@@ -35,9 +50,30 @@ static void set_up_clock(lidar *l)
 							    : o->clock_start };
 }
 
+/* A portion is what the mirror's turn is to others; one beam more is measured, which some need. */
+static void set_up_portions(lidar *l)
+{
+	const sim_options *o = l->setup.options;
+
+	l->body.mirror = (struct mirror){ .epoch_ns = l->setup.now_ns,
+		.period_ns = device_clock_true_ns(&l->body.clock, o->sample_us * 1e3 * o->portion),
+		.beams_per_turn = o->portion,
+		.beams = o->portion + 1 };
+	l->body.turn_ns = 1e9 / o->rate_hz;
+	l->fan = beam_fan_new(o->portion + 1);
+	l->fan->theta_rad = g_new0(double, o->portion + 1);
+	l->body.encoder_turns = g_new0(double, o->portion + 1);
+	l->body.turned_rad = g_new0(double, o->portion + 1);
+}
+
 static void set_up_mirror(lidar *l)
 {
 	const sim_options *o = l->setup.options;
+
+	if (o->portion > 0) {
+		set_up_portions(l);
+		return;
+	}
 	bool scip = l->protocol == &lidar_scip;
 	double period_ns = device_clock_true_ns(&l->body.clock, 1e9 / o->rate_hz);
 	uint32_t beams = (uint32_t)(scip ? o->ares * 3 / 4 + 1 : o->beams);
@@ -64,8 +100,21 @@ static void set_up_optics(lidar *l)
 		.noise_m = o->noise_mm * 1e-3,
 		.limit_m = o->limit_m,
 		.dropouts = o->dropouts,
-		.threaded = o->speed == 0, /* in real time, waiting for a late thread is worse */
+		.threaded =
+			o->speed == 0 &&
+			l->fan->beams > 200, /* in real time, waiting for a late thread is worse */
 		.seed = o->seed };
+}
+
+static const struct lidar_protocol *protocol_of(const char *name)
+{
+	static const struct lidar_protocol *const protocols[] = { &lidar_scip, &lidar_cola,
+		&lidar_ld, &lidar_rplidar };
+	gsize i = 0;
+
+	while (strcmp(protocols[i]->name, name) != 0)
+		i++;
+	return protocols[i];
 }
 
 lidar *lidar_new(const struct lidar_setup *setup)
@@ -74,14 +123,17 @@ lidar *lidar_new(const struct lidar_setup *setup)
 	lidar *l = g_new0(lidar, 1);
 
 	l->setup = *setup;
-	l->protocol = o->lidar == SIM_LIDAR_COLA ? &lidar_cola : &lidar_scip;
+	l->protocol = protocol_of(o->lidar->protocol);
 	l->body.options = o;
-	l->body.cable = cable_new(&(struct cable_desc){ .seed = o->seed,
-					  .latency_ns = o->latency_ms * 1e6,
-					  .jitter_ns = o->jitter_ms * 1e6,
-					  .packet = o->packet,
-					  .absent = o->lidar == SIM_LIDAR_NONE },
-		setup->out);
+	l->body.cable =
+		cable_new(&(struct cable_desc){ .seed = o->seed,
+				  .latency_ns = o->latency_ms * 1e6,
+				  .jitter_ns = o->jitter_ms * 1e6,
+				  .packet = o->packet,
+				  .absent = o->lidar->absent,
+				  .baud = (uint32_t)o->baud,
+				  .frame = o->baud ? lidar_frame_bytes(o->lidar, o->format) : 0 },
+			setup->out);
 	set_up_clock(l);
 	set_up_mirror(l);
 	set_up_optics(l);
@@ -97,6 +149,8 @@ void lidar_free(lidar *l)
 	l->protocol->destroy(l->self);
 	cable_free(l->body.cable);
 	beam_fan_free(l->fan);
+	g_free(l->body.encoder_turns);
+	g_free(l->body.turned_rad);
 	g_free(l);
 }
 
@@ -132,9 +186,16 @@ void lidar_close(lidar *l)
 	cable_close(l->body.cable);
 }
 
+void lidar_set_line(lidar *l, int64_t now_ns, const struct link_line *line)
+{
+	cable_set_line(l->body.cable, line->baud);
+	if (l->protocol->set_dtr)
+		l->protocol->set_dtr(l->self, now_ns, line->dtr);
+}
+
 void lidar_write(lidar *l, int64_t now_ns, const guint8 *bytes, gsize length)
 {
-	if (!cable_is_open(l->body.cable))
+	if (!cable_is_open(l->body.cable) || !cable_is_clear(l->body.cable))
 		return;
 	bool waited = l->protocol->is_waiting(l->self);
 
@@ -165,12 +226,18 @@ bool lidar_passes(const lidar *l, double *ret_from_rad, double *ret_to_rad)
 	return true;
 }
 
+/* A fault of a revolution takes as many portions as there are in one. */
+static uint32_t portions_of_turn(const lidar *l)
+{
+	return l->fan->theta_rad ? (uint32_t)lround(l->body.turn_ns / l->body.mirror.period_ns) : 1;
+}
+
 void lidar_strike(lidar *l, int64_t now_ns, const struct fault *fault)
 {
 	cable *c = l->body.cable;
 
 	switch (fault->kind) {
-	case FAULT_DROP: l->drop_left = fault->count; break;
+	case FAULT_DROP: l->drop_left = fault->count * portions_of_turn(l); break;
 	case FAULT_STALL: cable_silence(c, now_ns, fault->param); break;
 	case FAULT_GARBLE: cable_garble(c, fault->count); break;
 	case FAULT_SPLIT: cable_split(c, (gsize)fault->param); break;
@@ -186,8 +253,84 @@ void lidar_strike(lidar *l, int64_t now_ns, const struct fault *fault)
 	}
 }
 
+/* Turns of the encoder since power-on. */
+static double encoder_turns(const lidar *l, int64_t base_ns, double after_ns)
+{
+	double since_ns =
+		l->setup.options->stuck ? 0 : (double)(base_ns - l->setup.now_ns) + after_ns;
+	double wander = 2 * M_PI * WANDER_HZ * since_ns * 1e-9;
+
+	return since_ns / l->body.turn_ns +
+	       WANDER * 1e9 / l->body.turn_ns / (2 * M_PI * WANDER_HZ) * sin(wander);
+}
+
+static void point_beam(lidar *l, uint32_t i, double turned_rad)
+{
+	l->body.turned_rad[i] = turned_rad;
+	l->fan->theta_rad[i] = M_PI / 2 - 2 * M_PI * l->body.encoder_turns[i] + turned_rad;
+}
+
+/* Where a beam of such a lidar goes depends on what it reads there. What does not agree with itself
+ * after a few tries, at edges, is no echo. */
+static void settle_beams(lidar *l)
+{
+	struct beam_fan *fan = l->fan;
+
+	for (int tries = 0; tries < SETTLING; tries++) {
+		uint32_t changed = 0;
+
+		for (uint32_t i = 0; i < fan->beams; i++) {
+			double turned = l->protocol->turned_rad(l->self, fan->echoes[i].range_m);
+
+			if (fan->echoes[i].outcome != ECHO_GOOD || turned == l->body.turned_rad[i])
+				continue;
+			changed++;
+			point_beam(l, i, turned);
+			if (tries == SETTLING - 1)
+				fan->echoes[i].outcome = ECHO_WEAK;
+		}
+		if (!changed || tries == SETTLING - 1)
+			return;
+		beam_measure(&l->optics, fan, 0, fan->beams);
+	}
+}
+
+static void measure_portion(lidar *l)
+{
+	struct beam_fan *fan = l->fan;
+	uint32_t known = l->has_ahead && l->ahead_of == l->next;
+	int64_t first_ns = mirror_first_ns(&l->body.mirror, l->next);
+	double period_ns = mirror_beam_period_ns(&l->body.mirror);
+
+	fan->revolution = l->next;
+	for (uint32_t i = 0; i < fan->beams; i++) {
+		fan->azimuth_rad[i] = stage_azimuth_rad(l->setup.stage, first_ns, i * period_ns);
+		l->body.encoder_turns[i] = encoder_turns(l, first_ns, i * period_ns);
+		point_beam(l, i,
+			l->protocol->turned_rad ? l->protocol->turned_rad(l->self, USUAL_M) : 0);
+	}
+	beam_measure(&l->optics, fan, 0, fan->beams);
+	if (l->protocol->turned_rad)
+		settle_beams(l);
+	if (known) {
+		fan->echoes[0] = l->ahead;
+		fan->theta_rad[0] = l->ahead_theta_rad;
+		l->body.turned_rad[0] = l->ahead_turned_rad;
+	}
+	l->ahead = fan->echoes[fan->beams - 1];
+	l->ahead_theta_rad = fan->theta_rad[fan->beams - 1];
+	l->ahead_turned_rad = l->body.turned_rad[fan->beams - 1];
+	l->ahead_of = l->next + 1;
+	l->has_ahead = true;
+	l->measured = fan->beams;
+}
+
 static void measure(lidar *l, uint32_t to)
 {
+	if (l->fan->theta_rad) {
+		measure_portion(l);
+		return;
+	}
 	int64_t first_ns = mirror_first_ns(&l->body.mirror, l->next);
 	double period_ns = mirror_beam_period_ns(&l->body.mirror);
 
@@ -201,19 +344,23 @@ static void measure(lidar *l, uint32_t to)
 static void tell_truth(lidar *l)
 {
 	const struct beam_fan *fan = l->fan;
-	g_autofree double *azimuth = g_new(double, fan->beams);
-	g_autofree double *range = g_new(double, fan->beams);
+	uint32_t beams = fan->theta_rad ? fan->beams - 1 : fan->beams;
+	g_autofree double *azimuth = g_new(double, beams);
+	g_autofree double *theta = g_new(double, beams);
+	g_autofree double *range = g_new(double, beams);
 
-	for (uint32_t i = 0; i < fan->beams; i++) {
+	for (uint32_t i = 0; i < beams; i++) {
+		theta[i] = beam_theta_rad(fan, i);
 		azimuth[i] =
 			fan->azimuth_rad[i] - 2 * M_PI * floor(fan->azimuth_rad[i] / (2 * M_PI));
 		range[i] = fan->echoes[i].true_range_m;
 	}
 	l->setup.truth(&(struct sim_truth_revolution){ .revolution = l->next,
-			       .beams = fan->beams,
+			       .beams = beams,
 			       .first_beam_host_ns = mirror_first_ns(&l->body.mirror, l->next),
 			       .beam_period_ns = mirror_beam_period_ns(&l->body.mirror),
 			       .azimuth_rad = azimuth,
+			       .theta_rad = theta,
 			       .range_m = range },
 		l->setup.truth_data);
 }
@@ -255,7 +402,8 @@ void lidar_run(lidar *l, int64_t now_ns)
 
 bool lidar_prepare(lidar *l, int64_t now_ns, uint32_t beams)
 {
-	if (lidar_next_ns(l) == INT64_MAX || !l->protocol->wants(l->self, l->next))
+	if (l->fan->theta_rad || lidar_next_ns(l) == INT64_MAX ||
+		!l->protocol->wants(l->self, l->next))
 		return false;
 	double passed = (double)(now_ns - mirror_first_ns(&l->body.mirror, l->next));
 	double swept = CLAMP(passed / mirror_beam_period_ns(&l->body.mirror), 0, l->fan->beams);

@@ -5,7 +5,8 @@
  * lidar_protocol, one file each.
  *
  * A protocol speaks of time in its own clock and of revolutions by number; it is asked once per
- * revolution, at the instant of the last beam, whether it sends it. */
+ * revolution, at the instant of the last beam, whether it sends it. Lidars on a serial line measure
+ * at their own beat, all round, and send a few measurements at a time. */
 #include "sim/beam.h"
 #include "sim/cable.h"
 #include "sim/clock.h"
@@ -22,6 +23,11 @@ struct lidar_body {
 	struct device_clock clock;
 	struct mirror mirror;
 	uint32_t revolution_at_power_on;
+	/* Of serial lidars, which send portions of a turn and count those as revolutions. The encoder
+	 * goes clockwise from straight ahead. */
+	double turn_ns;        /* true time of a turn, on average */
+	double *encoder_turns; /* of each beam of the portion, whole turns too */
+	double *turned_rad;    /* of each, back against it */
 	double reboot_s; /* set by the protocol to go away for so long, once its answer is out */
 };
 
@@ -41,6 +47,10 @@ struct lidar_protocol {
 		gpointer self, uint32_t revolution);  /* measured, but lost before it was sent */
 	void (*fail)(gpointer self, int64_t now_ns);  /* the hardware breaks */
 	void (*jump)(gpointer self, uint32_t counts); /* the scan counter goes wrong */
+	/* Of serial lidars, which may be NULL: */
+	void (*set_dtr)(gpointer self, int64_t now_ns, bool asserted);
+	/* How far a beam that reads this range is turned back against the encoder. */
+	double (*turned_rad)(gpointer self, double range_m);
 };
 
 struct lidar_setup {
@@ -62,6 +72,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(lidar, lidar_free)
 
 void lidar_open(lidar *l, int64_t now_ns);
 void lidar_close(lidar *l);
+void lidar_set_line(lidar *l, int64_t now_ns, const struct link_line *line);
 void lidar_write(lidar *l, int64_t now_ns, const guint8 *bytes, gsize length);
 
 /* When the next revolution ends that somebody waits for, or INT64_MAX; lidar_run() then measures

@@ -17,7 +17,7 @@
  * cost nothing, and the same seed gives the same scan to the byte. */
 #include <stdint.h>
 
-#define LINK_VERSION     1u
+#define LINK_VERSION     2u
 #define LINK_PAYLOAD_MAX (64u << 20)
 
 struct link_header {
@@ -52,6 +52,8 @@ enum link_kind {
 				 present rate */
 	LINK_STAGE_STOP,      /* no payload; ramps down */
 	LINK_CAMERA_CONTROLS, /* struct link_camera_controls; in force from the next exposure */
+	LINK_LIDAR_LINE,   /* struct link_line: how the lidar's serial line is set from now on; one that
+			    * has none (USB) does not care */
 	LINK_CAMERA_QUEUE, /* no payload: lends one buffer; the next exposure that starts fills it.
 			    * Exposures with no buffer are dropped and counted in the sequence, as
 			    * V4L2 does. */
@@ -64,7 +66,12 @@ enum link_kind {
 struct link_hello {
 	uint32_t version;        /* LINK_VERSION */
 	uint32_t real_time;      /* 1: host_ns is CLOCK_MONOTONIC and LINK_WAIT is not used */
-	char lidar_protocol[16]; /* "scip" or "cola", as the port's name would tell */
+	char lidar_protocol[16]; /* "scip", "cola", "ld" or "rplidar", as the port's name would tell */
+};
+
+struct link_line {
+	uint32_t baud;
+	uint32_t dtr; /* 1: asserted */
 };
 
 /* The stage's own clock is a free-running 32-bit counter of microseconds. */

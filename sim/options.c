@@ -58,12 +58,23 @@ static bool parse_speed(const struct option_row *row, const char *text, void *re
 
 static bool parse_lidar(const struct option_row *row, const char *text, void *ret_value)
 {
-	static const char *const names[] = { "scip", "cola", "none" };
+	const struct lidar_make *make = lidar_make_find(text);
 
 	(void)row;
-	for (int i = 0; i < 3; i++)
+	if (make)
+		*(const struct lidar_make **)ret_value = make;
+	return make;
+}
+
+static bool parse_format(const struct option_row *row, const char *text, void *ret_value)
+{
+	static const char *const names[] = { "make", "standard", "express", "ultra", "dense",
+		"ultra-dense", "hq" };
+
+	(void)row;
+	for (gsize i = 1; i < G_N_ELEMENTS(names); i++)
 		if (strcmp(text, names[i]) == 0) {
-			*(enum sim_lidar *)ret_value = (enum sim_lidar)i;
+			*(enum sim_format *)ret_value = (enum sim_format)i;
 			return true;
 		}
 	return false;
@@ -113,14 +124,25 @@ static const struct option_row rows[] = {
 		"street: the houses of a row, and what stands before them, are the same (0)" },
 	{ "speed", parse_speed, AT(speed), 0.01, 1000, "max or a number from 0.01 to 1000",
 		"times real time, or as fast as possible (max)" },
-	{ "lidar", parse_lidar, AT(lidar), 0, 0, "scip, cola or none", "its protocol (scip)" },
+	{ "lidar", parse_lidar, AT(lidar), 0, 0, LIDAR_MAKES, "its make (scip)" },
+	{ "format", parse_format, AT(format), 0, 0,
+		"standard, express, ultra, dense, ultra-dense or hq",
+		"in which an RPLIDAR measures (as its make)" },
+	{ "health", parse_whole, AT(health), 0, 2, NULL,
+		"of an RPLIDAR: 0 well, 1 a warning, 2 broken (0)" },
+	{ "stuck", parse_flag, AT(stuck), 0, 0, "0 or 1",
+		"the mirror of an ld or RPLIDAR does not turn (0)" },
+	{ "baud", parse_whole, AT(baud), 0, 4000000, NULL,
+		"of the line of an ld or RPLIDAR; 0 as its make (0)" },
 	{ "ares", parse_ares, AT(ares), 80, 13328, "a multiple of 8 from 80 to 13328",
 		"steps per turn of a SCIP lidar (3168)" },
 	{ "beams", parse_beams, AT(beams), 271, 811, "271, 541 or 811",
 		"beams over the 270 degrees of a CoLa lidar (811)" },
 	{ "rate_hz", parse_number, AT(rate_hz), 1, 200, NULL,
-		"turns of the mirror (scip 40, cola 15)" },
-	{ "limit_m", parse_number, AT(limit_m), 1, 200, NULL, "longest range (scip 200, cola 65)" },
+		"turns of the mirror (scip 40, cola 15, ld06, ld19, stl27l and RPLIDARs 10, "
+		"rplidar-a1 5.5)" },
+	{ "limit_m", parse_number, AT(limit_m), 1, 200, NULL,
+		"longest range (scip 200, cola 65, others as their make)" },
 	{ "noise_mm", parse_number, AT(noise_mm), 0, 1000, NULL, "1 sigma of a range (12)" },
 	{ "divergence_mrad", parse_number, AT(divergence_mrad), 0, 20, NULL,
 		"full angle of the beam; 0 gives no mixed pixels (0.5)" },
@@ -201,6 +223,7 @@ static sim_options *options_new(const char *scene)
 	*o = (sim_options){ .scene = g_strdup(scene),
 		.seed = 1,
 		.station = 1,
+		.lidar = lidar_make_find("scip"),
 		.ares = 3168,
 		.beams = 811,
 		.rate_hz = NAN,
@@ -226,12 +249,26 @@ static sim_options *options_new(const char *scene)
 	return o;
 }
 
+/* A serial lidar measures no faster than its line carries. */
+static void fill_serial(sim_options *o)
+{
+	const struct lidar_make *make = o->lidar;
+
+	if (o->baud == 0)
+		o->baud = make->baud;
+	if (o->format == SIM_AS_MADE)
+		o->format = make->format;
+	lidar_make_portion(make, o->format, (uint32_t)o->baud, &o->sample_us, &o->portion);
+}
+
 static void fill_what_depends(sim_options *o)
 {
 	if (isnan(o->rate_hz))
-		o->rate_hz = o->lidar == SIM_LIDAR_COLA ? 15 : 40;
+		o->rate_hz = o->lidar->rate_hz;
 	if (isnan(o->limit_m))
-		o->limit_m = o->lidar == SIM_LIDAR_COLA ? 65 : 200;
+		o->limit_m = o->lidar->limit_m;
+	if (o->lidar->baud)
+		fill_serial(o);
 }
 
 static bool check_scene(const char *scene, GError **error)

@@ -3,12 +3,11 @@
 /* What a device URI says about a simulated head after "sim:", as in court?seed=7&lidar=cola. Each
  * key is a row of a table in options.c, which holds its range and its sentence in the manual;
  * options_help() prints it. */
+#include "sim/lidar-make.h"
 #include "sim/world.h"
 #include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
-
-enum sim_lidar { SIM_LIDAR_SCIP, SIM_LIDAR_COLA, SIM_LIDAR_NONE };
 
 /* Numbers that stay NAN, and clocks that stay UINT64_MAX, were not given and come from the seed. */
 typedef struct sim_options {
@@ -19,9 +18,15 @@ typedef struct sim_options {
 	bool symmetric, repeated;
 	double speed; /* 0: as fast as possible; else times real time */
 
-	enum sim_lidar lidar;
-	uint64_t ares;  /* steps per turn of a SCIP lidar, a multiple of 8 */
-	uint64_t beams; /* of a CoLa lidar: 271, 541 or 811 over 270 degrees */
+	const struct lidar_make *lidar;
+	uint64_t ares;          /* steps per turn of a SCIP lidar, a multiple of 8 */
+	uint64_t beams;         /* of a CoLa lidar: 271, 541 or 811 over 270 degrees */
+	enum sim_format format; /* of an RPLIDAR's measurements */
+	uint64_t health;        /* of an RPLIDAR: 0 well, 1 warning, 2 broken for good */
+	bool stuck;             /* the mirror of a serial lidar does not turn */
+	uint64_t baud;          /* of its line; 0: as its make has it */
+	double sample_us;       /* of a serial lidar: from one measurement to the next */
+	uint32_t portion;       /* measurements that it sends together; 0: a whole sweep */
 	double rate_hz;
 	double limit_m;
 	double noise_mm;

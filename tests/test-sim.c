@@ -33,7 +33,7 @@ static void test_options(void)
 		{ "hall?seed", "sim:hall: seed needs a value" },
 		{ "hall?speed=fast",
 			"sim:hall: speed=fast is not max or a number from 0.01 to 1000" },
-		{ "hall?lidar=sick", "sim:hall: lidar=sick is not scip, cola or none" },
+		{ "hall?lidar=sick", "sim:hall: lidar=sick is not " LIDAR_MAKES },
 		{ "hall?ares=100", "sim:hall: ares=100 is not a multiple of 8 from 80 to 13328" },
 		{ "hall?beams=300", "sim:hall: beams=300 is not 271, 541 or 811" },
 		{ "hall?camera=640",
