@@ -1,6 +1,7 @@
 #include "acquire/decoder.h"
 
-static const struct decoder_ops *const protocols[] = { &decoder_scip, &decoder_cola };
+static const struct decoder_ops *const protocols[] = { &decoder_scip, &decoder_cola, &decoder_ld,
+	&decoder_rplidar };
 
 decoder *decoder_new(const char *protocol, const struct decoder_sink *sink)
 {

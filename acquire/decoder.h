@@ -17,11 +17,11 @@ typedef struct decoder decoder;
 struct lidar_reply {
 	int64_t arrival_ns;  /* of its last byte */
 	const char *command; /* SCIP: the echoed line without its string ("PP", "TM1"); CoLa: type
-				and name ("sRA DeviceIdent") */
+				and name ("sRA DeviceIdent"); RPLIDAR the kind of answer ("info") */
 	const char *status;  /* SCIP: two characters ("00", "0E"); CoLa: "" or, for sFA, the error
 				number in hex */
 	const char *text;    /* what followed: SCIP lines without their sums, joined by '\n'; CoLa
-				values, space-separated */
+				values, space-separated; RPLIDAR the bytes in hex */
 };
 
 /* What a device told of itself; empty strings and zeros until it has. */
@@ -49,14 +49,14 @@ struct decoder_sink {
 
 /* One row per protocol. */
 struct decoder_ops {
-	const char *protocol; /* "scip", "cola" */
+	const char *protocol; /* "scip", "cola", "ld", "rplidar" */
 	decoder *(*create)(void);
 	/* bytes may end anywhere; arrival_ns is when the last of them came. Gives out all that
 	 * became whole. */
 	void (*feed)(decoder *d, const void *bytes, size_t length, int64_t arrival_ns);
 	void (*destroy)(decoder *d);
 };
-extern const struct decoder_ops decoder_scip, decoder_cola;
+extern const struct decoder_ops decoder_scip, decoder_cola, decoder_ld, decoder_rplidar;
 
 /* The head of every decoder; the protocol's own fields follow it. */
 struct decoder {

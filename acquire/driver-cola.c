@@ -1,6 +1,7 @@
 /* SICK TiM in CoLa-A (DEVICES 2.1): the dialogue. */
 #include "acquire/cola.h"
 #include "acquire/driver.h"
+#include "acquire/line.h"
 #include "acquire/pump.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,9 +72,8 @@ static bool wake(struct pump *p, GError **error)
 			return false;
 		}
 	}
-	g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER,
-		"the lidar is silent: is it a SICK TiM set to CoLa-A, and does it have power?");
-	return false;
+	return line_complain(p,
+		"the lidar is silent: is it a SICK TiM set to CoLa-A, and does it have power?", error);
 }
 
 /* TiM3xx from firmware 2.50 on detect fields only: they send no ranges (DEVICES 2.1.5). */

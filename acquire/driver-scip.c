@@ -1,5 +1,6 @@
 /* Hokuyo SCIP 2.0 (DEVICES 2.2): the dialogue. */
 #include "acquire/driver.h"
+#include "acquire/line.h"
 #include "acquire/pump.h"
 #include "acquire/scip.h"
 #include <math.h>
@@ -51,9 +52,8 @@ static bool wake(struct pump *p, GError **error)
 			return false;
 		}
 	}
-	g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER,
-		"the lidar is silent: is it a Hokuyo (SCIP) device, and does it have power?");
-	return false;
+	return line_complain(p,
+		"the lidar is silent: is it a Hokuyo (SCIP) device, and does it have power?", error);
 }
 
 /* The state in the device's own words, NULL when it is well. */

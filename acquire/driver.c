@@ -1,7 +1,8 @@
 #include "acquire/driver.h"
 #include <string.h>
 
-static const struct driver *const drivers[] = { &driver_scip, &driver_cola };
+static const struct driver *const drivers[] = { &driver_scip, &driver_cola, &driver_ld,
+	&driver_rplidar };
 
 const struct driver *driver_find(const char *protocol)
 {

@@ -26,7 +26,7 @@ struct driver {
 	/* If the bytes that were sent ask for the clock. May be NULL with clock_reply. */
 	bool (*asks_clock)(const void *bytes, size_t length);
 };
-extern const struct driver driver_scip, driver_cola;
+extern const struct driver driver_scip, driver_cola, driver_ld, driver_rplidar;
 
 /* NULL when there is none. */
 const struct driver *driver_find(const char *protocol);

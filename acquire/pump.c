@@ -63,6 +63,7 @@ bool pump_open_lidar(struct pump *p, GError **error)
 	if (!wire_open(p->head->lidar, &gone))
 		return lidar_is_gone(p, gone, error);
 	p->lidar_open = true;
+	p->heard = (struct sniff){ 0 };
 	p->last_bytes_ns = head_now_ns(p->head);
 	return feed(p, RECORD_LIDAR_OPENED, head_now_ns(p->head), NULL, 0, error);
 }
@@ -83,6 +84,7 @@ static bool take_lidar(struct pump *p, GError **error)
 	while (p->lidar_open &&
 		(n = wire_read(p->head->lidar, bytes, sizeof bytes, &arrival_ns, &gone)) > 0) {
 		p->last_bytes_ns = arrival_ns;
+		sniff_feed(&p->heard, bytes, (size_t)n);
 		if (!feed(p, RECORD_LIDAR_IN, arrival_ns, bytes, n, error))
 			return false;
 	}

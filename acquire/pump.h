@@ -3,6 +3,7 @@
 /* The pump moves what a head's devices say into the stream, and sleeps in between. Dialogue with
  * the lidar runs on it: a command is sent, the pump turns until the answer has come; stage and
  * camera are served meanwhile. One owner, one thread. */
+#include "acquire/sniff.h"
 #include "acquire/stream.h"
 #include "firmware-io/head.h"
 
@@ -28,6 +29,7 @@ struct pump {
 	/* The pump's own. */
 	bool lidar_open, camera_gone, stage_stopped, stage_fault;
 	int64_t last_bytes_ns; /* when the lidar last said something */
+	struct sniff heard;    /* the lidar's last bytes, since it was opened or its line was set */
 	GQueue replies;        /* of struct pump_reply, oldest first; bounded */
 };
 

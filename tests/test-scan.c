@@ -20,6 +20,8 @@ struct beams {
 	GArray *rows; /* of GArray of struct beam, by row of the panorama */
 	struct panorama_desc desc;
 	double column_rad, row_rad;
+	double row_slack; /* of a device that rounds its angles: near an edge a beam may have come into
+			     the row beside */
 };
 
 static void beams_init(struct beams *b, const struct preset *preset)
@@ -51,22 +53,28 @@ static bool is_even(const struct sim_truth_revolution *r, uint32_t i)
 	return r->range_m[i] > 0 && fabs(bend) < 0.01 + 0.002 * r->range_m[i];
 }
 
-/* The simulated sweep is 270 degrees, the first beam 45 degrees below the horizon in front, the
- * last behind. */
+static void keep_in_row(struct beams *b, double row, const struct beam *beam)
+{
+	if (row >= 0 && row < b->desc.rows)
+		g_array_append_vals(g_array_index(b->rows, GArray *, (int)row), beam, 1);
+}
+
+/* In front of the zenith and the nadir, or behind. */
 static void keep_truth(const struct sim_truth_revolution *r, gpointer user_data)
 {
 	struct beams *b = user_data;
 	for (uint32_t i = 0; i < r->beams; i++) {
-		double theta = (-45 + 270.0 * i / (r->beams - 1)) * DEGREE;
-		bool front = theta <= 90 * DEGREE;
+		double theta = remainder(r->theta_rad[i], 2 * G_PI);
+		bool front = fabs(theta) <= 90 * DEGREE;
 		struct beam beam = { .azimuth_rad =
 					     fmod(r->azimuth_rad[i] + (front ? 0 : G_PI), 2 * G_PI),
-			.elevation_rad = (float)(front ? theta : G_PI - theta),
+			.elevation_rad = (float)(front ? theta : remainder(G_PI - theta, 2 * G_PI)),
 			.range_m = (float)r->range_m[i],
 			.even = is_even(r, i) };
-		double row = floor((b->desc.elevation_max_rad - beam.elevation_rad) / b->row_rad);
-		if (row >= 0 && row < b->desc.rows)
-			g_array_append_val(g_array_index(b->rows, GArray *, (int)row), beam);
+		double row = (b->desc.elevation_max_rad - (double)beam.elevation_rad) / b->row_rad;
+		keep_in_row(b, floor(row - b->row_slack), &beam);
+		if (floor(row + b->row_slack) > floor(row - b->row_slack))
+			keep_in_row(b, floor(row + b->row_slack), &beam);
 	}
 }
 
@@ -278,7 +286,8 @@ static struct comparison compare(const panorama *p, const struct beams *b)
 static const struct round_trip {
 	const char *path, *description, *preset;
 	double noise_mm;
-	uint32_t beams; /* that most cells are the mean of */
+	uint32_t beams;   /* that most cells are the mean of; 0: of very many */
+	double unmatched; /* at most so many, where a beam's angle depends on its rounded range */
 } round_trips[] = {
 	{ "/scan/round-trip/court-fast-clock",
 		"court?seed=11&station=2&camera=none&drift_ppm=200&ares=1584", "standard", 12, 1 },
@@ -295,6 +304,22 @@ static const struct round_trip {
 		"draft", 12, 1 },
 	{ "/scan/round-trip/two-beams-a-cell", "street?seed=6&camera=none", "standard", 12, 2 },
 	{ "/scan/round-trip/four-beams-a-cell", "court?seed=12&camera=none", "draft", 12, 4 },
+	{ "/scan/round-trip/ld06", "court?seed=11&camera=none&lidar=ld06&drift_ppm=60", "draft", 12,
+		1 },
+	{ "/scan/round-trip/stl27l", "hall?seed=4&camera=none&lidar=stl27l", "draft", 12, 0 },
+	{ "/scan/round-trip/rplidar-standard",
+		"hall?seed=4&camera=none&lidar=rplidar-a1&format=standard&rate_hz=5", "draft", 12,
+		1 },
+	{ "/scan/round-trip/rplidar-express", "hall?seed=4&camera=none&lidar=rplidar-a2", "draft",
+		12, 1 },
+	{ "/scan/round-trip/rplidar-ultra", "hall?seed=4&camera=none&lidar=rplidar-a3", "draft", 12,
+		0, 0.001 },
+	{ "/scan/round-trip/rplidar-dense", "court?seed=11&camera=none&lidar=rplidar-s2", "draft",
+		12, 0 },
+	{ "/scan/round-trip/rplidar-ultra-dense", "hall?seed=4&camera=none&lidar=rplidar-s3",
+		"draft", 12, 0 },
+	{ "/scan/round-trip/rplidar-hq", "hall?seed=4&camera=none&lidar=rplidar-s2&format=hq",
+		"draft", 12, 0 },
 	{ "/scan/round-trip/jitter", "hall?seed=4&camera=none&jitter_ms=3&drift_ppm=150&ares=792",
 		"draft", 12, 1 },
 };
@@ -310,6 +335,11 @@ static void test_round_trip(gconstpointer data)
 			*path = g_build_filename(folder, "site", NULL);
 	struct scan_options options = { .preset = preset_find(t->preset) };
 	beams_init(&beams, options.preset);
+	beams.row_slack = strstr(t->description, "lidar=ld") ||
+					  strstr(t->description, "lidar=stl") ||
+					  strstr(t->description, "lidar=rplidar")
+				  ? 0.05
+				  : 0;
 	bool good = simulated_scan(
 		path, t->description, &options, keep_truth, &beams, &result, &partial, &error);
 	g_assert_no_error(error);
@@ -326,12 +356,12 @@ static void test_round_trip(gconstpointer data)
 	g_assert_cmpuint(result.report.lost_revolutions, ==, 0);
 	g_assert_cmpuint(c.measured, >, 1000);
 	/* No cell is called measured without a beam there. */
-	g_assert_cmpuint(c.unmatched, ==, 0);
+	g_assert_cmpfloat((double)c.unmatched, <=, t->unmatched * (double)c.measured);
 	g_assert_cmpfloat(c.azimuth_worst_columns, <=, 0.1);
 	g_assert_cmpfloat(fabs(c.azimuth_bias_columns), <=, 0.015);
 	g_assert_cmpfloat(fabs(c.bias_mm), <=, 1.0);
 	/* Means are that much better. */
-	for (uint32_t k = 1; k <= CHOOSE_MAX; k++) {
+	for (uint32_t k = 1; k <= CHOOSE_MAX && t->beams; k++) {
 		g_assert_cmpuint(c.of_beams[k], <=, c.of_beams[t->beams]);
 		if (c.of_beams[k] < 12000)
 			continue;
@@ -340,7 +370,8 @@ static void test_round_trip(gconstpointer data)
 		g_assert_cmpfloat(
 			fabs(c.sigma_mm[k] * sqrt(k) / t->noise_mm - 1), <, k == 1 ? 0.05 : 0.10);
 	}
-	g_assert_cmpuint(c.of_beams[t->beams], >, 12000);
+	if (t->beams)
+		g_assert_cmpuint(c.of_beams[t->beams], >, 12000);
 	beams_clear(&beams);
 }
 
