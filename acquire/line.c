@@ -2,6 +2,8 @@
 #include "acquire/driver.h"
 #include "firmware-io/wire.h"
 
+#define LISTEN_NS INT64_C(300000000)
+
 struct evidence {
 	bool bytes; /* some came */
 	uint64_t framing_errors;
@@ -23,8 +25,9 @@ static bool complain_of_foreign(
 				     ? "set it to CoLa-A with SICK's SOPAS, then open it as"
 				     : "open it as";
 	g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER,
-		"another lidar is connected there than '%s:' is for: %s%s; %s %s",
-		p->driver->protocol, sniff_name(what), where, advice, sniff_scheme(what));
+		"another lidar is connected there than '%s' is for: %s%s; %s %s",
+		sniff_scheme(sniff_of_protocol(p->driver->protocol)), sniff_name(what), where,
+		advice, sniff_scheme(what));
 	return false;
 }
 
@@ -89,6 +92,26 @@ static void look_at(struct pump *p, uint32_t baud, uint64_t framing_before, stru
 	}
 }
 
+/* Others' lidars speak at speeds of their own: to say which it is, listen at those too. */
+static bool listen_elsewhere(
+	struct pump *p, const struct line_search *search, struct evidence *e, GError **error)
+{
+	static const uint32_t speeds_baud[] = { 115200, 230400, 256000, 460800, 921600, 1000000 };
+	for (size_t i = 0; i < G_N_ELEMENTS(speeds_baud) && !e->foreign; i++) {
+		struct wire_line line = { .baud = speeds_baud[i], .dtr = search->dtr };
+		const uint32_t *tried = search->speeds_baud;
+		while (*tried && *tried != line.baud)
+			tried++;
+		if (*tried)
+			continue;
+		p->heard = (struct sniff){ 0 };
+		if (!wire_set_line(p->head->lidar, &line, error) || !pump_for(p, LISTEN_NS, error))
+			return false;
+		look_at(p, line.baud, wire_count(p->head->lidar).framing_errors, e);
+	}
+	return true;
+}
+
 bool line_find(struct pump *p, const struct line_search *search, GError **error)
 {
 	struct evidence e = { 0 };
@@ -105,5 +128,7 @@ bool line_find(struct pump *p, const struct line_search *search, GError **error)
 			return true;
 		look_at(p, *baud, framing_before, &e);
 	}
+	if (e.bytes && !e.foreign && !listen_elsewhere(p, search, &e, error))
+		return false;
 	return complain(p, search, &e, error);
 }

@@ -187,7 +187,7 @@ static void give_capsule(struct rplidar *d, const uint8_t *next, uint32_t span_q
 		&(struct turn_samples){ s->clockwise_rad, s->range_mm,
 			s->has_intensity ? s->intensity : NULL, count, marked,
 			d->now.length * d->byte_ns, next ? count : 0 },
-		d->arrival_ns);
+		next ? d->arrival_ns : d->before_arrival_ns);
 }
 
 /* A capsule can be read once the next one is there. Where some are missing in between, the span of

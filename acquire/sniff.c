@@ -41,15 +41,22 @@ static bool has_nodes(const uint8_t *at, const uint8_t *end)
 	return nodes == NODES_MIN;
 }
 
+/* The sum of one has but eight bits. */
+static bool has_two_frames(enum rplidar_format format, const uint8_t *at, const uint8_t *end)
+{
+	size_t bytes = rplidar_frame_bytes(format);
+	return (size_t)(end - at) >= 2 * bytes && rplidar_is_frame(format, at) &&
+	       rplidar_is_frame(format, at + bytes) && rplidar_has_content(format, at);
+}
+
 static bool has_rplidar(const uint8_t *at, const uint8_t *end)
 {
 	for (; end - at >= RPLIDAR_DESCRIPTOR_BYTES; at++) {
 		struct rplidar_descriptor d;
 		if (rplidar_is_descriptor(at, &d) || has_nodes(at, end))
 			return true;
-		for (enum rplidar_format f = RPLIDAR_EXPRESS; f < RPLIDAR_FORMATS; f++)
-			if ((size_t)(end - at) >= rplidar_frame_bytes(f) &&
-				rplidar_is_frame(f, at) && rplidar_has_content(f, at))
+		for (int f = RPLIDAR_EXPRESS; f < RPLIDAR_FORMATS; f++)
+			if (has_two_frames((enum rplidar_format)f, at, end))
 				return true;
 	}
 	return false;
