@@ -1,4 +1,5 @@
 #include "acquire/bench-acquire.h"
+#include "acquire/bench-decoders.h"
 #include "acquire/cli.h"
 #include "acquire/driver.h"
 #include "acquire/run.h"
@@ -13,7 +14,7 @@ struct figures {
 	double wall_s, cpu_s, peak_mib;
 	struct stream_report report;
 	uint64_t bytes;
-	double decode_mb_s;
+	double decode_mb_s[16]; /* of bench_decoders */
 };
 
 static double cpu_seconds(void)
@@ -86,34 +87,6 @@ static bool measure_recording(
 	return record_close(g_steal_pointer(&record), error);
 }
 
-static void count_line(const struct scanline *line, gpointer user_data)
-{
-	*(uint64_t *)user_data += line->beams;
-}
-
-/* The lidar's bytes of the record through a decoder, again and again for half a second. */
-static bool measure_decoding(const char *path, struct figures *f, GError **error)
-{
-	g_autoptr(GByteArray) bytes = g_byte_array_new();
-	g_autoptr(record_reader) reader = record_open(path, error);
-	struct record_entry e;
-	if (!reader)
-		return false;
-	while (record_next(reader, &e, error) == RECORD_ENTRY)
-		if (e.kind == RECORD_LIDAR_IN)
-			g_byte_array_append(bytes, e.payload, e.length);
-	double start = cpu_seconds(), spent = 0;
-	uint64_t fed = 0, beams = 0;
-	for (struct decoder_sink sink = { .scanline = count_line, .user_data = &beams };
-		spent < 0.5 && bytes->len; spent = cpu_seconds() - start) {
-		g_autoptr(decoder) d = decoder_new("scip", &sink);
-		decoder_feed(d, bytes->data, bytes->len, 0);
-		fed += bytes->len;
-	}
-	f->decode_mb_s = spent > 0 ? (double)fed * 1e-6 / spent : 0;
-	return true;
-}
-
 static void print(const struct bench_acquire_options *o, const struct figures *f)
 {
 	double core = 100 * f->cpu_s / f->wall_s;
@@ -127,8 +100,10 @@ static void print(const struct bench_acquire_options *o, const struct figures *f
 		printf("  %-28s %10.2f %%    (reach: <= 10)\n", "of one core", core);
 		printf("  %-28s %10.1f MiB  (reach: <= 64)\n", "peak resident memory", f->peak_mib);
 		printf("  %-28s %10.2f MB/s\n", "written", (double)f->bytes * 1e-6 / f->wall_s);
-		printf("  %-28s %10.0f MB/s (reach: >= 200)\n", "SCIP decoder, one core",
-			f->decode_mb_s);
+		printf("decoders, one core each\n");
+		for (size_t i = 0; bench_decoders[i].key; i++)
+			printf("  %-28s %10.0f MB/s (reach: >= 200)\n", bench_decoders[i].title,
+				f->decode_mb_s[i]);
 		return;
 	}
 	JsonObject *j = json_object_new();
@@ -138,7 +113,10 @@ static void print(const struct bench_acquire_options *o, const struct figures *f
 	json_object_set_int_member(j, "revolutions_lost", (int64_t)f->report.lost_revolutions);
 	json_object_set_double_member(j, "core_percent", core);
 	json_object_set_double_member(j, "peak_mib", f->peak_mib);
-	json_object_set_double_member(j, "decode_mb_s", f->decode_mb_s);
+	JsonObject *decoders = json_object_new();
+	for (size_t i = 0; bench_decoders[i].key; i++)
+		json_object_set_double_member(decoders, bench_decoders[i].key, f->decode_mb_s[i]);
+	json_object_set_object_member(j, "decode_mb_s", decoders);
 	cli_print_json(j);
 }
 
@@ -149,7 +127,9 @@ bool bench_acquire(const struct bench_acquire_options *o, GError **error)
 	if (!folder)
 		return false;
 	g_autofree char *path = g_build_filename(folder, "raw.rec", NULL);
-	bool good = measure_recording(o, path, &f, error) && measure_decoding(path, &f, error);
+	bool good = measure_recording(o, path, &f, error);
+	for (size_t i = 0; good && bench_decoders[i].key; i++)
+		good = bench_decoder_measure(&bench_decoders[i], &f.decode_mb_s[i], error);
 	unlink(path);
 	rmdir(folder);
 	if (good)

@@ -12,8 +12,8 @@ struct bench_acquire_options {
 };
 
 /* Streams a simulated SCIP lidar at 40 Hz in real time through the pump into a record, as a scan
- * does, and prints the share of a core, the peak of memory and the losses; then how fast the record
- * is decoded. */
+ * does, and prints the share of a core, the peak of memory and the losses; then how fast each
+ * lidar's bytes are decoded. */
 bool bench_acquire(const struct bench_acquire_options *options, GError **error);
 
 #endif

@@ -73,7 +73,8 @@ static bool wake(struct pump *p, GError **error)
 		}
 	}
 	return line_complain(p,
-		"the lidar is silent: is it a SICK TiM set to CoLa-A, and does it have power?", error);
+		"the lidar is silent: is it a SICK TiM set to CoLa-A, and does it have power?",
+		error);
 }
 
 /* TiM3xx from firmware 2.50 on detect fields only: they send no ranges (DEVICES 2.1.5). */
@@ -123,12 +124,23 @@ static bool prepare(struct pump *p, GError **error)
 	       order_if_known(p, "sRN LMPscancfg", error) && order(p, "sRN LMPoutputRange", error);
 }
 
-/* Sixteen-bit intensities where the device lets itself be configured. */
+/* Intensities of sixteen bits, or of eight, where the device lets itself be configured. */
+static bool configure_output(struct pump *p, GError **error)
+{
+	g_autoptr(GError) refused = NULL;
+	if (order(p, "sWN LMDscandatacfg 01 00 1 1 0 00 00 0 0 0 0 +1", &refused))
+		return true;
+	if (g_error_matches(refused, PUMP_ERROR, PUMP_ERROR_REFUSED))
+		return order_if_known(p, "sWN LMDscandatacfg 01 00 1 0 0 00 00 0 0 0 0 +1", error);
+	g_propagate_error(error, g_steal_pointer(&refused));
+	return false;
+}
+
 static bool start(struct pump *p, GError **error)
 {
 	return order_if_known(p, "sMN SetAccessMode 3 F4724744", error) &&
-	       order_if_known(p, "sWN LMDscandatacfg 01 00 1 1 0 00 00 0 0 0 0 +1", error) &&
-	       order_if_known(p, "sMN Run", error) && order(p, "sEN LMDscandata 1", error);
+	       configure_output(p, error) && order_if_known(p, "sMN Run", error) &&
+	       order(p, "sEN LMDscandata 1", error);
 }
 
 static bool stop(struct pump *p, GError **error)

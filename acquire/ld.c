@@ -117,30 +117,32 @@ static double stamps_apart_ms(const struct ld *d, uint32_t stamp_ms, int64_t arr
 }
 
 /* Packets follow each other without a gap in their angles. Where there is one, it tells how many
- * measurements are missing, but for whole turns, which the stamps tell. */
+ * measurements are missing, more or fewer than whole turns, which the stamps tell. */
 static bool skip_gap(struct ld *d, const uint8_t *p, int64_t arrival_ns)
 {
-	double step_e2 = d->step_e2x11 / 11.0;
-	if (!d->follows || step_e2 < 1)
+	double step_e2 =
+		d->turn.last_whole ? (double)TURN_E2 / d->turn.last_whole : d->step_e2x11 / 11.0;
+	if (!d->follows || d->step_e2x11 < 11)
 		return false;
-	double gap_e2 = (u16(p + START_AT) + 2 * TURN_E2 - d->end_e2) % TURN_E2;
-	/* A little backwards is no whole turn. */
-	gap_e2 -= gap_e2 > TURN_E2 - LD_SAMPLES / 2 * step_e2 ? TURN_E2 : 0;
-	double packets = fmax(round((gap_e2 - step_e2) / (LD_SAMPLES * step_e2)), 0);
+	double gap_e2 = remainder((double)u16(p + START_AT) - d->end_e2, TURN_E2),
+	       missing = round(gap_e2 / step_e2) - 1;
 	if (d->turn.sample_ns <= 0 || !d->turn.last_whole) {
-		if (packets > 0)
+		if (fabs(missing) > LD_SAMPLES / 2)
 			turn_begin_epoch(&d->turn, &d->base);
-		return packets > 0;
+		return fabs(missing) > LD_SAMPLES / 2;
 	}
-	double beat_ms = d->turn.sample_ns * 1e-6, turn_ms = d->turn.last_whole * beat_ms,
+	double beat_ms = d->turn.sample_ns * 1e-6, beams = d->turn.last_whole,
 	       apart_ms = stamps_apart_ms(d, u16(p + STAMP_AT), arrival_ns),
-	       turns = fmax(round((apart_ms - (packets + 1) * LD_SAMPLES * beat_ms) / turn_ms), 0);
-	if (turns + packets * LD_SAMPLES * step_e2 / TURN_E2 > TURNS_MISSING_MAX)
+	       turns = round((apart_ms / beat_ms - LD_SAMPLES - missing) / beams);
+	/* Packets are lost as a whole. */
+	missing = LD_SAMPLES * round((missing + beams * fmax(turns, 0)) / LD_SAMPLES);
+	if (missing < LD_SAMPLES)
+		return false;
+	if (missing > TURNS_MISSING_MAX * beams)
 		turn_begin_epoch(&d->turn, &d->base);
-	else if (turns + packets > 0)
-		turn_skip(&d->turn, &d->base,
-			(uint64_t)(packets * LD_SAMPLES + turns * d->turn.last_whole));
-	return turns + packets > 0;
+	else
+		turn_skip(&d->turn, &d->base, (uint64_t)missing);
+	return true;
 }
 
 static double transmission_ns(const struct ld *d)

@@ -10,7 +10,7 @@
 /* Silence by so much of a turn, beyond what it should be, leaves open how many turns are missing. */
 #define TURNS_OF_DOUBT 0.6
 /* Standard nodes have angles that are turned by their distance. */
-#define NODES_APART_DEG 10
+#define NODES_APART_DEG 15
 #define STAMPS_TO_TRUST 8
 #define NODES_AT_ONCE   RPLIDAR_SAMPLES_MAX
 
@@ -291,7 +291,6 @@ static void bridge_nodes(struct rplidar *d, float clockwise_rad)
 	double step = 2 * G_PI / MAX(d->turn.last_whole, 1);
 	float apart = apart_rad(d->last_clockwise_rad, clockwise_rad);
 	bool broken = d->broken || leaps(apart);
-	d->broken = false;
 	if (is_in_doubt(d, silent_ns) || (broken && !d->turn.last_whole))
 		turn_begin_epoch(&d->turn, &d->base);
 	else if (broken && (double)apart > 1.5 * step)
@@ -303,6 +302,24 @@ static float node_angle(const uint8_t *b)
 	return (float)(u16(b + 1) >> 1) * (float)(G_PI / 11520);
 }
 
+enum wholeness { WHOLE, CUT, OPEN };
+
+/* Nodes have no sum, so one that was cut by STOP would swallow the beginning of the answer. OPEN:
+ * too few bytes to tell. */
+static enum wholeness wholeness_of(const uint8_t *b, size_t length)
+{
+	struct rplidar_descriptor d;
+	for (size_t at = 1; at < RPLIDAR_NODE_BYTES; at++) {
+		if (b[at] != 0xa5 || (length > at + 1 && b[at + 1] != 0x5a))
+			continue;
+		if (length < at + RPLIDAR_DESCRIPTOR_BYTES)
+			return OPEN;
+		if (rplidar_is_descriptor(b + at, &d))
+			return CUT;
+	}
+	return WHOLE;
+}
+
 /* Nodes in a row, as many as there are. */
 static size_t take_nodes(struct rplidar *d, const uint8_t *at, size_t length)
 {
@@ -311,9 +328,11 @@ static size_t take_nodes(struct rplidar *d, const uint8_t *at, size_t length)
 	bool marked = false;
 	const uint8_t *b = at;
 	float last = 0;
-	if (rplidar_is_node(b) && d->follows)
+	if (d->follows)
 		bridge_nodes(d, node_angle(b));
-	for (; length >= RPLIDAR_NODE_BYTES && rplidar_is_node(b) && n < NODES_AT_ONCE;
+	d->broken = false;
+	for (; length >= RPLIDAR_NODE_BYTES && rplidar_is_node(b) && n < NODES_AT_ONCE &&
+		wholeness_of(b, length) == WHOLE;
 		b += RPLIDAR_NODE_BYTES, length -= RPLIDAR_NODE_BYTES) {
 		float angle = node_angle(b);
 		if (b > at && leaps(apart_rad(last, angle)))
@@ -378,8 +397,11 @@ static size_t find_nodes(struct rplidar *d, const uint8_t *at, size_t length)
 		if (!rplidar_is_node(at + nodes * RPLIDAR_NODE_BYTES))
 			return refuse(d);
 	}
+	enum wholeness whole = wholeness_of(at, length);
+	if (whole != WHOLE)
+		return whole == OPEN ? 0 : refuse(d);
 	d->lost = false;
-	return take_nodes(d, at, NODES_TO_TRUST * RPLIDAR_NODE_BYTES);
+	return take_nodes(d, at, length);
 }
 
 static size_t take_frame(struct rplidar *d, const uint8_t *at, size_t length)
@@ -389,7 +411,10 @@ static size_t take_frame(struct rplidar *d, const uint8_t *at, size_t length)
 			return find_nodes(d, at, length);
 		if (length < RPLIDAR_NODE_BYTES)
 			return 0;
-		return rplidar_is_node(at) ? take_nodes(d, at, length) : refuse(d);
+		enum wholeness whole = rplidar_is_node(at) ? wholeness_of(at, length) : CUT;
+		if (whole == OPEN)
+			return 0;
+		return whole == WHOLE ? take_nodes(d, at, length) : refuse(d);
 	}
 	bool begins = d->now.format == RPLIDAR_HQ ? at[0] == 0xa5
 						  : at[0] >> 4 == 0xa && at[1] >> 4 == 0x5;
@@ -447,6 +472,8 @@ static const uint8_t *take_all(struct rplidar *d, const uint8_t *at, const uint8
 
 static void hold(struct rplidar *d, const uint8_t *bytes, size_t length)
 {
+	if (length == 0)
+		return;
 	if (d->held_length + length > d->held_size) {
 		d->held_size = MAX(d->held_length + length, 2 * d->held_size);
 		d->held = g_realloc(d->held, d->held_size);

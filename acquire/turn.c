@@ -50,9 +50,8 @@ static void give_out(struct turn *t, decoder *d, double sent, int64_t arrival_ns
 	t->whole = false;
 }
 
-static void keep(struct turn *t, const struct turn_samples *s, uint32_t from, uint32_t to)
+static void append(struct turn *t, const struct turn_samples *s, uint32_t from, uint32_t n)
 {
-	uint32_t n = to - from;
 	reserve(t, t->beams + n);
 	if (t->beams == 0)
 		t->first = t->index;
@@ -63,6 +62,23 @@ static void keep(struct turn *t, const struct turn_samples *s, uint32_t from, ui
 		memcpy(t->intensity + t->beams, s->intensity + from, n * sizeof *s->intensity);
 	t->beams += n;
 	t->index += n;
+}
+
+/* A sweep that has become too long goes on in another line. */
+static void keep(
+	struct turn *t, decoder *d, const struct turn_samples *s, uint32_t from, uint32_t to)
+{
+	double beams_max =
+		t->sample_ns > 0 ? fmin(SWEEP_MAX_NS / t->sample_ns, BEAMS_MAX) : BEAMS_MAX;
+	uint32_t limit = (uint32_t)fmax(beams_max, BEAMS_MIN);
+	while (from < to) {
+		uint32_t n = MIN(to - from, limit > t->beams ? limit - t->beams : 0);
+		if (n > 0)
+			append(t, s, from, n);
+		from += n;
+		if (t->beams >= limit)
+			give_out(t, d, (double)t->index, t->arrival_ns);
+	}
 }
 
 static void end_turn(struct turn *t, decoder *d, double sent, int64_t arrival_ns)
@@ -88,13 +104,11 @@ void turn_add(struct turn *t, decoder *d, const struct turn_samples *s, int64_t 
 	uint32_t before = marked ? s->marked : s->count;
 	t->arrival_ns = arrival_ns;
 	t->has_intensity = s->intensity != NULL;
-	keep(t, s, 0, before);
+	keep(t, d, s, 0, before);
 	if (marked) {
 		end_turn(t, d, sent, arrival_ns);
-		keep(t, s, before, s->count);
+		keep(t, d, s, before, s->count);
 	}
-	if (t->beams >= BEAMS_MAX || t->beams * t->sample_ns > SWEEP_MAX_NS)
-		give_out(t, d, sent, arrival_ns);
 }
 
 /* What was kept came when the last of it did, not when the gap was seen. */

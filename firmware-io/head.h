@@ -26,7 +26,7 @@ struct head {
 	wire *lidar;
 	stage *stage;
 	camera *camera;        /* NULL: none */
-	char *lidar_protocol;  /* "scip", "cola": a decoder's name */
+	char *lidar_protocol;  /* "scip", "cola", "ld", "rplidar": a decoder's name */
 	char *calibration;     /* the head's certificate, JSON text */
 	record_writer *record; /* borrowed; NULL: not recorded */
 	GError *record_error;  /* the first one; reported by the next head_wait */

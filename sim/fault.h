@@ -9,13 +9,15 @@
  * first passes its column while the lidar streams, and not before the home slot was seen; those of
  * the camera also when the lidar is silent. Kinds:
  *
- *     drop xN        N revolutions are never sent; the device's counters go on
+ *     drop xN        N revolutions are never sent; the device's counters go on. What strikes
+ *                    telegrams strikes portions of some milliseconds of serial lidars
  *     stall :S       the lidar is silent for S seconds; without S until its port is opened anew
  *     garble xN      N telegrams with flipped, inserted or missing bytes
  *     split :N       from here on, bytes come in pieces of N (default 7)
  *     merge xN       N telegrams come together with the one after
  *     jump :N        the scan counter jumps by N (default 5) though nothing is lost; CoLa only
- *     error          a hardware error until the device is reset (SCIP) or rebooted (CoLa)
+ *     error          a hardware error until the device is reset (SCIP, RPLIDAR) or rebooted (CoLa);
+ *                    LD: silence until its port is opened anew
  *     unplug :S      the lidar is gone in the middle of a telegram, back after S seconds (default 2)
  *     power          the link closes
  *     stagefault     the drive stops by itself

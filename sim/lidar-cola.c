@@ -49,9 +49,10 @@ static void refuse(struct cola *c, enum cola_error error, int64_t now_ns)
 static void read_ident(struct cola *c, int64_t now_ns)
 {
 	(void)now_ns;
-	cola_append_string(c->out, "TiM571");
+	const char *ident = c->body->options->ident;
+
+	cola_append_string(c->out, ident ? ident : "TiM571");
 	cola_append_string(c->out, "V2.61-17.11.20");
-	(void)c;
 }
 
 static void read_serial(struct cola *c, int64_t now_ns)
@@ -129,8 +130,8 @@ static enum cola_error write_output(struct cola *c, const int64_t *values)
 
 	memcpy(&output, values, sizeof output);
 	if ((output.remission | output.wide | output.name | output.comment | output.time) & ~1 ||
-		output.unit != 0 || output.position != 0 || output.every < 1 ||
-		output.every > 50000)
+		(output.wide && c->body->options->narrow) || output.unit != 0 ||
+		output.position != 0 || output.every < 1 || output.every > 50000)
 		return COLA_OUT_OF_RANGE;
 	c->output = output;
 	return COLA_OK;

@@ -125,6 +125,10 @@ static const struct option_row rows[] = {
 	{ "speed", parse_speed, AT(speed), 0.01, 1000, "max or a number from 0.01 to 1000",
 		"times real time, or as fast as possible (max)" },
 	{ "lidar", parse_lidar, AT(lidar), 0, 0, LIDAR_MAKES, "its make (scip)" },
+	{ "ident", parse_text, AT(ident), 0, 0, "a name",
+		"what a CoLa lidar says that it is (TiM571)" },
+	{ "narrow", parse_flag, AT(narrow), 0, 0, "0 or 1",
+		"a CoLa lidar has intensities of 8 bits alone (0)" },
 	{ "format", parse_format, AT(format), 0, 0,
 		"standard, express, ultra, dense, ultra-dense or hq",
 		"in which an RPLIDAR measures (as its make)" },
@@ -302,6 +306,7 @@ void options_free(sim_options *o)
 	if (!o)
 		return;
 	g_free(o->scene);
+	g_free(o->ident);
 	g_free(o->truth);
 	g_array_unref(o->faults);
 	g_free(o);

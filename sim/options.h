@@ -21,6 +21,8 @@ typedef struct sim_options {
 	const struct lidar_make *lidar;
 	uint64_t ares;          /* steps per turn of a SCIP lidar, a multiple of 8 */
 	uint64_t beams;         /* of a CoLa lidar: 271, 541 or 811 over 270 degrees */
+	char *ident;            /* what a CoLa lidar says that it is, or NULL */
+	bool narrow;            /* it has intensities of eight bits alone */
 	enum sim_format format; /* of an RPLIDAR's measurements */
 	uint64_t health;        /* of an RPLIDAR: 0 well, 1 warning, 2 broken for good */
 	bool stuck;             /* the mirror of a serial lidar does not turn */

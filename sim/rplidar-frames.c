@@ -257,6 +257,7 @@ double rplidar_turned_rad(enum sim_format format, double range_m)
 			: 7.5 * M_PI / 180;
 
 	if (format == SIM_EXPRESS)
-		return lround(turned * 180 / M_PI * 8) / 8.0 * M_PI / 180;
+		return MIN(lround(turned * 180 / M_PI * 8), 63) / 8.0 * M_PI /
+		       180; /* in six bits */
 	return format == SIM_ULTRA ? turned : 0;
 }

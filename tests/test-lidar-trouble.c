@@ -54,6 +54,8 @@ static const struct trouble {
 	{ "/trouble/cola/ld-there", "hall?lidar=ld06&baud=9600", "cola",
 		{ "another lidar", "LDRobot", "open it as ld:" } },
 	{ "/trouble/cola/garbage", "hall?lidar=ld06", "cola", { "nothing that makes sense" } },
+	{ "/trouble/cola/no-ranges", "hall?lidar=cola&ident=TiM3XX", NULL,
+		{ "this lidar measures no ranges", "TiM3XX" } },
 	{ "/trouble/cola/silent", "hall?lidar=scip", "cola", { "the lidar is silent" } },
 	{ "/trouble/scip/garbage", "hall?lidar=ld06", "scip", { "nothing that makes sense" } },
 	{ "/trouble/scip/silent", "hall?lidar=cola", "scip", { "the lidar is silent" } },

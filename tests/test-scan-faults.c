@@ -49,6 +49,7 @@ static const struct scene {
 	{ "/faults/camera-gone", HALL "&fault=cameragone@600", true, .sessions = 1 },
 	{ "/faults/no-lidar", "hall?lidar=none", false, .says = "the lidar is not there" },
 	{ "/faults/cola/none", COLA, true, .sessions = 1 },
+	{ "/faults/cola/narrow", COLA "&narrow=1", true, .sessions = 1 },
 	{ "/faults/cola/drop-3", COLA "&fault=drop@300x3", true, 3, 3, .sessions = 1 },
 	{ "/faults/cola/jump", COLA "&fault=jump@300:7", true, .jumps = 1, .sessions = 1 },
 	{ "/faults/cola/packets", COLA "&packet=64", true, .sessions = 1 },
