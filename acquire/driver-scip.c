@@ -53,7 +53,8 @@ static bool wake(struct pump *p, GError **error)
 		}
 	}
 	return line_complain(p,
-		"the lidar is silent: is it a Hokuyo (SCIP) device, and does it have power?", error);
+		"the lidar is silent: is it a Hokuyo (SCIP) device, and does it have power?",
+		error);
 }
 
 /* The state in the device's own words, NULL when it is well. */

@@ -23,7 +23,8 @@ struct sim_truth_revolution {
 	double beam_period_ns;     /* true time between beams */
 	const double *azimuth_rad; /* of the beam's plane at the beam's instant, from the home edge,
 				      clockwise, 0..2 pi */
-	const double *theta_rad; /* in the beam's plane, from the horizon in front over the zenith */
+	const double
+		*theta_rad;    /* in the beam's plane, from the horizon in front over the zenith */
 	const double *range_m; /* what an ideal device would read on the beam's axis (behind glass,
 				* if it sees through it); 0 = no echo. A faint echo may be missed
 				* all the same. */

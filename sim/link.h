@@ -52,7 +52,7 @@ enum link_kind {
 				 present rate */
 	LINK_STAGE_STOP,      /* no payload; ramps down */
 	LINK_CAMERA_CONTROLS, /* struct link_camera_controls; in force from the next exposure */
-	LINK_LIDAR_LINE,   /* struct link_line: how the lidar's serial line is set from now on; one that
+	LINK_LIDAR_LINE, /* struct link_line: how the lidar's serial line is set from now on; one that
 			    * has none (USB) does not care */
 	LINK_CAMERA_QUEUE, /* no payload: lends one buffer; the next exposure that starts fills it.
 			    * Exposures with no buffer are dropped and counted in the sequence, as
@@ -64,9 +64,10 @@ enum link_kind {
 };
 
 struct link_hello {
-	uint32_t version;        /* LINK_VERSION */
-	uint32_t real_time;      /* 1: host_ns is CLOCK_MONOTONIC and LINK_WAIT is not used */
-	char lidar_protocol[16]; /* "scip", "cola", "ld" or "rplidar", as the port's name would tell */
+	uint32_t version;   /* LINK_VERSION */
+	uint32_t real_time; /* 1: host_ns is CLOCK_MONOTONIC and LINK_WAIT is not used */
+	char lidar_protocol
+		[16]; /* "scip", "cola", "ld" or "rplidar", as the port's name would tell */
 };
 
 struct link_line {
