@@ -12,7 +12,6 @@
 #include <gio/gio.h>
 #include <glib-unix.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <time.h>
@@ -452,8 +451,7 @@ static bool begin(struct kernel *k, GError **error)
 	k->listening[1] = listen_on(k->wishes->port ? usb_port + 1 : 0, &agent_port, error);
 	if (k->listening[1] < 0)
 		return false;
-	printf("usbip=%u agent=%u\n", usb_port, agent_port);
-	fflush(stdout);
+	k->wishes->listens(usb_port, agent_port, k->wishes->data);
 	return true;
 }
 

@@ -45,10 +45,12 @@ struct kernel_options {
 	const char *description; /* of a head; its speed is 1 whatever it says */
 	const char *plug;        /* the name of a gadget (usb.h), or NULL: as the lidar's protocol has it */
 	uint16_t port;           /* of USB/IP; the next one is the agent's. 0: two that are free */
+	void (*listens)(uint16_t usb_port, uint16_t agent_port, gpointer data); /* from now on */
+	gpointer data;
 };
 
-/* Serves until `until` is readable (never: -1). Only 127.0.0.1 is listened on. The ports are printed as
- * "usbip=N agent=N" on stdout. The head gets its power when the first client comes, and again when one
+/* Serves on the thread's default main context until `until` is readable (never: -1). Only 127.0.0.1 is
+ * listened on. The head gets its power when the first client comes, and again when one
  * comes after a fault took it. */
 bool kernel_serve(const struct kernel_options *options, int until, GError **error);
 

@@ -84,9 +84,19 @@ static int listen_on(const char *path, const char *description)
 	}
 }
 
+static void tell_ports(uint16_t usb_port, uint16_t agent_port, gpointer data)
+{
+	(void)data;
+	printf("usbip=%u agent=%u\n", usb_port, agent_port);
+	fflush(stdout);
+}
+
 static int serve_kernel(const arguments *a, const char *description)
 {
-	const struct kernel_options options = { description, a->plug, (uint16_t)a->port };
+	const struct kernel_options options = { .description = description,
+		.plug = a->plug,
+		.port = (uint16_t)a->port,
+		.listens = tell_ports };
 	GError *error = NULL;
 
 	return kernel_serve(&options, -1, &error) ? DONE : complain("", error);
