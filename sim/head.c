@@ -305,7 +305,7 @@ static bool obey_pulses(struct head *h, const guint8 *payload, gsize length)
 
 	for (gsize at = 0; at + sizeof pulse <= length; at += sizeof pulse) {
 		memcpy(&pulse, payload + at, sizeof pulse);
-		stage_pulse(h->stage, MIN(pulse.at_ns, h->now_ns), pulse.direction);
+		stage_pulse(h->stage, MIN(pulse.at_ns, real_time_ns(h)), pulse.direction);
 	}
 	return length % sizeof pulse == 0;
 }

@@ -140,8 +140,9 @@ static void plug_begin(gpointer data)
 
 static void plug_line(gpointer data, const struct usb_line *line)
 {
-	(void)data;
-	g_debug("line: %u baud, %s", line->baud, line->open ? "open" : "closed");
+	struct link_line now = { .baud = line->baud, .dtr = line->dtr };
+
+	tell_head(((struct plug *)data)->k, LINK_LIDAR_LINE, &now, sizeof now);
 }
 
 static void plug_write(gpointer data, const uint8_t *bytes, gsize length)
@@ -439,7 +440,7 @@ static bool begin(struct kernel *k, GError **error)
 	if (!k->options || !(k->truth = truth_new(k->description, error)))
 		return false;
 	k->gadget = k->wishes->plug ? usb_gadget_by_name(k->wishes->plug)
-				    : usb_gadget_of(k->options->lidar == SIM_LIDAR_COLA ? "cola" : "scip");
+				    : usb_gadget_of(k->options->lidar->protocol);
 	if (!k->gadget) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
 			"there is no plug %s; there are sick, hokuyo, cp2102", k->wishes->plug);

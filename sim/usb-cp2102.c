@@ -78,8 +78,11 @@ static int set(struct usb_line *line, const struct usb_setup *setup, const uint8
 		return 0;
 	case SET_BAUDDIV: line->baud = setup->value ? BAUD_BASE / setup->value : 0; return 0;
 	case SET_LINE_CTL: return set_line(line, setup->value);
-	case SET_BREAK:
 	case SET_MHS:
+		/* DTR in bit 0, if bit 8 says that it is meant. */
+		line->dtr = setup->value & 0x100 ? setup->value & 1 : line->dtr;
+		return 0;
+	case SET_BREAK:
 	case SET_XON:
 	case SET_XOFF:
 	case RESET:

@@ -38,7 +38,7 @@ static int control(struct usb_line *line, const struct usb_setup *setup, uint8_t
 		data[5] = line->parity;
 		data[6] = line->data_bits;
 		return 7;
-	case SET_CONTROL_LINE_STATE: line->open = setup->value & 1; return 0;
+	case SET_CONTROL_LINE_STATE: line->open = line->dtr = setup->value & 1; return 0;
 	case SEND_BREAK: return 0;
 	default: return -1;
 	}

@@ -26,6 +26,7 @@ struct usb_line {
 	uint32_t baud;
 	uint8_t stop_bits, parity, data_bits; /* as CDC's line coding codes them */
 	bool open;                            /* somebody has the port open: DTR, or the bridge is enabled */
+	bool dtr;                             /* asserted */
 };
 
 struct usb_gadget {

@@ -13,7 +13,7 @@ test=$appliance/usr/lib/pleinair/test
 cp "$modules"/*.ko "$build/tests/kernel/agent" "$build/tests/kernel/usb-probe" "$build/tests/kernel/pulse" "$here/devices-guest.sh" "$here/guest-tap.sh" "$test/"
 chmod 755 "$test/devices-guest.sh"
 
-simulate tim 'hall?lidar=cola&seed=7&latency_ms=55&camera=360x640&fps=2&home_deg=350'
+simulate tim 'hall?lidar=cola&seed=7&latency_ms=55&camera=360x640&fps=2&home_deg=350&fault=epstall@20,unplug@120:1'
 simulate hokuyo 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none'
 simulate bridge 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none' --plug cp2102
 
