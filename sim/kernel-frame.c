@@ -32,14 +32,15 @@ static void append_jpeg(GByteArray *frame, const guint8 *luma, guint width, guin
 		chroma[i] = luma[pixels + 2 * i];
 		chroma[quarter + i] = luma[pixels + 2 * i + 1];
 	}
-	if (tjCompressFromYUVPlanes(handle, planes, (int)width, strides, (int)height, TJSAMP_420, &jpeg,
-		    &length, 90, 0) == 0)
+	if (tjCompressFromYUVPlanes(handle, planes, (int)width, strides, (int)height, TJSAMP_420,
+		    &jpeg, &length, 90, 0) == 0)
 		g_byte_array_append(frame, jpeg, (guint)length);
 	tjFree(jpeg);
 	tjDestroy(handle);
 }
 
-GByteArray *kernel_frame(const struct kernel_frame_format *format, const guint8 *payload, gsize length)
+GByteArray *kernel_frame(
+	const struct kernel_frame_format *format, const guint8 *payload, gsize length)
 {
 	GByteArray *frame = g_byte_array_new();
 	const guint8 *pixels = payload + sizeof(struct link_frame);

@@ -10,6 +10,7 @@ struct kernel_frame_format {
 };
 
 /* Of struct link_frame and its pixels, the same of the other format. */
-GByteArray *kernel_frame(const struct kernel_frame_format *format, const guint8 *payload, gsize length);
+GByteArray *kernel_frame(
+	const struct kernel_frame_format *format, const guint8 *payload, gsize length);
 
 #endif

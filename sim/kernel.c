@@ -55,8 +55,7 @@ static int64_t monotonic_ns(void)
 	return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
 }
 
-static void send_message(
-	peer *p, uint32_t kind, int64_t host_ns, const void *payload, gsize length)
+static void send_message(peer *p, uint32_t kind, int64_t host_ns, const void *payload, gsize length)
 {
 	struct link_header header = { (uint32_t)length, kind, host_ns };
 	g_autofree guint8 *message = g_malloc(sizeof header + length);
@@ -238,7 +237,8 @@ static int64_t exposure_ns(
 	struct link_frame frame;
 
 	memcpy(&frame, payload, sizeof frame);
-	return header->host_ns - camera_transfer_ns(k->options) - frame.exposure_100us * INT64_C(100000);
+	return header->host_ns - camera_transfer_ns(k->options) -
+	       frame.exposure_100us * INT64_C(100000);
 }
 
 static void pass_frame(struct kernel *k, const struct link_header *header, const guint8 *payload)
@@ -248,8 +248,8 @@ static void pass_frame(struct kernel *k, const struct link_header *header, const
 	g_autoptr(GByteArray) frame = kernel_frame(&k->format, payload, header->length);
 
 	if (peer_waiting(k->agent) < FRAMES_WAITING_MAX)
-		send_message(k->agent, LINK_CAMERA_FRAME, exposure_ns(k, header, payload), frame->data,
-			frame->len);
+		send_message(k->agent, LINK_CAMERA_FRAME, exposure_ns(k, header, payload),
+			frame->data, frame->len);
 }
 
 static void greet_agent(struct kernel *k)
@@ -266,7 +266,8 @@ static void greet_agent(struct kernel *k)
 	send_message(k->agent, KERNEL_STAGE, monotonic_ns(), &hello, sizeof hello);
 }
 
-static void take_from_agent(struct kernel *k, const struct link_header *header, const guint8 *payload)
+static void take_from_agent(
+	struct kernel *k, const struct link_header *header, const guint8 *payload)
 {
 	uint32_t fourcc;
 
@@ -341,7 +342,8 @@ static gpointer run_head(gpointer data)
 	return NULL;
 }
 
-static void take_from_head(struct kernel *k, const struct link_header *header, const guint8 *payload)
+static void take_from_head(
+	struct kernel *k, const struct link_header *header, const guint8 *payload)
 {
 	switch (header->kind) {
 	case LINK_LIDAR_OPENED: lidar_opened(k); break;
@@ -358,7 +360,8 @@ static void take_from_head(struct kernel *k, const struct link_header *header, c
 	case LINK_CAMERA_GONE:
 	case LINK_STAGE_SLIPPED:
 		if (k->agent)
-			send_message(k->agent, header->kind, header->host_ns, payload, header->length);
+			send_message(
+				k->agent, header->kind, header->host_ns, payload, header->length);
 		break;
 	default: break; /* what the stage itself tells is the agent's to know */
 	}
@@ -423,8 +426,8 @@ static int listen_on(uint16_t port, uint16_t *ret_port, GError **error)
 	}
 	int number = errno;
 
-	g_set_error(error, G_IO_ERROR, g_io_error_from_errno(number), "port %u of 127.0.0.1: %s", port,
-		g_strerror(number));
+	g_set_error(error, G_IO_ERROR, g_io_error_from_errno(number), "port %u of 127.0.0.1: %s",
+		port, g_strerror(number));
 	if (fd >= 0)
 		close(fd);
 	return -1;

@@ -27,7 +27,8 @@ enum kernel_kind {
 	KERNEL_CLOCK = 160, /* comes back as it was sent, at once, with host_ns */
 
 	/* From the agent. */
-	KERNEL_CAMERA = 192, /* uint32_t: a V4L2 fourcc, YUYV, NV12 or MJPG, that frames shall have */
+	KERNEL_CAMERA =
+		192, /* uint32_t: a V4L2 fourcc, YUYV, NV12 or MJPG, that frames shall have */
 };
 
 struct kernel_stage {
@@ -43,8 +44,9 @@ struct kernel_stage {
 
 struct kernel_options {
 	const char *description; /* of a head; its speed is 1 whatever it says */
-	const char *plug;        /* the name of a gadget (usb.h), or NULL: as the lidar's protocol has it */
-	uint16_t port;           /* of USB/IP; the next one is the agent's. 0: two that are free */
+	const char
+		*plug; /* the name of a gadget (usb.h), or NULL: as the lidar's protocol has it */
+	uint16_t port; /* of USB/IP; the next one is the agent's. 0: two that are free */
 	void (*listens)(uint16_t usb_port, uint16_t agent_port, gpointer data); /* from now on */
 	gpointer data;
 };

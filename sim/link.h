@@ -41,7 +41,7 @@ enum link_kind {
 
 	/* Only where devices stand behind a kernel (kernel.h). */
 	LINK_LIDAR_HALTED = 32, /* the endpoint that its bytes come by has halted */
-	LINK_STAGE_SLIPPED,     /* double: so many steps were lost, against the direction of motion */
+	LINK_STAGE_SLIPPED, /* double: so many steps were lost, against the direction of motion */
 
 	/* From the host. */
 	LINK_WAIT = 65,       /* no payload; host_ns is the deadline */
@@ -58,9 +58,10 @@ enum link_kind {
 			    * Exposures with no buffer are dropped and counted in the sequence, as
 			    * V4L2 does. */
 	/* Only where devices stand behind a kernel. */
-	LINK_STAGE_BEGIN = 96, /* no payload: from now on pulses drive the stage, from where it stood
+	LINK_STAGE_BEGIN =
+		96,        /* no payload: from now on pulses drive the stage, from where it stood
 				  at power-on */
-	LINK_STAGE_PULSES,     /* struct link_stage_pulse[], in order */
+	LINK_STAGE_PULSES, /* struct link_stage_pulse[], in order */
 };
 
 struct link_hello {

@@ -56,7 +56,8 @@ static gboolean on_writable(int fd, GIOCondition condition, gpointer data)
 static void watch_out(peer *p)
 {
 	if (!p->out_source)
-		p->out_source = g_unix_fd_add(p->fd, G_IO_OUT | G_IO_HUP | G_IO_ERR, on_writable, p);
+		p->out_source =
+			g_unix_fd_add(p->fd, G_IO_OUT | G_IO_HUP | G_IO_ERR, on_writable, p);
 }
 
 void peer_send(peer *p, const void *bytes, gsize length)
@@ -106,7 +107,8 @@ peer *peer_new(int fd, const struct peer_calls *calls, gpointer data)
 	p->calls = calls;
 	p->data = data;
 	p->out = g_byte_array_new();
-	setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once); /* fails for others, which need it not */
+	setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &at_once,
+		sizeof at_once); /* fails for others, which need it not */
 	p->in_source = g_unix_fd_add(fd, G_IO_IN | G_IO_HUP | G_IO_ERR, on_readable, p);
 	return p;
 }

@@ -135,7 +135,8 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 		{ "listen", 0, 0, G_OPTION_ARG_FILENAME, &a->listen_path,
 			"Serve one host after another on a Unix socket", "PATH" },
 		{ "kernel", 0, 0, G_OPTION_ARG_INT, &a->port,
-			"Serve a kernel's drivers: the lidar by USB/IP on TCP port N of 127.0.0.1", "N" },
+			"Serve a kernel's drivers: the lidar by USB/IP on TCP port N of 127.0.0.1",
+			"N" },
 		{ "plug", 0, 0, G_OPTION_ARG_STRING, &a->plug,
 			"... as sick, hokuyo or cp2102 (as the lidar's protocol has it)", "NAME" },
 		{ "truth-poses", 0, 0, G_OPTION_ARG_NONE, &a->poses,
@@ -161,9 +162,11 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 
 static bool makes_sense(const arguments *a)
 {
-	int ways = (a->fd >= 0) + (a->port >= 0) + (a->listen_path != NULL) + a->poses + a->truth + a->light;
+	int ways = (a->fd >= 0) + (a->port >= 0) + (a->listen_path != NULL) + a->poses + a->truth +
+		   a->light;
 
-	return ways == 1 && a->port < 65535 && (a->port >= 0 || !a->plug) && a->descriptions && g_strv_length(a->descriptions) == 1 &&
+	return ways == 1 && a->port < 65535 && (a->port >= 0 || !a->plug) && a->descriptions &&
+	       g_strv_length(a->descriptions) == 1 &&
 	       (a->truth || a->light) == (a->output != NULL) && a->columns >= 1 &&
 	       a->columns <= 100000 && a->rows >= 1 && a->rows <= 100000;
 }
@@ -203,7 +206,8 @@ int main(int argc, char **argv)
 		return WRONG_USAGE;
 	}
 	if (!makes_sense(&a)) {
-		complain("give one of --fd, --listen, --kernel, --truth-poses, --truth, --light (with -o) "
+		complain("give one of --fd, --listen, --kernel, --truth-poses, --truth, --light "
+			 "(with -o) "
 			 "and one description; --help tells more",
 			NULL);
 		return WRONG_USAGE;

@@ -32,7 +32,7 @@ struct stage {
 	int64_t count;       /* pulses */
 	int64_t gap;         /* the head is between this slot, counted from home, and the next */
 	bool moving, homed;
-	bool pulsed;          /* driven by pulses: the last of them, and the time since the one before */
+	bool pulsed; /* driven by pulses: the last of them, and the time since the one before */
 	int64_t pulse_ns, period_ns;
 	int pulse_direction;
 	GByteArray *pending;
@@ -365,8 +365,8 @@ static bool event_in_segment(const stage *s, guint index, struct event *ret_even
 
 	if (direction == 0)
 		return false;
-	double pulse_s = s->pulsed ? INFINITY
-				   : segment_reaches_s(g, (double)(s->count + direction));
+	double pulse_s =
+		s->pulsed ? INFINITY : segment_reaches_s(g, (double)(s->count + direction));
 	double slot_s = segment_reaches_s(g, next_slot(s, g, direction));
 	bool is_slot = slot_s < pulse_s;
 	double t = is_slot ? slot_s : pulse_s;

@@ -3,10 +3,38 @@
 
 /* Silicon Labs AN571, "CP210x Virtual COM Port Interface": what a driver asks a CP2102. */
 static const uint8_t configuration[] = {
-	9, 2, 32, 0, 1, 1, 0, 0x80, 50,
-	9, 4, 0, 0, 2, 0xff, 0, 0, 2,
-	7, 5, 0x81, 2, 64, 0, 0,
-	7, 5, 0x01, 2, 64, 0, 0,
+	9,
+	2,
+	32,
+	0,
+	1,
+	1,
+	0,
+	0x80,
+	50,
+	9,
+	4,
+	0,
+	0,
+	2,
+	0xff,
+	0,
+	0,
+	2,
+	7,
+	5,
+	0x81,
+	2,
+	64,
+	0,
+	0,
+	7,
+	5,
+	0x01,
+	2,
+	64,
+	0,
+	0,
 };
 
 enum request {
@@ -56,18 +84,19 @@ static int get(const struct usb_line *line, const struct usb_setup *setup, uint8
 	switch (setup->request) {
 	case GET_LINE_CTL:
 		return reply(data, 2, line->stop_bits | line->parity << 4 | line->data_bits << 8);
-	case GET_MDMSTS: return reply(data, 1, 0x30 | (line->open ? 3 : 0)); /* CTS, DSR; DTR, RTS */
+	case GET_MDMSTS:
+		return reply(data, 1, 0x30 | (line->open ? 3 : 0)); /* CTS, DSR; DTR, RTS */
 	case GET_PROPS: return reply(data, 64, 64);
 	case GET_COMM_STATUS: return reply(data, 19, 0); /* no errors, empty queues */
 	case GET_FLOW: return reply(data, 16, 0);
 	case GET_BAUDRATE: return reply(data, 4, line->baud);
-	case VENDOR_SPECIFIC:
-		return setup->value == GET_PARTNUM ? reply(data, 1, PART_CP2102) : -1;
+	case VENDOR_SPECIFIC: return setup->value == GET_PARTNUM ? reply(data, 1, PART_CP2102) : -1;
 	default: return -1;
 	}
 }
 
-static int set(struct usb_line *line, const struct usb_setup *setup, const uint8_t *data, gsize length)
+static int set(
+	struct usb_line *line, const struct usb_setup *setup, const uint8_t *data, gsize length)
 {
 	switch (setup->request) {
 	case IFC_ENABLE: line->open = setup->value & 1; return 0;
@@ -93,7 +122,8 @@ static int set(struct usb_line *line, const struct usb_setup *setup, const uint8
 	}
 }
 
-static int control(struct usb_line *line, const struct usb_setup *setup, uint8_t *data, gsize length)
+static int control(
+	struct usb_line *line, const struct usb_setup *setup, uint8_t *data, gsize length)
 {
 	if ((setup->request_type & USB_TYPE_MASK) != USB_TYPE_VENDOR)
 		return -1;

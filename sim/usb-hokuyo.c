@@ -4,9 +4,8 @@
 /* USB class definitions for communication devices 1.1, with the subclass PSTN 1.2: an abstract
  * control model without AT commands. */
 static const uint8_t configuration[] = {
-	9, 2, 67, 0, 2, 1, 0, 0xc0, 50,
-	9, 4, 0, 0, 1, 2, 2, 0, 0,  /* interface 0: control */
-	5, 0x24, 0, 0x10, 0x01,     /* header: CDC 1.10 */
+	9, 2, 67, 0, 2, 1, 0, 0xc0, 50, 9, 4, 0, 0, 1, 2, 2, 0, 0, /* interface 0: control */
+	5, 0x24, 0, 0x10, 0x01,                                    /* header: CDC 1.10 */
 	5, 0x24, 1, 0, 1,           /* call management: none, by interface 1 */
 	4, 0x24, 2, 2,              /* ACM: line coding, control line state */
 	5, 0x24, 6, 0, 1,           /* union of 0 and 1 */
@@ -16,9 +15,15 @@ static const uint8_t configuration[] = {
 	7, 5, 0x03, 2, 64, 0, 0,    /* bulk OUT */
 };
 
-enum { SET_LINE_CODING = 0x20, GET_LINE_CODING = 0x21, SET_CONTROL_LINE_STATE = 0x22, SEND_BREAK = 0x23 };
+enum {
+	SET_LINE_CODING = 0x20,
+	GET_LINE_CODING = 0x21,
+	SET_CONTROL_LINE_STATE = 0x22,
+	SEND_BREAK = 0x23
+};
 
-static int control(struct usb_line *line, const struct usb_setup *setup, uint8_t *data, gsize length)
+static int control(
+	struct usb_line *line, const struct usb_setup *setup, uint8_t *data, gsize length)
 {
 	if ((setup->request_type & USB_TYPE_MASK) != USB_TYPE_CLASS)
 		return -1;

@@ -2,10 +2,10 @@
 
 /* A maximum packet of 64 bytes, as of full speed: what the units have is not known; this splits more. */
 static const uint8_t configuration[] = {
-	9, 2, 32, 0, 1, 1, 0, 0xc0, 50,    /* self-powered, 100 mA */
+	9, 2, 32, 0, 1, 1, 0, 0xc0, 50,     /* self-powered, 100 mA */
 	9, 4, 0, 0, 2, 0xff, 0xff, 0xff, 0, /* interface 0: vendor-specific, two endpoints */
-	7, 5, 0x81, 2, 64, 0, 0,           /* bulk IN */
-	7, 5, 0x02, 2, 64, 0, 0,           /* bulk OUT */
+	7, 5, 0x81, 2, 64, 0, 0,            /* bulk IN */
+	7, 5, 0x02, 2, 64, 0, 0,            /* bulk OUT */
 };
 
 const struct usb_gadget usb_sick = { .name = "sick",

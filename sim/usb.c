@@ -86,13 +86,14 @@ static bool *halt_of(const struct usb_gadget *g, struct usb_state *state, uint16
 	return endpoint == g->out ? &state->out_halted : NULL;
 }
 
-static int feature(const struct usb_gadget *g, struct usb_state *state, const struct usb_setup *setup,
-	enum usb_change *ret_change)
+static int feature(const struct usb_gadget *g, struct usb_state *state,
+	const struct usb_setup *setup, enum usb_change *ret_change)
 {
 	bool *halt = halt_of(g, state, setup->index);
 
 	if ((setup->request_type & USB_RECIPIENT_MASK) != OF_ENDPOINT)
-		return setup->value == 1 ? 0 : -1; /* to wake the host by itself, which it never does */
+		return setup->value == 1 ? 0
+					 : -1; /* to wake the host by itself, which it never does */
 	if (setup->value != ENDPOINT_HALT || !halt)
 		return -1;
 	*halt = setup->request == SET_FEATURE;
@@ -101,8 +102,8 @@ static int feature(const struct usb_gadget *g, struct usb_state *state, const st
 	return 0;
 }
 
-static int status(const struct usb_gadget *g, struct usb_state *state, const struct usb_setup *setup,
-	uint8_t *data)
+static int status(const struct usb_gadget *g, struct usb_state *state,
+	const struct usb_setup *setup, uint8_t *data)
 {
 	bool *halt = halt_of(g, state, setup->index);
 

@@ -25,8 +25,8 @@ struct usb_setup {
 struct usb_line {
 	uint32_t baud;
 	uint8_t stop_bits, parity, data_bits; /* as CDC's line coding codes them */
-	bool open;                            /* somebody has the port open: DTR, or the bridge is enabled */
-	bool dtr;                             /* asserted */
+	bool open; /* somebody has the port open: DTR, or the bridge is enabled */
+	bool dtr;  /* asserted */
 };
 
 struct usb_gadget {
@@ -34,16 +34,18 @@ struct usb_gadget {
 	bool full_speed; /* else high speed */
 	uint16_t vendor, product, release;
 	uint8_t device_class;
-	const uint8_t *configuration; /* the whole descriptor: interfaces, endpoints, functional ones */
+	const uint8_t
+		*configuration; /* the whole descriptor: interfaces, endpoints, functional ones */
 	gsize configuration_length;
 	const char *strings[4]; /* ASCII; 1 the maker, 2 the product, 3 the serial number */
 	uint8_t in, out;        /* addresses of the bulk endpoints */
 	uint8_t notify;         /* of an interrupt endpoint, on which nothing comes; 0: none */
 	uint16_t packet;        /* bytes, of the bulk endpoints */
-	bool is_line;           /* a serial line, which the host opens and closes by control requests */
+	bool is_line; /* a serial line, which the host opens and closes by control requests */
 	/* Class and vendor requests. Data is what the host sends, or room for USB_REPLY_MAX bytes; the
 	 * number of bytes of the reply, or -1: the device knows no such request. NULL: knows none. */
-	int (*control)(struct usb_line *line, const struct usb_setup *setup, uint8_t *data, gsize length);
+	int (*control)(
+		struct usb_line *line, const struct usb_setup *setup, uint8_t *data, gsize length);
 };
 
 extern const struct usb_gadget usb_sick;   /* TiM5xx: vendor bulk */

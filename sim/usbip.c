@@ -28,11 +28,11 @@ struct usbip {
 	struct usb_state usb;
 	struct usb_line line;
 	GByteArray *in, *out;
-	GArray *reads;    /* struct urb, of the bulk endpoint to the host */
-	GArray *notices;  /* struct urb, of the interrupt endpoint: never answered */
-	GQueue waiting;   /* GBytes: deliveries */
-	gsize taken;      /* of the first of them */
-	gsize waits;      /* bytes in all of them */
+	GArray *reads;     /* struct urb, of the bulk endpoint to the host */
+	GArray *notices;   /* struct urb, of the interrupt endpoint: never answered */
+	GQueue waiting;    /* GBytes: deliveries */
+	gsize taken;       /* of the first of them */
+	gsize waits;       /* bytes in all of them */
 	int64_t unread_ns; /* since when nobody reads */
 	struct usbip_counts counts;
 };
@@ -313,7 +313,8 @@ static void submit_control(usbip *u, uint32_t seqnum, const uint8_t *message, gs
 /* Whoever closes a device takes its URBs back. Reading and then writing again, it is open anew. */
 static void notice_opening(usbip *u, int64_t now_ns)
 {
-	if (u->reads->len == 0 && u->unread_ns && now_ns - u->unread_ns > UNREAD_NS && !u->gadget->is_line)
+	if (u->reads->len == 0 && u->unread_ns && now_ns - u->unread_ns > UNREAD_NS &&
+		!u->gadget->is_line)
 		begin(u);
 	u->unread_ns = 0;
 }

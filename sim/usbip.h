@@ -42,8 +42,9 @@ void usbip_deliver(usbip *u, const uint8_t *bytes, gsize length);
 void usbip_halt(usbip *u);
 
 struct usbip_counts {
-	uint64_t transfers, bytes_in, bytes_out, lost; /* URBs ended; from and to the lidar; deliveries */
-	gsize most_waiting;                            /* bytes */
+	uint64_t transfers, bytes_in, bytes_out,
+		lost;       /* URBs ended; from and to the lidar; deliveries */
+	gsize most_waiting; /* bytes */
 };
 struct usbip_counts usbip_counts(const usbip *u);
 

@@ -59,7 +59,9 @@ static gpointer serve(gpointer data)
 
 static int reach(uint16_t port)
 {
-	struct sockaddr_in address = { .sin_family = AF_INET, .sin_port = htons(port), .sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
+	struct sockaddr_in address = { .sin_family = AF_INET,
+		.sin_port = htons(port),
+		.sin_addr.s_addr = htonl(INADDR_LOOPBACK) };
 	struct timeval patience = { 10, 0 };
 	int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 
@@ -87,7 +89,8 @@ static uint32_t read32(const uint8_t *p)
 /* False: it is not plugged in. */
 static bool import(struct bench *b)
 {
-	uint8_t request[40] = { 0x01, 0x11, 0x80, 0x03, 0, 0, 0, 0, '1', '-', '1' }, reply[8], device[312];
+	uint8_t request[40] = { 0x01, 0x11, 0x80, 0x03, 0, 0, 0, 0, '1', '-', '1' }, reply[8],
+		device[312];
 
 	b->usb = reach(b->usb_port);
 	g_assert_cmpint(send(b->usb, request, sizeof request, 0), ==, sizeof request);
@@ -98,7 +101,8 @@ static bool import(struct bench *b)
 	return false;
 }
 
-static void submit(struct bench *b, uint8_t endpoint, const uint8_t *setup, const char *data, uint32_t length)
+static void submit(
+	struct bench *b, uint8_t endpoint, const uint8_t *setup, const char *data, uint32_t length)
 {
 	uint8_t message[48] = { 0 };
 
@@ -187,7 +191,9 @@ static struct bench *start(const char *description)
 	struct link_header header;
 	struct kernel_stage stage;
 
-	b->options = (struct kernel_options){ .description = description, .listens = on_listens, .data = b };
+	b->options = (struct kernel_options){
+		.description = description, .listens = on_listens, .data = b
+	};
 	b->text = g_string_new(NULL);
 	b->writes = g_array_new(FALSE, FALSE, sizeof(uint32_t));
 	g_assert_cmpint(pipe(b->until), ==, 0);
@@ -257,7 +263,8 @@ static double steps_at(const GArray *pulses, double time_ns)
 		if (p->sent_ns > time_ns + (KERNEL_SETTLE_MS - 20) * 1e6)
 			return -1;
 		if ((double)p->at_ns >= time_ns && (double)p[-1].at_ns <= time_ns)
-			return i + (time_ns - (double)p[-1].at_ns) / (double)(p->at_ns - p[-1].at_ns);
+			return i +
+			       (time_ns - (double)p[-1].at_ns) / (double)(p->at_ns - p[-1].at_ns);
 	}
 	return -1;
 }
@@ -270,15 +277,18 @@ static guint check_beams(FILE *file, const GArray *pulses, guint *ret_right)
 	double period_ns, azimuth[811], range[811];
 	guint checked = 0;
 
-	while (fread(numbers, sizeof numbers, 1, file) == 1 && fread(&first_ns, 8, 1, file) == 1 && fread(&period_ns, 8, 1, file) == 1 &&
-		fread(azimuth, 8, numbers[1], file) == numbers[1] && fread(range, 8, numbers[1], file) == numbers[1])
+	while (fread(numbers, sizeof numbers, 1, file) == 1 && fread(&first_ns, 8, 1, file) == 1 &&
+		fread(&period_ns, 8, 1, file) == 1 &&
+		fread(azimuth, 8, numbers[1], file) == numbers[1] &&
+		fread(range, 8, numbers[1], file) == numbers[1])
 		for (uint32_t i = 0; i < numbers[1]; i += 10) {
 			double steps = steps_at(pulses, (double)first_ns + i * period_ns);
 			double expected = 350 + steps * 360 / STEPS;
 
 			if (steps < 0)
 				continue;
-			*ret_right += fabs(remainder(azimuth[i] * 180 / G_PI - expected, 360)) < 1e-4;
+			*ret_right +=
+				fabs(remainder(azimuth[i] * 180 / G_PI - expected, 360)) < 1e-4;
 			checked++;
 		}
 	return checked;
@@ -286,9 +296,12 @@ static guint check_beams(FILE *file, const GArray *pulses, guint *ret_right)
 
 static void test_pulses_turn_the_beams(void)
 {
-	g_autofree char *dir = g_dir_make_tmp("sim-kernel-XXXXXX", NULL), *path = g_build_filename(dir, "truth", NULL);
-	g_autofree char *description = g_strdup_printf(
-		"hall?lidar=cola&beams=271&home_deg=350&latency_ms=55&jitter_ms=0&camera=none&truth=%s", path);
+	g_autofree char *dir = g_dir_make_tmp("sim-kernel-XXXXXX", NULL),
+			*path = g_build_filename(dir, "truth", NULL);
+	g_autofree char *description =
+		g_strdup_printf("hall?lidar=cola&beams=271&home_deg=350&latency_ms=55&jitter_ms=0&"
+				"camera=none&truth=%s",
+			path);
 	struct bench *b = start(description);
 	g_autoptr(GArray) pulses = turn(b, 500);
 
@@ -311,7 +324,8 @@ static void test_pulses_turn_the_beams(void)
 /* The endpoint halts, is cleared and goes on; then the plug is out amid a telegram, and in again after a while. */
 static void test_faults(void)
 {
-	struct bench *b = start("hall?lidar=cola&beams=271&home_deg=350&latency_ms=55&camera=none&fault=epstall@10,unplug@60:0.5");
+	struct bench *b = start("hall?lidar=cola&beams=271&home_deg=350&latency_ms=55&camera=none&"
+				"fault=epstall@10,unplug@60:0.5");
 	g_autoptr(GArray) pulses = turn(b, 330 + 150);
 
 	g_assert_cmpuint(b->halts, ==, READS);
@@ -342,7 +356,9 @@ static void test_faults(void)
 static void test_wrong_plug(void)
 {
 	g_autoptr(GError) error = NULL;
-	struct kernel_options options = { .description = "hall?camera=none", .plug = "sikc", .listens = on_listens };
+	struct kernel_options options = {
+		.description = "hall?camera=none", .plug = "sikc", .listens = on_listens
+	};
 
 	g_assert_false(kernel_serve(&options, -1, &error));
 	g_assert_nonnull(strstr(error->message, "there are sick, hokuyo, cp2102"));

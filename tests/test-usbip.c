@@ -94,7 +94,8 @@ static struct host *plugged(const struct usb_gadget *gadget)
 
 	g_assert_cmpuint(read32(reply), ==, 0x01110003);
 	g_assert_cmpuint(read32(reply + 4), ==, 0);
-	g_assert_cmpuint(read32(reply + 8 + 300), ==, (uint32_t)gadget->vendor << 16 | gadget->product);
+	g_assert_cmpuint(
+		read32(reply + 8 + 300), ==, (uint32_t)gadget->vendor << 16 | gadget->product);
 	g_assert_true(usbip_is_attached(h->usb));
 	return h;
 }
@@ -106,7 +107,8 @@ static void unplug(struct host *h)
 	g_free(h);
 }
 
-static uint32_t submit(struct host *h, uint8_t endpoint, const uint8_t *setup, const void *data, uint32_t length)
+static uint32_t submit(
+	struct host *h, uint8_t endpoint, const uint8_t *setup, const void *data, uint32_t length)
 {
 	uint8_t message[48] = { 0 };
 	bool to_host = endpoint & 0x80;
@@ -137,10 +139,11 @@ static int answer(struct host *h, uint32_t seqnum, const uint8_t **ret_bytes)
 	return status ? status : actual;
 }
 
-static int control(struct host *h, uint8_t type, uint8_t request, uint16_t value, uint16_t index, const void *data, uint16_t length,
-	const uint8_t **ret_bytes)
+static int control(struct host *h, uint8_t type, uint8_t request, uint16_t value, uint16_t index,
+	const void *data, uint16_t length, const uint8_t **ret_bytes)
 {
-	const uint8_t setup[8] = { type, request, (uint8_t)value, value >> 8, (uint8_t)index, index >> 8, (uint8_t)length, length >> 8 };
+	const uint8_t setup[8] = { type, request, (uint8_t)value, value >> 8, (uint8_t)index,
+		index >> 8, (uint8_t)length, length >> 8 };
 	uint32_t seqnum = submit(h, type & 0x80, setup, data, length);
 
 	return answer(h, seqnum, type & 0x80 ? ret_bytes : NULL);
@@ -158,7 +161,8 @@ static void test_list(void)
 	g_assert_cmpuint(read32(out->data), ==, 0x01110005);
 	g_assert_cmpstr((const char *)out->data + 12 + 256, ==, "1-1");
 	g_assert_cmpuint(read32(out->data + 12 + 300), ==, 0x15d10000);
-	g_assert_cmpmem(out->data + 12 + 312, 8, "\x02\x02\x00\x00\x0a\x00\x00\x00", 8); /* control, data */
+	g_assert_cmpmem(
+		out->data + 12 + 312, 8, "\x02\x02\x00\x00\x0a\x00\x00\x00", 8); /* control, data */
 }
 
 static void test_refusals(void)
@@ -187,21 +191,25 @@ static void test_enumeration(void)
 
 	g_assert_cmpint(control(h, 0x80, 6, 0x0100, 0, NULL, 64, &bytes), ==, 18);
 	g_assert_cmpmem(bytes + 8, 4, "\xa2\x19\x01\x50", 4);
-	g_assert_cmpint(control(h, 0x80, 6, 0x0200, 0, NULL, 9, &bytes), ==, 9); /* only as much as was asked for */
+	g_assert_cmpint(control(h, 0x80, 6, 0x0200, 0, NULL, 9, &bytes), ==,
+		9); /* only as much as was asked for */
 	int total = bytes[2];
 
 	g_assert_cmpint(control(h, 0x80, 6, 0x0200, 0, NULL, 255, &bytes), ==, total);
-	g_assert_cmpmem(bytes + 18, 14, "\x07\x05\x81\x02\x40\x00\x00\x07\x05\x02\x02\x40\x00\x00", 14);
+	g_assert_cmpmem(
+		bytes + 18, 14, "\x07\x05\x81\x02\x40\x00\x00\x07\x05\x02\x02\x40\x00\x00", 14);
 	g_assert_cmpint(control(h, 0x80, 6, 0x0301, 0x409, NULL, 255, &bytes), ==, 2 + 2 * 7);
 	g_assert_cmpmem(bytes + 2, 14, "S\0I\0C\0K\0 \0A\0G", 14);
-	g_assert_cmpint(control(h, 0x80, 6, 0x0600, 0, NULL, 10, &bytes), ==, -32); /* a qualifier: full speed only */
+	g_assert_cmpint(control(h, 0x80, 6, 0x0600, 0, NULL, 10, &bytes), ==,
+		-32); /* a qualifier: full speed only */
 	g_assert_cmpint(control(h, 0x80, 8, 0, 0, NULL, 1, &bytes), ==, 1);
 	g_assert_cmpuint(bytes[0], ==, 0);
 	g_assert_cmpint(control(h, 0, 9, 1, 0, NULL, 0, NULL), ==, 0);
 	g_assert_cmpuint(h->begins, ==, 1);
 	g_assert_cmpint(control(h, 0x80, 8, 0, 0, NULL, 1, &bytes), ==, 1);
 	g_assert_cmpuint(bytes[0], ==, 1);
-	g_assert_cmpint(control(h, 0, 9, 2, 0, NULL, 0, NULL), ==, -32); /* there is no second one */
+	g_assert_cmpint(
+		control(h, 0, 9, 2, 0, NULL, 0, NULL), ==, -32); /* there is no second one */
 	unplug(h);
 }
 
@@ -218,7 +226,8 @@ static void test_transfers(void)
 {
 	struct host *h = plugged(&usb_sick);
 	const uint8_t *bytes;
-	uint32_t first = submit(h, 0x81, NULL, NULL, 65536), second = submit(h, 0x81, NULL, NULL, 65536);
+	uint32_t first = submit(h, 0x81, NULL, NULL, 65536),
+		 second = submit(h, 0x81, NULL, NULL, 65536);
 
 	g_assert_cmpuint(unheard(h), ==, 0); /* nothing there: they wait */
 	deliver(h, 100);
@@ -240,7 +249,8 @@ static void test_transfers(void)
 	g_assert_cmpint(answer(h, submit(h, 0x81, NULL, NULL, 100), &bytes), ==, 72);
 	g_assert_cmpint(answer(h, submit(h, 0x02, NULL, "\2sRI0\3", 6), NULL), ==, 6);
 	g_assert_cmpstr(h->written->str, ==, "\2sRI0\3");
-	g_assert_cmpint(answer(h, submit(h, 0x05, NULL, "x", 1), NULL), ==, -32); /* no such endpoint */
+	g_assert_cmpint(
+		answer(h, submit(h, 0x05, NULL, "x", 1), NULL), ==, -32); /* no such endpoint */
 	unplug(h);
 }
 
@@ -262,7 +272,8 @@ static void take_back(struct host *h, uint32_t which, int expect)
 static void test_unlink(void)
 {
 	struct host *h = plugged(&usb_sick);
-	uint32_t first = submit(h, 0x81, NULL, NULL, 512), second = submit(h, 0x81, NULL, NULL, 512);
+	uint32_t first = submit(h, 0x81, NULL, NULL, 512),
+		 second = submit(h, 0x81, NULL, NULL, 512);
 
 	take_back(h, first, -104);
 	take_back(h, first, 0); /* is no more */
@@ -334,7 +345,8 @@ static void test_hokuyo_line(void)
 	uint32_t notice = submit(h, 0x82, NULL, NULL, 8);
 
 	deliver(h, 10); /* nobody has the port open */
-	g_assert_cmpint(control(h, 0x21, 0x20, 0, 0, "\x00\xc2\x01\x00\x00\x00\x08", 7, NULL), ==, 7);
+	g_assert_cmpint(
+		control(h, 0x21, 0x20, 0, 0, "\x00\xc2\x01\x00\x00\x00\x08", 7, NULL), ==, 7);
 	g_assert_cmpuint(h->line.baud, ==, 115200);
 	g_assert_cmpuint(h->begins, ==, 0);
 	g_assert_cmpint(control(h, 0xa1, 0x21, 0, 0, NULL, 7, &bytes), ==, 7);

@@ -48,7 +48,8 @@ void pins_free(pins *p); /* the chip too; NULL is fine */
 /* A camera. */
 typedef struct screen screen;
 /* fourcc as V4L2 has it. */
-screen *screen_new(const char *node, uint32_t fourcc, uint32_t width, uint32_t height, uint32_t fps_1000, GError **error);
+screen *screen_new(const char *node, uint32_t fourcc, uint32_t width, uint32_t height,
+	uint32_t fps_1000, GError **error);
 /* Shows a frame, by its number, whose exposure began at that time. */
 struct screen_frame {
 	const uint8_t *bytes;
