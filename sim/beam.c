@@ -88,7 +88,8 @@ static bool meet(const struct surface *s, double cosine, double *through, struct
 	return true;
 }
 
-static void trace(const struct beam_optics *o, const double direction[3], struct beam_touch *touch)
+static void trace(const struct beam_optics *o, const double from[3], const double direction[3],
+	struct beam_touch *touch)
 {
 	double gone_m = 0, through = 1;
 
@@ -99,7 +100,7 @@ static void trace(const struct beam_optics *o, const double direction[3], struct
 		double origin[3];
 
 		for (int k = 0; k < 3; k++)
-			origin[k] = o->station.position_m[k] + gone_m * direction[k];
+			origin[k] = from[k] + gone_m * direction[k];
 		if (!world_cast(o->world, origin, direction, o->limit_m - gone_m, &s))
 			break;
 		touch->range_m = gone_m + s.range_m;
@@ -132,31 +133,59 @@ static void to_world(const struct beam_optics *o, const double v[3], double ret[
 			 o->station.rotation[k][2] * v[2];
 }
 
-static void trace_at(
-	const struct beam_optics *o, double azimuth_rad, double theta_rad, struct beam_touch *touch)
+/* What is fixed to the head, as the stage has turned it. */
+static void turn_head(
+	const struct beam_optics *o, double azimuth_rad, const double v[3], double ret[3])
 {
-	double scanner[3], direction[3];
+	double s = sin(azimuth_rad + o->mount.home_rad), c = cos(azimuth_rad + o->mount.home_rad);
 
-	beam_direction(azimuth_rad, theta_rad, scanner);
+	ret[0] = v[1] * s + v[0] * c;
+	ret[1] = v[1] * c - v[0] * s;
+	ret[2] = v[2];
+}
+
+static void mounted(const struct lidar_mount *m, const double v[3], double ret[3])
+{
+	for (int k = 0; k < 3; k++)
+		ret[k] = m->rotation[k][0] * v[0] + m->rotation[k][1] * v[1] +
+			 m->rotation[k][2] * v[2];
+}
+
+/* Casts a ray whose direction in the lidar's own frame is known. */
+static void trace_at(const struct beam_optics *o, double azimuth_rad, const double lidar[3],
+	struct beam_touch *touch)
+{
+	double head[3], scanner[3], direction[3], from[3];
+
+	turn_head(o, azimuth_rad, o->mount.translation_m, scanner);
+	to_world(o, scanner, from);
+	for (int k = 0; k < 3; k++)
+		from[k] += o->station.position_m[k];
+	mounted(&o->mount, lidar, head);
+	turn_head(o, azimuth_rad, head, scanner);
 	to_world(o, scanner, direction);
-	trace(o, direction, touch);
+	trace(o, from, direction, touch);
+}
+
+static void trace_axis(const struct beam_optics *o, const struct beam_fan *fan, uint32_t i,
+	struct beam_touch *touch)
+{
+	double theta = beam_theta_rad(fan, i) + o->mount.beam_zero_rad;
+
+	trace_at(o, fan->azimuth_rad[i], (const double[3]){ 0, cos(theta), sin(theta) }, touch);
 }
 
 /* A ray at the edge of the beam, `side` across its plane and `along` within it. */
 static void trace_edge(const struct beam_optics *o, const struct beam_fan *fan, uint32_t i,
 	int side, int along, struct beam_touch *touch)
 {
-	double azimuth = fan->azimuth_rad[i];
-	double theta = beam_theta_rad(fan, i) + along * o->half_divergence_rad;
-	double across[3] = { cos(azimuth), -sin(azimuth), 0 }, scanner[3], direction[3];
+	double theta = beam_theta_rad(fan, i) + along * o->half_divergence_rad +
+		       o->mount.beam_zero_rad;
+	double lidar[3] = { side * o->half_divergence_rad, cos(theta), sin(theta) };
 
-	beam_direction(azimuth, theta, scanner);
 	for (int k = 0; k < 3; k++)
-		scanner[k] =
-			(scanner[k] + side * o->half_divergence_rad * across[k]) /
-			sqrt(1 + side * side * o->half_divergence_rad * o->half_divergence_rad);
-	to_world(o, scanner, direction);
-	trace(o, direction, touch);
+		lidar[k] /= sqrt(1 + side * side * o->half_divergence_rad * o->half_divergence_rad);
+	trace_at(o, fan->azimuth_rad[i], lidar, touch);
 }
 
 static struct sample as_sample(
@@ -269,7 +298,7 @@ static void detect(const struct beam_optics *o, const struct beam_fan *fan, uint
 	}
 	double noise = chance_gauss(chance_hash(o->seed, CHANCE_RANGE, fan->revolution, i));
 
-	echo->range_m = fmax(0, range_m + o->noise_m * weak * noise);
+	echo->range_m = fmax(0, range_m - o->mount.range_offset_m + o->noise_m * weak * noise);
 	echo->strength *= (float)(1 + 0.02 * chance_gauss(chance_hash(o->seed, CHANCE_INTENSITY,
 						     fan->revolution, i)));
 }
@@ -281,8 +310,7 @@ void beam_measure(
 	{
 #pragma omp for schedule(dynamic, 32)
 		for (uint32_t i = from; i < to; i++)
-			trace_at(
-				optics, fan->azimuth_rad[i], beam_theta_rad(fan, i), &fan->axis[i]);
+			trace_axis(optics, fan, i, &fan->axis[i]);
 #pragma omp for schedule(dynamic, 32)
 		for (uint32_t i = from; i < to; i++)
 			detect(optics, fan, i, to);

@@ -15,7 +15,9 @@
  * otherwise.
  *
  * Angles: theta is measured in the beam's plane from the horizon in front over the zenith, so that
- * a device angle a is theta = a + pi/2; azimuth turns the front clockwise from home. */
+ * a device angle a is theta = a + pi/2; azimuth turns the front clockwise from home. Where the lidar sits askew (mount.h), beams
+ * go from elsewhere and elsewhere; ranges are from where it sits. */
+#include "sim/mount.h"
 #include "sim/world.h"
 
 enum echo_outcome {
@@ -26,6 +28,7 @@ enum echo_outcome {
 };
 
 struct beam_optics {
+	struct lidar_mount mount;
 	const world *world;
 	struct world_station station;
 	double half_divergence_rad; /* 0: the axis alone */
@@ -68,7 +71,7 @@ void beam_fan_free(struct beam_fan *fan); /* NULL is fine */
 void beam_measure(
 	const struct beam_optics *optics, struct beam_fan *fan, uint32_t from, uint32_t to);
 
-/* The direction of a beam in the scanner's frame (x right of home, y towards home, z up). */
+/* The direction of a beam of an aligned head in the scanner's frame (x right of home, y towards home, z up). */
 void beam_direction(double azimuth_rad, double theta_rad, double ret_direction[3]);
 
 #endif

@@ -8,8 +8,6 @@
 #define EDGE        0.2f /* contrast of neighbours that are looked at closer */
 #define FINE_PX     400  /* focal length from which that pays */
 
-const double camera_pitch_rad = 5 * M_PI / 180;
-
 struct exposure {
 	int64_t start_ns, middle_ns, due_ns;
 	struct link_frame frame;
@@ -19,6 +17,8 @@ struct exposure {
 struct camera {
 	struct camera_setup setup;
 	struct lens lens;
+	struct camera_mount mount;
+	double home_rad; /* azimuth of the home slot */
 	struct device_clock clock;
 	float *rays;                  /* unit directions in the head's frame, 3 per pixel */
 	guint8 curve[CURVE_SIZE + 1]; /* linear 0..1 to sRGB 0..255 */
@@ -33,17 +33,9 @@ struct camera {
 	uint32_t bad_left, lost_left;
 };
 
-struct camera_mount camera_mount(void)
-{
-	double c = cos(camera_pitch_rad), s = sin(camera_pitch_rad);
-
-	return (struct camera_mount){ .rotation = { { 1, 0, 0 }, { 0, s, -c }, { 0, c, s } },
-		.translation_m = { 0, 0.045, 0.07 } };
-}
-
 static void fill_rays(camera *c)
 {
-	const struct camera_mount mount = camera_mount();
+	const struct camera_mount mount = c->mount;
 	float *ray = c->rays;
 
 	for (uint32_t v = 0; v < c->lens.height; v++)
@@ -83,7 +75,9 @@ camera *camera_new(const struct camera_setup *setup)
 	gsize pixels = (gsize)o->camera_width * o->camera_height;
 
 	c->setup = *setup;
-	c->lens = lens_for_size(o->camera_width, o->camera_height, o->distortion);
+	c->lens = lens_of(o);
+	c->mount = camera_mount_of(o);
+	c->home_rad = lidar_mount_of(o).home_rad;
 	c->clock = (struct device_clock){ .origin_ns = setup->now_ns,
 		.start_ticks = o->camera_clock_start == UINT64_MAX
 				       ? (uint64_t)from_seed(o, 0, 0, 4294967296.0)
@@ -210,8 +204,8 @@ static void start_exposure(camera *c)
 static void pose(const camera *c, double ret_rotation[3][3], double ret_origin_m[3])
 {
 	const struct world_station *station = &c->setup.station;
-	const struct camera_mount mount = camera_mount();
-	double azimuth = stage_azimuth_rad(c->setup.stage, c->current->middle_ns, 0);
+	const struct camera_mount mount = c->mount;
+	double azimuth = stage_azimuth_rad(c->setup.stage, c->current->middle_ns, 0) + c->home_rad;
 	double sine = sin(azimuth), cosine = cos(azimuth);
 	double turn[3][3] = { { cosine, sine, 0 }, { -sine, cosine, 0 }, { 0, 0, 1 } };
 

@@ -11,7 +11,7 @@
  * reaches white at 5 ms and gain 100 %. */
 #include "sim/clock.h"
 #include "sim/fault.h"
-#include "sim/lens.h"
+#include "sim/mount.h"
 #include "sim/options.h"
 #include "sim/outbox.h"
 #include "sim/stage.h"
@@ -25,14 +25,6 @@ struct camera_setup {
 	outbox *out;
 	int64_t now_ns;
 };
-
-/* Where the camera sits on the head, whose frame is x right, y front, z up. */
-struct camera_mount {
-	double rotation[3][3]; /* camera = rotation * (head - translation) */
-	double translation_m[3];
-};
-extern const double camera_pitch_rad;
-struct camera_mount camera_mount(void);
 
 typedef struct camera camera;
 /* NULL when the options want none. */

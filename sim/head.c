@@ -27,6 +27,7 @@ struct head {
 	sim_options *options;
 	const struct sim_head_options *wishes;
 	const world *world;
+	char *certificate;
 	world *own_world; /* NULL when it was lent */
 	stage *stage;
 	lidar *lidar;
@@ -123,6 +124,8 @@ static bool head_begin(struct head *h, GError **error)
 	h->options = options_parse(h->wishes->description, error);
 	if (!h->options)
 		return false;
+	if (!(h->certificate = certificate_json(h->options, error)))
+		return false;
 	h->world = h->wishes->world;
 	struct world_variant variant = options_variant(h->options);
 	if (!h->world)
@@ -148,6 +151,7 @@ static void head_end(struct head *h)
 	truth_log_free(h->log);
 	options_free(h->options);
 	host_free(h->host);
+	g_free(h->certificate);
 }
 
 static void give_up(struct head *h)
@@ -164,14 +168,12 @@ static void send(
 
 static void greet(struct head *h)
 {
-	g_autofree char *json =
-		certificate_json(h->options, h->camera ? camera_lens(h->camera) : NULL);
 	g_autoptr(GByteArray) payload = g_byte_array_new();
 	struct link_hello hello = { .version = LINK_VERSION, .real_time = h->options->speed > 0 };
 
 	g_strlcpy(hello.lidar_protocol, h->options->lidar->protocol, sizeof hello.lidar_protocol);
 	g_byte_array_append(payload, (const guint8 *)&hello, sizeof hello);
-	g_byte_array_append(payload, (const guint8 *)json, (guint)strlen(json));
+	g_byte_array_append(payload, (const guint8 *)h->certificate, (guint)strlen(h->certificate));
 	send(h, LINK_HELLO, h->now_ns, payload->data, payload->len);
 }
 

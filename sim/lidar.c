@@ -94,7 +94,8 @@ static void set_up_optics(lidar *l)
 {
 	const sim_options *o = l->setup.options;
 
-	l->optics = (struct beam_optics){ .world = l->setup.world,
+	l->optics = (struct beam_optics){ .mount = lidar_mount_of(o),
+		.world = l->setup.world,
 		.station = l->setup.station,
 		.half_divergence_rad = o->divergence_mrad * 0.5e-3,
 		.noise_m = o->noise_mm * 1e-3,

@@ -48,6 +48,29 @@ static bool parse_text(const struct option_row *row, const char *text, void *ret
 	return *(char **)ret_value && **(char **)ret_value;
 }
 
+/* Numbers with commas between, as many as the row's field has. */
+static bool parse_numbers(const struct option_row *row, const char *text, void *ret_value, guint n)
+{
+	g_auto(GStrv) parts = g_strsplit(text, ",", -1);
+
+	if (g_strv_length(parts) != n)
+		return false;
+	for (guint i = 0; i < n; i++)
+		if (!parse_number(row, parts[i], (double *)ret_value + i))
+			return false;
+	return true;
+}
+
+static bool parse_two(const struct option_row *row, const char *text, void *ret_value)
+{
+	return parse_numbers(row, text, ret_value, 2);
+}
+
+static bool parse_three(const struct option_row *row, const char *text, void *ret_value)
+{
+	return parse_numbers(row, text, ret_value, 3);
+}
+
 static bool parse_speed(const struct option_row *row, const char *text, void *ret_value)
 {
 	if (strcmp(text, "max") != 0)
@@ -175,6 +198,26 @@ static const struct option_row rows[] = {
 	{ "camera_ppm", parse_number, AT(camera_ppm), PPM, "drift of its clock (from the seed)" },
 	{ "camera_clock_start", parse_whole, AT(camera_clock_start), TICKS,
 		"in us (from the seed)" },
+	{ "lidar_turn_deg", parse_three, AT(lidar_turn_deg), -10, 10, "X,Y,Z, each from -10 to 10",
+		"the lidar sits turned about the head's axes (0,0,0)" },
+	{ "lidar_shift_mm", parse_three, AT(lidar_shift_mm), -200, 200,
+		"X,Y,Z, each from -200 to 200", "and shifted (0,0,0)" },
+	{ "beam_zero_deg", parse_number, AT(beam_zero_deg), -10, 10, NULL,
+		"its beams go higher by so much in front (0)" },
+	{ "range_offset_mm", parse_number, AT(range_offset_mm), -200, 200, NULL,
+		"ranges are longer than it says (0)" },
+	{ "camera_turn_deg", parse_three, AT(camera_turn_deg), -10, 10,
+		"X,Y,Z, each from -10 to 10", "the camera sits turned (0,0,0)" },
+	{ "camera_shift_mm", parse_three, AT(camera_shift_mm), -200, 200,
+		"X,Y,Z, each from -200 to 200", "and shifted (0,0,0)" },
+	{ "focal_percent", parse_number, AT(focal_percent), -20, 20, NULL,
+		"its focal length is longer (0)" },
+	{ "centre_px", parse_two, AT(centre_px), -200, 200, "X,Y, each from -200 to 200",
+		"the middle of its picture lies elsewhere (0,0)" },
+	{ "home_azimuth_deg", parse_number, AT(home_azimuth_deg), -180, 180, NULL,
+		"azimuth of the home slot (0)" },
+	{ "certificate", parse_text, AT(certificate), 0, 0, "true or a file name",
+		"what the head tells of itself: the truth, or what stands in a file (as drawn)" },
 	{ "truth", parse_text, AT(truth), 0, 0, "a file name", "log the truth of each revolution" },
 };
 
@@ -308,6 +351,7 @@ void options_free(sim_options *o)
 	g_free(o->scene);
 	g_free(o->ident);
 	g_free(o->truth);
+	g_free(o->certificate);
 	g_array_unref(o->faults);
 	g_free(o);
 }

@@ -51,6 +51,12 @@ typedef struct sim_options {
 	double camera_ppm;
 	uint64_t camera_clock_start;
 
+	/* How the head was put together, against its drawing (mount.h). */
+	double lidar_turn_deg[3], lidar_shift_mm[3], beam_zero_deg, range_offset_mm;
+	double camera_turn_deg[3], camera_shift_mm[3], focal_percent, centre_px[2];
+	double home_azimuth_deg;
+	char *certificate; /* "true", a file, or NULL: as drawn */
+
 	GArray *faults; /* struct fault */
 	char *truth;    /* a file for the truth of each revolution, or NULL */
 } sim_options;

@@ -86,5 +86,6 @@ void scene_court(struct site *s);
 void scene_street(struct site *s);
 void scene_bridge(struct site *s);
 void scene_hall(struct site *s);
+void scene_range(struct site *s);
 
 #endif

@@ -4,9 +4,9 @@
 
 static const double reach_clear_m = 1.25, head_m = 1.7;
 
-const char *const world_scene_names[] = { "court", "street", "bridge", "hall", NULL };
+const char *const world_scene_names[] = { "court", "street", "bridge", "hall", "range", NULL };
 static void (*const scenes[])(
-	struct site *) = { scene_court, scene_street, scene_bridge, scene_hall };
+	struct site *) = { scene_court, scene_street, scene_bridge, scene_hall, scene_range };
 
 static enum world_class class_of(const struct world *w, const struct hit *h)
 {

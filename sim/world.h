@@ -53,7 +53,7 @@ struct world_station {
 	double rotation[3][3]; /* world = rotation * scanner + position */
 };
 
-/* Names of the scenes, NULL-terminated: court, street, bridge, hall. */
+/* Names of the scenes, NULL-terminated: court, street, bridge, hall, range. */
 extern const char *const world_scene_names[];
 
 /* The same place as it may otherwise be; all zero: as it is. */

@@ -25,12 +25,16 @@ static void test_options(void)
 {
 	static const char *const rows[][2] = {
 		{ "palace?seed=1", "sim:palace: there is no such scene; there are court, street, "
-				   "bridge, hall" },
+				   "bridge, hall, range" },
 		{ "court?noise_mm=abc", "sim:court: noise_mm=abc is not a number from 0 to 1000" },
 		{ "court?noise_mm=-1", "sim:court: noise_mm=-1 is not a number from 0 to 1000" },
 		{ "court?seed=1.5", "sim:court: seed=1.5 is not a whole number from 0 to 1e+15" },
 		{ "hall?nois_mm=1", "sim:hall: there is no option nois_mm" },
 		{ "hall?seed", "sim:hall: seed needs a value" },
+		{ "hall?lidar_turn_deg=1,2",
+			"sim:hall: lidar_turn_deg=1,2 is not X,Y,Z, each from -10 to 10" },
+		{ "hall?centre_px=1,999",
+			"sim:hall: centre_px=1,999 is not X,Y, each from -200 to 200" },
 		{ "hall?speed=fast",
 			"sim:hall: speed=fast is not max or a number from 0.01 to 1000" },
 		{ "hall?lidar=sick", "sim:hall: lidar=sick is not " LIDAR_MAKES },

@@ -18,6 +18,8 @@ static const unsigned expected[] = {
 		1U << WORLD_NOTHING,
 	/* hall */ 1U << WORLD_BUILDING | 1U << WORLD_VEGETATION | 1U << WORLD_TERRAIN |
 		1U << WORLD_FURNITURE | 1U << WORLD_PERSON,
+	/* range */ 1U << WORLD_BUILDING | 1U << WORLD_TERRAIN | 1U << WORLD_STRUCTURE |
+		1U << WORLD_PERSON,
 };
 
 struct given {
