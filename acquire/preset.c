@@ -23,12 +23,15 @@ const struct preset presets[] = {
 	{ NULL },
 };
 
+const struct preset preset_calibration = { "calibration", "Calibration: both faces", 1500, 396, 36,
+	3, true };
+
 const struct preset *preset_find(const char *name)
 {
 	for (const struct preset *p = presets; p->name; p++)
 		if (strcmp(p->name, name) == 0)
 			return p;
-	return NULL;
+	return strcmp(name, preset_calibration.name) == 0 ? &preset_calibration : NULL;
 }
 
 struct stage_pace preset_pace(const struct preset *preset, double scan_rate_hz)
@@ -64,11 +67,14 @@ struct itinerary {
 	double turned_rad;
 };
 
-static struct itinerary plan(const struct stage_pace *pace, bool photos)
+/* Where both faces are wanted, the second half turn is passed over as the first was, and brings its photos. */
+static struct itinerary plan(const struct stage_pace *pace, bool photos, bool both_faces)
 {
-	double a = pace->acceleration_rad_s2, pass = G_PI + 2 * pace->run_up_rad,
+	double a = pace->acceleration_rad_s2,
+	       pass = (both_faces ? 2 : 1) * (G_PI + 2 * pace->run_up_rad),
 	       roll = pace->home_rad_s * pace->home_rad_s / (2 * a), back = roll + pace->run_up_rad,
-	       travel = photos ? 2 * G_PI : G_PI;
+	       travel = photos || both_faces ? 2 * G_PI : G_PI;
+	photos = photos && !both_faces;
 	/* Home is half a turn away on average. */
 	return (struct itinerary){ .home_s = move_seconds(G_PI + roll, pace->home_rad_s, a),
 		.back_s = move_seconds(back, pace->travel_rad_s, a),
@@ -98,7 +104,7 @@ struct prediction preset_predict(const struct preset *preset, const struct drive
 	const struct lidar_identity *lidar, const struct calibration *calibration)
 {
 	struct stage_pace pace = preset_pace(preset, lidar->scan_rate_hz);
-	struct itinerary i = plan(&pace, calibration->has_camera);
+	struct itinerary i = plan(&pace, calibration->has_camera, preset->both_faces);
 	double cells = (double)preset->columns * preset->rows,
 	       cell_bytes =
 		       PLANE_BYTES_PER_CELL + (calibration->has_camera ? COLOUR_BYTES_PER_CELL : 0);

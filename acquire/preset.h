@@ -13,10 +13,13 @@ struct preset {
 	uint32_t columns, rows;
 	uint32_t photos;      /* a turn */
 	uint32_t rescans_max; /* times that lost columns are gone back for */
+	bool both_faces; /* each direction is seen twice: a whole turn is passed over, not half */
 };
 
 /* Ends with a row without a name: draft, standard, fine. */
 extern const struct preset presets[];
+/* What pleinair calibrate scans with; not among those that people choose from. */
+extern const struct preset preset_calibration;
 /* NULL when there is none of this name. */
 const struct preset *preset_find(const char *name);
 

@@ -17,7 +17,9 @@ struct run {
 	struct pump pump;
 	struct run_options options;
 	struct stage_pace pace;
-	coverage *coverage;
+	/* Of the directions seen by half turns of the stage: the second counts where both faces are wanted. */
+	coverage *coverage[2];
+	uint32_t faces;
 	panorama *preview;
 	photos *photos;
 	bool streaming, metering, recalling, controls_known;
@@ -28,6 +30,21 @@ struct run {
 	double seen_fraction; /* never falls, whatever is cleared */
 };
 
+/* Just before home is the end of the second half. */
+static coverage *face_coverage(run *r, const struct placed_line *placed)
+{
+	double half_turns = (placed->front_first_rad + placed->front_last_rad) / 2 / G_PI;
+	return r->coverage[r->faces == 2 && remainder(floor(half_turns), 2) != 0];
+}
+
+static double columns_done(const run *r)
+{
+	double sum = 0;
+	for (uint32_t i = 0; i < r->faces; i++)
+		sum += coverage_fraction(r->coverage[i]) / r->faces;
+	return sum;
+}
+
 static void take_line(
 	const struct scanline *line, const struct placed_line *placed, gpointer user_data)
 {
@@ -35,7 +52,8 @@ static void take_line(
 	(void)line;
 	if (placed->turn_rad < 0 || !placement_is_usable(placed, r->options.preset->columns))
 		return;
-	coverage_add(r->coverage, placed->azimuth_rad, placed->elevation_rad, placed->beams);
+	coverage_add(face_coverage(r, placed), placed->azimuth_rad, placed->elevation_rad,
+		placed->beams);
 	panorama_add(r->preview, placed->azimuth_rad, placed->elevation_rad, placed->range_m,
 		placed->intensity, placed->beams);
 }
@@ -88,7 +106,7 @@ static void doing(run *r, const char *what)
 /* Homing, the pass and the photos take about these shares of the time. */
 static double fraction_done(run *r)
 {
-	double columns = coverage_fraction(r->coverage);
+	double columns = columns_done(r);
 	uint32_t wanted = photos_wanted(r->photos);
 	double photos_done = wanted ? (double)photos_taken(r->photos) / wanted : columns;
 	double f = 0.05 * (columns > 0 || r->streaming) + 0.70 * columns + 0.25 * photos_done;
@@ -100,7 +118,7 @@ static bool report_progress(run *r, GError **error)
 	if (!r->options.progress)
 		return true;
 	struct run_progress p = { .fraction = fraction_done(r),
-		.column_fraction = coverage_fraction(r->coverage),
+		.column_fraction = columns_done(r),
 		.photos_taken = photos_taken(r->photos),
 		.photos_wanted = photos_wanted(r->photos),
 		.doing = r->doing,
@@ -162,7 +180,9 @@ run *run_new(head *h, const struct run_options *options)
 		.line = take_line, .frame = take_frame, .reply = take_reply, .user_data = r
 	};
 	r->options = *options;
-	r->coverage = coverage_new(&fine);
+	r->faces = preset->both_faces ? 2 : 1;
+	for (uint32_t i = 0; i < r->faces; i++)
+		r->coverage[i] = coverage_new(&fine);
 	r->preview = panorama_new(&coarse, NULL);
 	r->photos = photos_new(h->camera, preset->photos);
 	r->pump = (struct pump){ .head = h,
@@ -180,7 +200,8 @@ void run_free(run *r)
 		return;
 	pump_clear(&r->pump);
 	stream_free(r->pump.stream);
-	coverage_free(r->coverage);
+	coverage_free(r->coverage[0]);
+	coverage_free(r->coverage[1]);
 	panorama_free(r->preview);
 	photos_free(r->photos);
 	g_free(r->doing);
@@ -301,9 +322,9 @@ static bool start_lidar(run *r, GError **error)
 }
 
 /* Coverage counts azimuths, the stage turns from home. */
-static bool pass(run *r, const struct front_interval *f, GError **error)
+static bool pass(run *r, uint32_t face, const struct front_interval *f, GError **error)
 {
-	double zero = run_calibration(r)->stage.azimuth_zero_rad;
+	double zero = run_calibration(r)->stage.azimuth_zero_rad - face * G_PI;
 	double ahead = f->from_rad - zero - r->pace.run_up_rad;
 	double beyond = f->to_rad - zero + r->pace.run_up_rad;
 	/* From behind, so that the gear's slack is taken up before the first column. */
@@ -323,16 +344,21 @@ static void forget_suspects(run *r)
 		double a = stage_track_angle_rad(track, s->from_ns),
 		       b = stage_track_angle_rad(track, s->to_ns);
 		double slack = fabs(s->error_rad);
-		coverage_clear(r->coverage, zero + fmin(a, b) - slack, zero + fmax(a, b) + slack);
+		for (uint32_t k = 0; k < r->faces; k++)
+			coverage_clear(r->coverage[k], zero + fmin(a, b) - slack,
+				zero + fmax(a, b) + slack);
 	}
 }
 
 static bool pass_over_missing(run *r, GError **error)
 {
-	g_autoptr(GArray) missing = coverage_missing(r->coverage, JOIN_RAD);
-	for (guint i = 0; i < missing->len; i++)
-		if (!pass(r, &g_array_index(missing, struct front_interval, i), error))
-			return false;
+	for (uint32_t face = 0; face < r->faces; face++) {
+		g_autoptr(GArray) missing = coverage_missing(r->coverage[face], JOIN_RAD);
+		for (guint i = 0; i < missing->len; i++)
+			if (!pass(r, face, &g_array_index(missing, struct front_interval, i),
+				    error))
+				return false;
+	}
 	return true;
 }
 
@@ -404,18 +430,18 @@ static bool recover(run *r, const GError *cause, GError **error)
 static void say_pass(run *r, uint32_t turn)
 {
 	g_autofree char *words =
-		g_strdup_printf("going back for %u columns", coverage_missing_columns(r->coverage));
+		g_strdup_printf("going back for %u columns", run_missing_columns(r));
 	doing(r, turn ? words : "scanning");
 }
 
 static bool scan_columns(run *r, GError **error)
 {
-	if (coverage_missing_columns(r->coverage) == 0)
+	if (run_missing_columns(r) == 0)
 		return true;
 	if (!start_lidar(r, error))
 		return false;
-	for (uint32_t turn = 0; turn <= r->options.preset->rescans_max &&
-				coverage_missing_columns(r->coverage) > 0;) {
+	for (uint32_t turn = 0;
+		turn <= r->options.preset->rescans_max && run_missing_columns(r) > 0;) {
 		g_autoptr(GError) failed = NULL;
 		say_pass(r, turn);
 		bool passed = pass_over_missing(r, &failed);
@@ -502,7 +528,10 @@ const panorama *run_preview(const run *r)
 
 uint32_t run_missing_columns(const run *r)
 {
-	return coverage_missing_columns(r->coverage);
+	uint32_t missing = 0;
+	for (uint32_t i = 0; i < r->faces; i++)
+		missing += coverage_missing_columns(r->coverage[i]);
+	return missing;
 }
 
 struct stream_report run_report(const run *r)

@@ -47,8 +47,8 @@ const struct lidar_identity *run_lidar(const run *r);
  * good as far as it goes. */
 bool run_scan(run *r, GError **error);
 
-uint32_t run_missing_columns(const run *r);
-const panorama *run_preview(const run *r); /* as run_progress has it */
+uint32_t run_missing_columns(const run *r); /* of both faces, where both are wanted */
+const panorama *run_preview(const run *r);  /* as run_progress has it */
 struct stream_report run_report(const run *r);
 struct camera_controls run_camera_controls(const run *r);
 

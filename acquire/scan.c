@@ -302,7 +302,8 @@ static bool run_it(struct recording *r, GError **error)
 /* A scan that never got as far as its first turn is no scan: nothing is kept of it. */
 static bool is_worth_keeping(struct recording *r)
 {
-	return r->run && run_missing_columns(r->run) < r->preset->columns;
+	return r->run &&
+	       run_missing_columns(r->run) < r->preset->columns * (r->preset->both_faces ? 2 : 1);
 }
 
 static bool record_into(struct recording *r, struct scan_result *result, GError **error)
