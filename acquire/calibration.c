@@ -74,8 +74,7 @@ static bool get_matrix(const manifest *m, const char *key, double ret[3][3], GEr
 	return good;
 }
 
-/* R = Rz Ry Rx of angles in degrees. */
-static void rotation_of(const double degrees[3], double r[3][3])
+void calibration_rotation(const double degrees[3], double r[3][3])
 {
 	double a = degrees[0] * G_PI / 180, b = degrees[1] * G_PI / 180,
 	       c = degrees[2] * G_PI / 180;
@@ -102,7 +101,7 @@ static bool parse_lidar(const manifest *m, struct lidar_calibration *l, GError *
 		return false;
 	}
 	l->beam_zero_rad *= G_PI / 180;
-	rotation_of(degrees, l->rotation);
+	calibration_rotation(degrees, l->rotation);
 	return true;
 }
 

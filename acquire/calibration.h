@@ -50,6 +50,9 @@ struct calibration {
 	struct camera_calibration camera;
 };
 
+/* R = Rz Ry Rx of angles about x, y and z in degrees. */
+void calibration_rotation(const double degrees[3], double ret[3][3]);
+
 /* text is the certificate's JSON; name says where it is from, for messages. Refuses what is missing
  * or absurd by key. */
 bool calibration_parse(const char *text, const char *name, struct calibration *ret, GError **error);
