@@ -25,6 +25,7 @@ static const struct {
 	{ "styles", "list the styles that a site can be drawn in" },
 	{ "export", "write the points of a site for other programs" },
 	{ "copy", "copy a site to a drive, and compare" },
+	{ "calibrate", "find where lidar and camera sit on the head, or check it" },
 	{ "kiosk", "show sites on a touch screen, and scan" },
 	{ "doctor", "check devices, rights, clocks and space" },
 	{ "bench", "measure speed and memory" },

@@ -23,7 +23,7 @@ const struct preset presets[] = {
 	{ NULL },
 };
 
-const struct preset preset_calibration = { "calibration", "Calibration: both faces", 1500, 396, 36,
+const struct preset preset_calibration = { "calibration", "Calibration: both faces", 1500, 396, 48,
 	3, true };
 
 const struct preset *preset_find(const char *name)

@@ -1,5 +1,5 @@
 # Import, registration, geometry, model; PCL behind C headers.
-programs += process/pleinair-jobsd process/pleinair-copy process/pleinair-import process/pleinair-process process/pleinair-segments process/pleinair-align process/pleinair-report process/pleinair-pictures process/pleinair-export
+programs += process/pleinair-jobsd process/pleinair-copy process/pleinair-import process/pleinair-process process/pleinair-segments process/pleinair-align process/pleinair-report process/pleinair-pictures process/pleinair-export process/pleinair-calibrate
 packages += g++ libpcl-dev libeigen3-dev libopencv-core-dev libopencv-dnn-dev libopencv-imgproc-dev libopencv-calib3d-dev libxml2-dev libassimp-dev libturbojpeg0-dev
 pkgs += libxml-2.0 assimp libturbojpeg
 cxx_pkgs += eigen3 pcl_common pcl_io pcl_features pcl_filters pcl_registration pcl_search pcl_kdtree pcl_sample_consensus

@@ -106,6 +106,13 @@ static void add_beam(struct patch_sum *sum, const double origin[3], const double
 			sum->by[i][k] += by[i][k];
 }
 
+/* Where the front really was: stamps come late, and the head lags behind its motor on the way back. */
+static double front_at(const struct two_face_place *at, const struct face_line *line, uint32_t i)
+{
+	return line->front_rad + i * line->front_step_rad - at->delay_s * line->pace_rad_s +
+	       (line->pace_rad_s < 0 ? at->slack_rad : 0);
+}
+
 static void place_beam(struct face_patches *patches, const struct placing *p,
 	const struct face_line *line, uint32_t i, double range_m)
 {
@@ -114,9 +121,7 @@ static void place_beam(struct face_patches *patches, const struct placing *p,
 	double r = range_m + at->lidar.range_offset_m, head[3], zero[3], tilt[3], x[3],
 	       by[TWO_FACE_UNKNOWNS][3] = { { 0 } };
 	bool back = line->pace_rad_s < 0;
-	double front = line->front_rad + i * line->front_step_rad - at->delay_s * line->pace_rad_s +
-		       (back ? at->slack_rad : 0);
-	double s = sin(front), c = cos(front);
+	double front = front_at(at, line, i), s = sin(front), c = cos(front);
 	for (int k = 0; k < 3; k++) {
 		head[k] = b->along[k] * r + at->lidar.translation_m[k];
 		zero[k] = b->by_zero[k] * r;
@@ -194,6 +199,30 @@ face_patches *face_patches_new(
 		patches->patch[i].is_plane =
 			find_plane(&patches->patch[i], &patches->patch[i].plane);
 	return patches;
+}
+
+void face_beams_place(const struct faces *f, const struct two_face_place *place,
+	face_beam_func taken, gpointer user_data)
+{
+	g_autoptr(GArray) fan = g_array_new(FALSE, FALSE, sizeof(struct fan_beam));
+	struct placing p = { .place = place, .fan = fan };
+	for (guint n = 0; n < f->lines->len; n++) {
+		const struct face_line *line = &g_array_index(f->lines, struct face_line, n);
+		const float *range = &g_array_index(f->range_m, float, line->first);
+		tabulate(&p, line);
+		for (uint32_t i = 0; i < line->beams; i++) {
+			const struct fan_beam *b = &g_array_index(fan, struct fan_beam, i);
+			double head[3], end[3], along[3], front = front_at(place, line, i);
+			if (!(range[i] > 0))
+				continue;
+			for (int k = 0; k < 3; k++)
+				head[k] = b->along[k] * (range[i] + place->lidar.range_offset_m) +
+					  place->lidar.translation_m[k];
+			turn_head(sin(front), cos(front), head, end);
+			turn_head(sin(front), cos(front), b->along, along);
+			taken(end, along, user_data);
+		}
+	}
 }
 
 void face_patches_free(face_patches *p)

@@ -47,6 +47,12 @@ struct patch_group {
 };
 bool patch_group_of(const struct face_patch *p, int group, struct patch_group *ret);
 
+/* Each beam of the scan that hit something, placed: where it ends in the scanner's frame, and the unit direction in which its range
+ * runs. */
+typedef void (*face_beam_func)(const double end_m[3], const double along[3], gpointer user_data);
+void face_beams_place(const struct faces *f, const struct two_face_place *place,
+	face_beam_func taken, gpointer user_data);
+
 int patch_compare_doubles(gconstpointer a, gconstpointer b);
 
 #endif

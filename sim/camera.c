@@ -6,6 +6,7 @@
 #define BUFFERS_MAX 64
 #define CURVE_SIZE  4096
 #define EDGE        0.2f /* contrast of neighbours that are looked at closer */
+#define EDGE_RAYS   3    /* what is usual: edges between two rows are looked at, not those beside */
 #define FINE_PX     400  /* focal length from which that pays */
 
 struct exposure {
@@ -259,7 +260,37 @@ static bool differs(const float *a, const float *b)
 	return fabsf(a[1] - b[1]) > 0.06f + EDGE * (a[1] + b[1]);
 }
 
-/* Rails, bars and leaves are finer than a pixel: where neighbours differ two more rays are cast.
+/* Edges between these two rows and the next: they are other pairs', so their rays are cast again. */
+static void look_beside(const camera *c, const struct view *view, uint32_t v, bool *edge)
+{
+	uint32_t width = c->lens.width;
+	const float *rgb = c->linear + 3 * (gsize)v * width;
+
+	for (int below = 0; below < 2; below++) {
+		if (below ? v + 2 >= c->lens.height : v == 0)
+			continue;
+		for (uint32_t i = 0; i < width; i++) {
+			uint32_t here = below * width + i;
+			float beside[3];
+
+			look(c, view, (gsize)(below ? v + 2 : v - 1) * width + i, 0, 0, beside);
+			edge[here] |= differs(rgb + 3 * here, beside);
+		}
+	}
+}
+
+/* Where in a pixel its nth ray goes: by the plastic number, evenly however many there are. */
+static void spot_of(uint32_t n, float ret[2])
+{
+	static const float first[][2] = { { 0, 0 }, { 0.33f, -0.25f }, { -0.33f, 0.25f } };
+
+	for (int k = 0; k < 2; k++)
+		ret[k] =
+			n < 3 ? first[n][k]
+			      : (float)(fmod(0.5 + n * (k ? 0.5698402910 : 0.7548776662), 1) - 0.5);
+}
+
+/* Rails, bars and leaves are finer than a pixel: where neighbours differ more rays are cast.
  * Pixels that are coarse anyway keep to one. */
 static void refine(camera *c, const struct view *view, uint32_t v)
 {
@@ -275,18 +306,21 @@ static void refine(camera *c, const struct view *view, uint32_t v)
 		if (i < width && differs(here, across))
 			edge[i] = edge[i + width] = true;
 	}
+	if (c->setup.options->edge_rays > EDGE_RAYS)
+		look_beside(c, view, v, edge);
 	for (uint32_t i = 0; i < 2 * width; i++) {
-		static const float spots[2][2] = { { 0.33f, -0.25f }, { -0.33f, 0.25f } };
+		uint32_t rays = (uint32_t)c->setup.options->edge_rays;
 
-		for (int n = 0; edge[i] && n < 2; n++) {
-			float more[3];
+		for (uint32_t n = 1; edge[i] && n < rays; n++) {
+			float more[3], spot[2];
 
-			look(c, view, (gsize)v * width + i, spots[n][0], spots[n][1], more);
+			spot_of(n, spot);
+			look(c, view, (gsize)v * width + i, spot[0], spot[1], more);
 			for (int k = 0; k < 3; k++)
 				rgb[3 * i + k] += more[k];
 		}
 		for (int k = 0; edge[i] && k < 3; k++)
-			rgb[3 * i + k] /= 3;
+			rgb[3 * i + k] /= (float)rays;
 	}
 }
 
@@ -314,7 +348,7 @@ static void draw_pair(camera *c, const struct view *view, uint32_t v)
 
 	for (gsize i = first; i < first + 2 * c->lens.width; i++)
 		look(c, view, i, 0, 0, c->linear + 3 * i);
-	if (c->lens.focal_px > FINE_PX)
+	if (c->lens.focal_px > FINE_PX || c->setup.options->edge_rays > EDGE_RAYS)
 		refine(c, view, v);
 	expose_row(c, v);
 	expose_row(c, v + 1);

@@ -47,6 +47,7 @@ typedef struct sim_options {
 
 	uint32_t camera_width, camera_height; /* 0: no camera */
 	double fps;
+	uint64_t edge_rays;
 	bool distortion;
 	double camera_ppm;
 	uint64_t camera_clock_start;

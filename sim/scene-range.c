@@ -6,7 +6,7 @@
 #define HALF_Y   9.2f
 #define CEILING  4.6f
 #define EYE      1.7f
-#define BOARDS   8
+#define BOARDS   10
 #define COLUMNS  10 /* squares; of the corners inside there are 9 x 6 */
 #define ROWS     7
 #define SQUARE_M 0.06f
@@ -18,14 +18,16 @@ struct board {
 };
 
 static const struct board boards[BOARDS] = {
-	{ 3, -0.55f, 1.75f, 38, -12, 4 },
-	{ 49, 0.75f, 1.7f, -30, 22, -6 },
-	{ 92, -0.05f, 1.9f, 42, 8, 8 },
-	{ 136, -0.75f, 1.75f, -36, -25, -4 },
-	{ 181, 0.95f, 1.65f, 25, 28, 6 },
-	{ 227, 0.3f, 1.8f, -44, 6, -8 },
-	{ 271, -0.4f, 1.6f, 34, -26, 3 },
-	{ 316, 0.6f, 1.8f, -38, 14, -5 },
+	{ 3, -1.0f, 1.6f, 24, -26, 4 },
+	{ 39, 1.9f, 2.5f, -26, 30, -6 },
+	{ 75, -0.05f, 1.55f, 34, 8, 8 },
+	{ 111, -1.15f, 2.4f, -34, -20, -4 },
+	{ 147, 1.25f, 1.6f, 20, 30, 6 },
+	{ 183, 0.5f, 2.8f, -44, 6, -8 },
+	{ 219, -0.8f, 1.6f, 26, -30, 3 },
+	{ 255, 1.5f, 2.6f, -32, 26, -5 },
+	{ 291, 0.35f, 1.55f, 36, 14, 6 },
+	{ 327, -0.9f, 2.7f, -38, -16, -3 },
 };
 
 static vec turned(vec v, vec axis, float degrees)
@@ -109,8 +111,9 @@ void scene_range(struct site *s)
 	struct dice kept;
 
 	palette_choose(s, &m);
-	white = palette_cloth(s, (vec){ 0.8f, 0.8f, 0.8f });
-	black = palette_cloth(s, (vec){ 0.03f, 0.03f, 0.03f });
+	/* Printed: without grain. */
+	white = site_material(s, (struct material){ .colour = { 0.8f, 0.8f, 0.8f } });
+	black = site_material(s, (struct material){ .colour = { 0.03f, 0.03f, 0.03f } });
 	s->bounds = (struct bounds){ { -HALF_X - 1, -HALF_Y - 1, -0.4f },
 		{ HALF_X + 1, HALF_Y + 1, CEILING + 0.4f }, 1.1f };
 	s->light.fill = (vec){ 0.6f, 0.59f, 0.57f };
