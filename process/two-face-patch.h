@@ -5,7 +5,8 @@
  * ranges cannot push a beam out of it and make a bias. Part of two-face.h; pure. */
 #include "process/two-face.h"
 
-#define PATCH_BEAMS_MIN 24
+/* Of a group that says something. */
+#define PATCH_BEAMS_MIN 6
 
 /* Where the lidar is thought to sit, and how late its stamps and the gear are. */
 struct two_face_place {

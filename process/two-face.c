@@ -7,8 +7,10 @@
 #define DEGREE        (G_PI / 180)
 #define STEPS_MAX     14
 #define STEPS_ALL_MAX 3
-#define EVERY         5
-#define PATCHES_MIN   60
+/* Beams that are enough for a first answer. */
+#define BEAMS_ENOUGH 600000u
+#define EVERY_MAX    5
+#define PATCHES_MIN  300
 /* Where angles are as good as lengths. */
 #define REACH_M 5.0
 /* Residuals beyond so many spreads weigh less, and beyond so many not at all. */
@@ -310,7 +312,7 @@ static void note_deviations(const struct solving *s, struct two_face_result *ret
 /* By few beams first, then by all. */
 static bool find(struct solving *s, struct two_face_result *ret, GError **error)
 {
-	come_to_rest(s, EVERY, STEPS_MAX);
+	come_to_rest(s, CLAMP(s->faces->range_m->len / BEAMS_ENOUGH, 1, EVERY_MAX), STEPS_MAX);
 	find_weakest(s->covariance, ret);
 	do {
 		note_deviations(s, ret);
