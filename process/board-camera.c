@@ -12,6 +12,8 @@
 #define HUBER_PX   0.5
 /* Gauge: as good as fixed. */
 #define GAUGE 1e-9
+/* Of so many beams each says something of its own: walls and boards are not even to less than a tenth of a millimetre. */
+#define BEAMS_WORTH 10000.0
 
 struct bundle {
 	const struct board_desc *desc;
@@ -19,10 +21,14 @@ struct bundle {
 	GArray *boards; /* of struct pose: board to scanner */
 	struct camera_calibration camera;
 	size_t unknowns;
+	/* What the lidar saw of each board (struct board_plane); NULL: not yet. By how much its ranges are too short beyond
+	 * what they were taken with, and what a metre is worth in pixels. */
+	GArray *planes;
+	double range_m, px_per_m;
 };
 
 static const double small[BOARD_UNKNOWNS] = { 1e-3, 1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-7, 1e-7, 1e-6,
-	1e-7, 1e-7, 1e-7, 1e-6, 1e-6, 1e-6 };
+	1e-7, 1e-7, 1e-7, 1e-6, 1e-6, 1e-6, 1 };
 
 /* ---- the camera, changed a little ---- */
 
@@ -75,8 +81,69 @@ static void project(const struct board_desc *desc, const struct camera_calibrati
 	}
 }
 
-static double error_of(
-	const struct bundle *b, const struct camera_calibration *lens, const GArray *boards)
+/* ---- where the lidar saw it ---- */
+
+/* How far it saw a board off, and tilted against, where it stands, in pixels: three residuals that say the same as all its beams.
+ * Boards are not even to less than FLAT_M. */
+static void plane_residuals(
+	const struct bundle *b, guint i, const struct pose *board, double range_m, double ret[3])
+{
+	const struct board_plane *p = &g_array_index(b->planes, struct board_plane, i);
+	double n[3] = { board->rotation[0][2], board->rotation[1][2], board->rotation[2][2] },
+	       off = 0;
+	double tilt[2] = { 0 }, scale = b->px_per_m;
+	ret[0] = ret[1] = ret[2] = 0;
+	if (p->beams == 0)
+		return;
+	if (p->beams > BEAMS_WORTH)
+		scale *= sqrt(BEAMS_WORTH / p->beams);
+	for (int k = 0; k < 3; k++) {
+		off += n[k] * (p->mean_m[k] + range_m * p->along[k] - board->translation_m[k]);
+		tilt[0] += n[k] * p->across[0][k];
+		tilt[1] += n[k] * p->across[1][k];
+	}
+	ret[0] = scale * sqrt(p->beams) * off;
+	for (int k = 0; k < 2; k++)
+		ret[1 + k] = scale * sqrt(p->spread2_m2[k]) * tilt[k];
+}
+
+static double planes_error(const struct bundle *b, const GArray *boards, double range_m)
+{
+	double sum = 0, r[3];
+	for (guint i = 0; b->planes && i < boards->len; i++) {
+		plane_residuals(b, i, &g_array_index(boards, struct pose, i), range_m, r);
+		sum += r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+	}
+	return sum;
+}
+
+/* By differences, of the range offset and the board's pose. */
+static void add_plane(const struct bundle *b, guint i, double *information, double *gradient)
+{
+	const struct pose *board = &g_array_index(b->boards, struct pose, i);
+	double r[3], by[1 + BOARD_POSE][3];
+	size_t at[1 + BOARD_POSE];
+	plane_residuals(b, i, board, b->range_m, r);
+	for (int u = 0; u < 1 + BOARD_POSE; u++) {
+		double twist[BOARD_POSE] = { 0 }, step = 1e-6;
+		if (u > 0)
+			twist[u - 1] = step;
+		struct pose moved = pose_perturb(board, twist);
+		at[u] = u ? BOARD_UNKNOWNS + BOARD_POSE * i + u - 1 : BOARD_RANGE;
+		plane_residuals(b, i, &moved, b->range_m + (u ? 0 : step), by[u]);
+		for (int k = 0; k < 3; k++)
+			by[u][k] = (by[u][k] - r[k]) / step;
+	}
+	for (int u = 0; u < 1 + BOARD_POSE; u++)
+		for (int k = 0; k < 3; k++) {
+			gradient[at[u]] -= by[u][k] * r[k];
+			for (int v = 0; v < 1 + BOARD_POSE; v++)
+				information[at[u] * b->unknowns + at[v]] += by[u][k] * by[v][k];
+		}
+}
+
+static double error_of(const struct bundle *b, const struct camera_calibration *lens,
+	const GArray *boards, double range_m)
 {
 	double(*shown)[2] = g_malloc_n(BOARD_CORNERS_MAX, sizeof *shown), sum = 0;
 	uint32_t n = b->desc->columns * b->desc->rows;
@@ -91,7 +158,7 @@ static double error_of(
 			}
 	}
 	g_free(shown);
-	return sum;
+	return sum + planes_error(b, boards, range_m);
 }
 
 /* ---- least squares ---- */
@@ -159,9 +226,11 @@ static void sum_up(const struct bundle *b, double *information, double *gradient
 		differentiate(b, view, &s);
 		add_view(b, view, &s, information, gradient);
 	}
-	static const int gauge[] = { BOARD_TURN_Z, BOARD_Z };
-	for (size_t i = 0; i < G_N_ELEMENTS(gauge); i++)
+	static const int gauge[] = { BOARD_TURN_Z, BOARD_Z, BOARD_RANGE };
+	for (size_t i = 0; !b->planes && i < G_N_ELEMENTS(gauge); i++)
 		information[(size_t)gauge[i] * (b->unknowns + 1)] += 1 / (GAUGE * GAUGE);
+	for (guint i = 0; b->planes && i < b->boards->len; i++)
+		add_plane(b, i, information, gradient);
 	g_free(s.shown);
 	g_free(s.moved);
 }
@@ -181,7 +250,7 @@ static bool step(struct bundle *b, double *damping, double *information, double 
 {
 	g_autofree double *damped = g_new(double, b->unknowns * b->unknowns),
 			  *change = g_new(double, b->unknowns);
-	double before = error_of(b, &b->camera, b->boards);
+	double before = error_of(b, &b->camera, b->boards, b->range_m);
 	sum_up(b, information, gradient);
 	for (; *damping < 1e6; *damping *= 10) {
 		struct camera_calibration lens = b->camera;
@@ -192,10 +261,11 @@ static bool step(struct bundle *b, double *damping, double *information, double 
 			continue;
 		change_camera(&lens, change);
 		g_autoptr(GArray) boards = moved_boards(b, change);
-		double after = error_of(b, &lens, boards);
+		double after = error_of(b, &lens, boards, b->range_m + change[BOARD_RANGE]);
 		if (!(after < before))
 			continue;
 		b->camera = lens;
+		b->range_m += change[BOARD_RANGE];
 		g_array_unref(b->boards);
 		b->boards = g_steal_pointer(&boards);
 		*damping /= 10;
@@ -215,12 +285,13 @@ static bool solve(struct bundle *b, struct board_result *ret)
 	for (int i = 0; i < STEPS_MAX && step(b, &damping, information, gradient); i++)
 		;
 	sum_up(b, information, gradient);
-	double variance = error_of(b, &b->camera, b->boards) / (corners - (double)b->unknowns);
+	double variance =
+		error_of(b, &b->camera, b->boards, b->range_m) / (corners - (double)b->unknowns);
 	if (!normal_equations_solve(information, gradient, b->unknowns, change, covariance))
 		return false;
 	for (int i = 0; i < BOARD_UNKNOWNS; i++)
 		ret->deviation[i] = sqrt(variance * covariance[(size_t)i * (b->unknowns + 1)]);
-	ret->rms_px = sqrt(error_of(b, &b->camera, b->boards) / (corners / 2));
+	ret->rms_px = sqrt(error_of(b, &b->camera, b->boards, b->range_m) / (corners / 2));
 	return true;
 }
 
@@ -297,7 +368,7 @@ static bool refuse(GError **error, const struct board_result *r)
 
 static double rms_of(const struct bundle *b)
 {
-	return sqrt(error_of(b, &b->camera, b->boards) /
+	return sqrt(error_of(b, &b->camera, b->boards, b->range_m) /
 		    (b->desc->columns * b->desc->rows * b->views->len));
 }
 
@@ -316,6 +387,31 @@ static bool calibrate(struct bundle *b, struct board_result *ret, GError **error
 	return false;
 }
 
+/* Once more, with what the lidar saw of the boards. */
+static bool solve_with_lidar(const struct faces *f, struct bundle *b,
+	const struct two_face_result *lidar, struct board_result *ret, GError **error)
+{
+	g_autoptr(GArray) planes = g_array_new(FALSE, FALSE, sizeof(struct board_plane));
+	ret->camera = b->camera;
+	board_lidar_meet(f, b->desc, b->boards, lidar, ret, planes);
+	if (!ret->met)
+		return true;
+	b->camera = ret->camera;
+	b->planes = planes;
+	b->px_per_m = ret->rms_px / sqrt(2) / ret->plane_rms_m;
+	if (!solve(b, ret)) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_DATA,
+			"the checkerboards do not tell all of the camera");
+		return false;
+	}
+	b->planes = NULL;
+	ret->rms_px = rms_of(b);
+	ret->camera = b->camera;
+	ret->range_offset_m += b->range_m;
+	ret->range_deviation_m = ret->deviation[BOARD_RANGE];
+	return true;
+}
+
 bool board_camera_solve(const struct faces *f, const struct board_desc *desc,
 	const struct two_face_result *lidar, faces_progress progress, gpointer user_data,
 	struct board_result *ret, GError **error)
@@ -331,10 +427,8 @@ bool board_camera_solve(const struct faces *f, const struct board_desc *desc,
 	bool good = ret->photos >= BOARD_ANGLES_MIN ? calibrate(&b, ret, error)
 						    : ret->photos == 0 || refuse(error, ret);
 	ret->boards = b.boards->len;
-	if (good && ret->boards) {
-		ret->camera = b.camera;
-		board_lidar_meet(f, desc, b.boards, lidar, ret);
-	}
+	ret->camera = b.camera;
+	good = good && (!ret->boards || solve_with_lidar(f, &b, lidar, ret, error));
 	g_array_unref(b.boards);
 	return good;
 }

@@ -5,7 +5,8 @@
  * the photos show of the corners.
  *
  * A turn of everything about the axis, and a shift along it, change no photo: the camera's azimuth and height against the lidar
- * come from boards that the lidar sees too (board_camera_meet_lidar), whose planes must lie where its beams end. The boards have a
+ * come from boards that the lidar sees too (board_camera_meet_lidar), whose planes must lie where its beams end; then all is solved once more, since a camera's pitch, the middle of its picture and its
+ * height differ little in what it sees, but not in where its boards stand. The boards have a
  * known size, so the same tells the range offset, which the lidar's faces cannot. */
 #include "process/boards.h"
 #include "process/two-face.h"
@@ -25,7 +26,8 @@ enum board_unknown {
 	BOARD_TURN_Z, /* rad, about the head's axes; Z by the lidar */
 	BOARD_X,
 	BOARD_Y,
-	BOARD_Z, /* m; Z by the lidar */
+	BOARD_Z,     /* m; Z by the lidar */
+	BOARD_RANGE, /* m: the lidar's range offset, by the lidar */
 	BOARD_UNKNOWNS
 };
 

@@ -4,9 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-#define DEGREE    (G_PI / 180)
-#define STEPS     12
-#define BEAMS_MIN 500
+#define DEGREE          (G_PI / 180)
+#define STEPS           12
+#define BEAMS_MIN       500
+#define BOARD_BEAMS_MIN 200
 /* Beams further off a board's plane see something else; first wide, then by the noise. */
 #define WIDE_M        0.12
 #define NARROW_M      0.05
@@ -25,7 +26,7 @@ struct near_beam {
 
 struct meeting {
 	const struct board_desc *desc;
-	const GArray *boards;
+	GArray *boards;
 	GArray *beams;               /* of struct near_beam */
 	double value[MEET_UNKNOWNS]; /* how boards turn clockwise, rise; how ranges grow */
 	double off_m;                /* how far off a plane a beam may be */
@@ -107,6 +108,61 @@ static bool step(struct meeting *m, double *ret_covariance)
 	return true;
 }
 
+/* ---- when it is known ---- */
+
+static void add_end(struct board_plane *p, double scatter[9], const double end[3],
+	const double along[3], const double origin[3])
+{
+	p->beams++;
+	for (int i = 0; i < 3; i++) {
+		p->mean_m[i] += end[i] - origin[i];
+		p->along[i] += along[i];
+		for (int j = 0; j < 3; j++)
+			scatter[3 * i + j] += (end[i] - origin[i]) * (end[j] - origin[j]);
+	}
+}
+
+/* Beams on a board that stands where it was found. */
+static struct board_plane plane_of(const struct meeting *m, const struct pose *board)
+{
+	struct board_plane p = { 0 };
+	double scatter[9] = { 0 }, values[3], vectors[9], off;
+	struct pose to_board = pose_inverse(board);
+	for (guint i = 0; i < m->beams->len; i++) {
+		const struct near_beam *b = &g_array_index(m->beams, struct near_beam, i);
+		double end[3];
+		for (int k = 0; k < 3; k++)
+			end[k] = b->end_m[k] + m->value[MEET_RANGE] * b->along[k];
+		if (meets(m, &to_board, end, &off))
+			add_end(&p, scatter, end, b->along, board->translation_m);
+	}
+	if (p.beams < BOARD_BEAMS_MIN)
+		return (struct board_plane){ 0 };
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			scatter[3 * i + j] -= p.mean_m[i] * p.mean_m[j] / p.beams;
+	normal_equations_eigen(scatter, 3, values, vectors);
+	memcpy(p.across, vectors, sizeof p.across);
+	memcpy(p.spread2_m2, values, sizeof p.spread2_m2);
+	for (int k = 0; k < 3; k++) {
+		p.mean_m[k] = board->translation_m[k] + p.mean_m[k] / p.beams;
+		p.along[k] /= p.beams;
+	}
+	return p;
+}
+
+static void move_boards(const struct meeting *m, GArray *planes)
+{
+	const double up[3] = { 0, 0, m->value[MEET_HEIGHT] };
+	struct pose moved = pose_from_yaw(m->value[MEET_TURN], up);
+	for (guint i = 0; i < m->boards->len; i++) {
+		struct pose *board = &g_array_index(m->boards, struct pose, i);
+		*board = pose_compose(&moved, board);
+		struct board_plane plane = plane_of(m, board);
+		g_array_append_val(planes, plane);
+	}
+}
+
 /* As the boards turn and rise, so does who saw them. */
 static void move_camera(struct camera_calibration *c, double turn_rad, double height_m)
 {
@@ -122,7 +178,8 @@ static void move_camera(struct camera_calibration *c, double turn_rad, double he
 	}
 }
 
-static void finish(const struct meeting *m, const double *covariance, struct board_result *ret)
+static void finish(
+	const struct meeting *m, const double *covariance, struct board_result *ret, GArray *planes)
 {
 	double variance = m->square / m->count;
 	double turn = sqrt(variance * covariance[0]), height = sqrt(variance * covariance[4]);
@@ -136,10 +193,11 @@ static void finish(const struct meeting *m, const double *covariance, struct boa
 	ret->deviation[BOARD_TURN_Z] = turn;
 	ret->deviation[BOARD_Z] = height;
 	move_camera(&ret->camera, m->value[MEET_TURN], m->value[MEET_HEIGHT]);
+	move_boards(m, planes);
 }
 
-void board_lidar_meet(const struct faces *f, const struct board_desc *desc, const GArray *boards,
-	const struct two_face_result *lidar, struct board_result *ret)
+void board_lidar_meet(const struct faces *f, const struct board_desc *desc, GArray *boards,
+	const struct two_face_result *lidar, struct board_result *ret, GArray *planes)
 {
 	g_autoptr(GArray) beams = g_array_new(FALSE, FALSE, sizeof(struct near_beam));
 	struct meeting m = { .desc = desc, .boards = boards, .beams = beams, .off_m = WIDE_M };
@@ -153,5 +211,5 @@ void board_lidar_meet(const struct faces *f, const struct board_desc *desc, cons
 		if (!step(&m, covariance))
 			return;
 	}
-	finish(&m, covariance, ret);
+	finish(&m, covariance, ret, planes);
 }

@@ -31,6 +31,7 @@ static const struct job_option export_options[] = { { "output", 's', JOB_OPTION_
 	{ "raw", 'b', JOB_OPTION_PLAIN }, { 0 } };
 static const struct job_option copy_options[] = { { "to", 's', JOB_OPTION_DRIVE },
 	{ "what", 's', JOB_OPTION_PLAIN }, { 0 } };
+static const struct job_option calibrate_options[] = { { "check", 'b', JOB_OPTION_PLAIN }, { 0 } };
 
 static const struct job_kind kinds[] = {
 	{ "process", false, true, process_options },
@@ -42,6 +43,7 @@ static const struct job_kind kinds[] = {
 	{ "render", false, true, render_options },
 	{ "export", false, true, export_options },
 	{ "copy", false, true, copy_options },
+	{ "calibrate", false, true, calibrate_options },
 };
 
 const struct job_kind *job_kind_find(const char *name, GError **error)

@@ -221,10 +221,9 @@ static int report(const struct measured *m)
 		printf("%s\n", words);
 	if (!json && m->boards)
 		print_boards(m->faces, m->boards);
-	if (!check || is_good(m->lidar))
+	if (!check || json || is_good(m->lidar))
 		return cli_done(COMMAND);
-	if (!json)
-		g_printerr("pleinair %s: %s\n", COMMAND, words);
+	g_printerr("pleinair %s: %s\n", COMMAND, words);
 	return CLI_FAILED;
 }
 

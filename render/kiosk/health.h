@@ -7,6 +7,8 @@
 GtkWidget *health_devices_new(kiosk *k);
 /* What is wrong with this machine as a scanner: what pleinair doctor says. */
 GtkWidget *health_doctor_new(kiosk *k);
+/* Whether the head's calibration still holds, by the last scan. */
+GtkWidget *health_check_new(kiosk *k);
 /* Room, battery, temperature, services, version. */
 GtkWidget *health_box_new(kiosk *k);
 /* Language, colours, sleep. */
