@@ -179,8 +179,8 @@ static void trace_axis(const struct beam_optics *o, const struct beam_fan *fan, 
 static void trace_edge(const struct beam_optics *o, const struct beam_fan *fan, uint32_t i,
 	int side, int along, struct beam_touch *touch)
 {
-	double theta = beam_theta_rad(fan, i) + along * o->half_divergence_rad +
-		       o->mount.beam_zero_rad;
+	double theta =
+		beam_theta_rad(fan, i) + along * o->half_divergence_rad + o->mount.beam_zero_rad;
 	double lidar[3] = { side * o->half_divergence_rad, cos(theta), sin(theta) };
 
 	for (int k = 0; k < 3; k++)
