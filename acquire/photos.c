@@ -7,6 +7,8 @@
 #define NEAR_ENOUGH (4 * DEGREE)
 /* Frames for metering: one each this often. */
 #define METER_EVERY_NS (SECOND_NS)
+/* A frame that has not come by then was lost. */
+#define LOST_NS (3 * SECOND_NS)
 /* The brightest sixth of what is not sky may come close to white. */
 #define METER_PERCENTILE 0.85
 #define METER_TARGET     0.62 /* of full scale, linear */
@@ -52,6 +54,8 @@ static bool lend(photos *p, int64_t now_ns, GError **error)
 
 bool photos_meter(photos *p, int64_t now_ns, GError **error)
 {
+	if (p->lent && now_ns - p->lent_ns > LOST_NS)
+		p->lent = false;
 	if (p->count == 0 || p->lent || (p->metered && now_ns - p->metered_ns < METER_EVERY_NS))
 		return true;
 	if (!p->metering && !camera_set_controls(p->camera, &p->controls, error))
@@ -65,7 +69,13 @@ bool photos_use_controls(photos *p, const struct camera_controls *controls, GErr
 {
 	p->metering = false;
 	p->controls = *controls;
-	return p->count == 0 || camera_set_controls(p->camera, controls, error);
+	if (p->count == 0)
+		return true;
+	if (!camera_set_controls(p->camera, controls, error))
+		return false;
+	/* Photos are known by the controls that they were taken with. */
+	camera_get_controls(p->camera, &p->controls);
+	return true;
 }
 
 bool photos_settle_exposure(photos *p, GError **error)
@@ -96,6 +106,8 @@ static double linear(double luma)
 /* A frame that is blown out says only "at least"; the next one is taken darker. */
 static void meter(photos *p, const struct camera_frame_info *info, const uint8_t *pixels)
 {
+	if (info->controls.exposure_100us == 0)
+		return; /* it exposes as it likes: nothing follows from how bright the frame is */
 	uint32_t histogram[256] = { 0 }, n = info->width * info->height, below = 0, level = 0;
 	for (uint32_t i = 0; i < n; i++)
 		histogram[pixels[i]]++;

@@ -121,7 +121,7 @@ static bool take_camera(struct pump *p, GError **error)
 	int64_t arrival_ns;
 	int n = 0;
 	g_autoptr(GError) gone = NULL;
-	while (p->head->camera && !p->camera_gone &&
+	while (p->head->camera &&
 		(n = camera_read(p->head->camera, &info, &pixels, &bytes, &arrival_ns, &gone)) >
 			0) {
 		g_autofree uint8_t *payload = g_malloc(sizeof info + bytes);
@@ -130,8 +130,8 @@ static bool take_camera(struct pump *p, GError **error)
 		if (!feed(p, RECORD_FRAME, arrival_ns, payload, sizeof info + bytes, error))
 			return false;
 	}
-	/* A scan without colour is better than none. */
-	p->camera_gone |= n < 0;
+	/* A scan without colour is better than none; and a camera can come back. */
+	p->camera_gone = n < 0;
 	return true;
 }
 

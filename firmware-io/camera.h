@@ -25,7 +25,9 @@ struct camera_controls {
 	0x10000u /* ticks are microseconds of the host's own clock, its low 32 bits */
 #define CAMERA_STAMP_END                                                                           \
 	0x20000u /* ticks are of the instant after the last pixel was read out, not of the start of exposure */
-#define CAMERA_SIDE_MAX 16384u
+#define CAMERA_FULL_RANGE 0x40000u /* of YUV: 0..255 */
+#define CAMERA_BT709      0x80000u /* of YUV */
+#define CAMERA_SIDE_MAX   16384u
 
 /* As it stands in a record, before the pixels. */
 struct camera_frame_info {
@@ -33,14 +35,16 @@ struct camera_frame_info {
 		ticks; /* of the camera's clock at the start of exposure, if flags say nothing else: it wraps */
 	uint32_t sequence;
 	uint32_t flags;
-	uint32_t fourcc; /* CAMERA_FOURCC_NV12: BT.601, limited range */
+	uint32_t fourcc; /* of camera-format.h; YUV is BT.601, limited range, if flags say nothing else */
 	uint32_t width, height;
-	struct camera_controls controls; /* in force for this frame */
+	struct camera_controls controls; /* in force for this frame, as the camera itself says */
 	uint32_t reserved;
 };
 
 struct camera_ops {
 	bool (*set_controls)(camera *c, const struct camera_controls *controls, GError **error);
+	/* What the camera made of them, as far as it is known; NULL where it takes them as they are. */
+	void (*get_controls)(camera *c, struct camera_controls *ret);
 	bool (*queue)(camera *c, GError **error);
 	/* 1 with a frame (its pixels are the camera's own until the next call), 0 for none, -1 with
 	 * an error (WIRE_ERROR). */
@@ -55,6 +59,7 @@ struct camera_ops {
 struct camera {
 	const struct camera_ops *ops;
 	struct head *head;
+	bool gone; /* as the last read said: the record is told once */
 };
 
 /* Bytes of an NV12 frame. */
@@ -64,7 +69,10 @@ static inline size_t camera_frame_bytes(const struct camera_frame_info *info)
 }
 
 bool camera_set_controls(camera *c, const struct camera_controls *controls, GError **error);
+/* Those in force, which can differ a little from what was set; leaves them where the camera says nothing. */
+void camera_get_controls(camera *c, struct camera_controls *controls);
 bool camera_queue(camera *c, GError **error);
+/* After WIRE_ERROR_GONE it may be called again, as often as one likes: a camera can come back. */
 int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,
 	size_t *ret_bytes, int64_t *ret_arrival_ns, GError **error);
 

@@ -147,6 +147,12 @@ bool camera_set_controls(camera *c, const struct camera_controls *controls, GErr
 	return c->ops->set_controls(c, controls, error);
 }
 
+void camera_get_controls(camera *c, struct camera_controls *controls)
+{
+	if (c->ops->get_controls)
+		c->ops->get_controls(c, controls);
+}
+
 bool camera_queue(camera *c, GError **error)
 {
 	return c->ops->queue(c, error);
@@ -159,7 +165,8 @@ int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **r
 	if (n > 0)
 		head_tap(c->head, RECORD_FRAME, *ret_arrival_ns, ret_info, sizeof *ret_info,
 			*ret_pixels, *ret_bytes);
-	else if (n < 0)
+	else if (n < 0 && !c->gone)
 		head_tap(c->head, RECORD_CAMERA_GONE, head_now_ns(c->head), NULL, 0, NULL, 0);
+	c->gone = n < 0;
 	return n;
 }

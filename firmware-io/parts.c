@@ -12,7 +12,7 @@ static const struct {
 	{ "stage", { "chip", "step", "dir", "enable", "home", "index", "estop", "interlock",
 			   "button", "sync", "led_ready", "led_emitting", "led_fault", "active_low",
 			   "steps_per_turn", "index_slots", "rate_max", "counted", "priority" } },
-	{ "camera", { "node", "width", "height", "format", "timestamps", "readout_us" } },
+	{ "camera", { "node", "width", "height", "format", "timestamps", "readout_us", "focus" } },
 };
 
 struct parts {

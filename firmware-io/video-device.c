@@ -157,8 +157,9 @@ static bool set_format(struct video_device *d, const struct video_wish *w)
 		f.fmt.pix.field = V4L2_FIELD_NONE;
 		f.fmt.pix.bytesperline = f.fmt.pix.sizeimage = 0;
 	}
-	return video_call(d, VIDIOC_S_FMT, &f) == 0 && read_layout(d, &f) &&
-	       d->format.format->fourcc == w->fourcc;
+	bool set = video_call(d, VIDIOC_S_FMT, &f) == 0;
+	d->busy = !set && errno == EBUSY;
+	return set && read_layout(d, &f) && d->format.format->fourcc == w->fourcc;
 }
 
 static bool is_offered(const struct video_device *d, uint32_t fourcc)
@@ -205,15 +206,13 @@ static bool find_attempts(struct video_device *d, const struct video_wish *wish,
 	d->attempt = 0;
 	try_size(d, &w, 0, true);
 	try_size(d, &w, 0, false);
-	if (d->attempts->len == 0) {
-		g_autofree char *code = camera_fourcc_text(wish->fourcc);
-		return say(error, errno == EBUSY ? WIRE_ERROR_GONE : WIRE_ERROR_BROKEN,
-			errno == EBUSY ? "%s is in use by another program%s"
-				       : "%s has no format that can be used%s",
-			d->path,
-			errno == EBUSY || !wish->fourcc ? ""
-							: ": not the one that is set in [camera]");
-	}
+	if (d->attempts->len == 0 && d->busy)
+		return say(error, WIRE_ERROR_GONE, "%s is in use by another program", d->path);
+	if (d->attempts->len == 0)
+		return say(error, WIRE_ERROR_BROKEN,
+			wish->fourcc ? "%s does not have the format that is set in [camera]"
+				     : "%s has no format that can be used",
+			d->path);
 	const struct video_wish *best = &g_array_index(d->attempts, struct video_wish, 0);
 	w.width = best->width;
 	w.height = best->height;
@@ -336,10 +335,8 @@ bool video_prepare(struct video_device *d, GError **error)
 	unmap(d);
 	if (!set_format(d, &g_array_index(d->attempts, struct video_wish, d->attempt)) ||
 		video_call(d, VIDIOC_REQBUFS, &r) < 0 || r.count < 2)
-		return say(error, WIRE_ERROR_GONE,
-			errno == EBUSY ? "%s is in use by another program%s"
-				       : "%s does not take its settings: %s",
-			d->path, errno == EBUSY ? "" : g_strerror(errno));
+		return say(error, WIRE_ERROR_GONE, "%s does not take its settings: %s", d->path,
+			errno == EBUSY ? "another program uses it" : g_strerror(errno));
 	uint32_t count = MIN(r.count, VIDEO_BUFFERS_MAX);
 	for (d->count = 0; d->count < count; d->count++)
 		if (!map(d, d->count)) {

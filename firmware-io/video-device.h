@@ -51,7 +51,7 @@ struct video_device {
 	guint attempt;
 	struct video_buffer buffers[VIDEO_BUFFERS_MAX];
 	uint32_t count;
-	bool streaming;
+	bool streaming, busy; /* busy: somebody else's, as it was last asked */
 };
 
 enum video_result {
