@@ -15,7 +15,7 @@
 struct developing {
 	panorama *panorama;
 	GArray *beams;      /* of struct panorama_beam, in it */
-	GArray *photos;     /* of struct photo, pixels in the mapped record */
+	GArray *photos;     /* of struct photo, pixels its own */
 	lidar_delay *delay; /* NULL once it is known */
 };
 
@@ -37,9 +37,15 @@ static void take_frame(const struct camera_frame_info *info, const uint8_t *pixe
 	double front_rad, bool locked, gpointer user_data)
 {
 	struct developing *d = user_data;
-	struct photo photo = { *info, pixels, front_rad };
-	if (locked)
-		g_array_append_val(d->photos, photo);
+	if (!locked)
+		return;
+	struct photo photo = { *info, g_memdup2(pixels, camera_frame_bytes(info)), front_rad };
+	g_array_append_val(d->photos, photo);
+}
+
+static void free_photo(gpointer data)
+{
+	g_free((gpointer)((struct photo *)data)->pixels);
 }
 
 void develop_result_clear(struct develop_result *r)
@@ -137,6 +143,7 @@ panorama *develop_record(const char *path, const struct develop_options *o,
 {
 	struct develop_result result = { 0 };
 	g_autoptr(GArray) photos = g_array_new(FALSE, FALSE, sizeof(struct photo));
+	g_array_set_clear_func(photos, free_photo);
 	g_autoptr(lidar_delay) delay = lidar_delay_new();
 	g_autoptr(GArray) beams = g_array_new(FALSE, FALSE, sizeof(struct panorama_beam));
 	struct developing d = { panorama_new(&o->desc, error), beams, photos, delay };

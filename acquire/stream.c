@@ -1,6 +1,7 @@
 #include "acquire/stream.h"
 #include "acquire/clock.h"
 #include "acquire/driver.h"
+#include "acquire/frames.h"
 #include "acquire/manifest.h"
 #include <math.h>
 #include <string.h>
@@ -44,6 +45,7 @@ struct stream {
 	guint session_at, plug_at; /* which comes next in the second pass */
 	device_clock *lidar_clock;
 	decoder *decode;
+	frames *frames;
 	GQueue pending;
 	int64_t asked_clock_ns; /* 0: not asked */
 	int64_t lidar_delay_ns; /* what its stamps are late beyond what its clock knows */
@@ -77,6 +79,7 @@ stream *stream_new(enum stream_mode mode, const struct stream_sink *sink)
 	s->sink = *sink;
 	s->sessions = g_ptr_array_new_with_free_func(session_free);
 	s->losses = g_array_new(FALSE, FALSE, sizeof(struct stream_loss));
+	s->frames = frames_new();
 	return s;
 }
 
@@ -92,6 +95,7 @@ void stream_free(stream *s)
 		return;
 	drop_pending(s);
 	decoder_free(s->decode);
+	frames_free(s->frames);
 	g_ptr_array_unref(s->sessions);
 	g_array_unref(s->losses);
 	g_free(s);
@@ -357,33 +361,47 @@ static void take_stage(stream *s, const struct record_entry *e)
 	place_pending(s);
 }
 
+/* The host's time of a frame's stamp. Where that is of the camera's own clock something is learnt of it: a frame cannot leave before its
+ * exposure ends. */
+static int64_t frame_stamp_ns(
+	stream *s, const struct camera_frame_info *info, const struct record_entry *e)
+{
+	if (info->flags & CAMERA_HOST_CLOCK)
+		return frames_host_ns(info->ticks, e->time_ns);
+	device_clock *clock = s->session->camera_clock;
+	int64_t ticks = device_clock_unwrap(clock, info->ticks, e->time_ns);
+	int64_t least_ns = info->flags & CAMERA_STAMP_END
+				   ? 0
+				   : info->controls.exposure_100us * INT64_C(100000);
+	if (s->learning || s->mode == STREAM_LIVE)
+		device_clock_add_arrival(clock, ticks, e->time_ns - least_ns);
+	return s->learning ? 0 : device_clock_host_ns(clock, (double)ticks);
+}
+
 static void take_frame(stream *s, const struct record_entry *e)
 {
-	struct camera_frame_info info;
+	struct camera_frame_info info, made;
 	if (!s->session->camera_clock || e->length < sizeof info)
 		return;
 	memcpy(&info, e->payload, sizeof info);
-	int64_t ticks = device_clock_unwrap(s->session->camera_clock, info.ticks, e->time_ns);
-	if (s->learning || s->mode == STREAM_LIVE)
-		/* The stamp is the start of the exposure, and a frame cannot leave before its end. */
-		device_clock_add_arrival(s->session->camera_clock, ticks,
-			e->time_ns - info.controls.exposure_100us * INT64_C(100000));
+	int64_t stamp_ns = frame_stamp_ns(s, &info, e);
 	if (s->learning)
 		return;
 	const struct camera_calibration *c = &s->session->calibration.camera;
-	if (info.flags & CAMERA_FRAME_ERROR || info.fourcc != CAMERA_FOURCC_NV12 ||
-		info.width != c->width || info.height != c->height ||
-		e->length - sizeof info != camera_frame_bytes(&info)) {
+	const uint8_t *pixels =
+		info.width == c->width && info.height == c->height
+			? frames_nv12(s->frames, &info, (const uint8_t *)e->payload + sizeof info,
+				  e->length - sizeof info, &made)
+			: NULL;
+	if (!pixels) {
 		s->report.bad_frames++;
 		return;
 	}
-	int64_t middle_ns = device_clock_host_ns(s->session->camera_clock, (double)ticks) +
-			    info.controls.exposure_100us * INT64_C(50000);
-	double front = stage_track_angle_rad(s->session->track, middle_ns);
+	double front = stage_track_angle_rad(
+		s->session->track, stamp_ns + frames_middle_ns(&info, c->readout_us));
 	bool locked = memcmp(&info.controls, &s->session->locked, sizeof info.controls) == 0;
 	if (s->sink.frame)
-		s->sink.frame(&info, (const uint8_t *)e->payload + sizeof info, front, locked,
-			s->sink.user_data);
+		s->sink.frame(&made, pixels, front, locked, s->sink.user_data);
 }
 
 char *stream_lock_text(const struct camera_controls *c)

@@ -22,8 +22,9 @@ struct stream_sink {
 	/* Each may be NULL. */
 	void (*line)(
 		const struct scanline *line, const struct placed_line *placed, gpointer user_data);
-	/* front_rad: stage angle in the middle of the exposure. pixels have the length that info
-	 * says, checked. locked: taken with the exposure that the scan settled on
+	/* front_rad: stage angle in the middle of the exposure. Frames are NV12 here, whatever the
+	 * camera makes (frames.h); pixels have the length that info says, checked, and live until
+	 * the callback returns. locked: taken with the exposure that the scan settled on
 	 * (stream_lock_text); others were for metering. */
 	void (*frame)(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad,
 		bool locked, gpointer user_data);
