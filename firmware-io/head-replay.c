@@ -19,7 +19,7 @@ struct replay_head {
 	size_t taken;             /* bytes of a lidar entry already read */
 	bool offered;             /* the entry has been due for a whole turn */
 	bool ended;
-	bool lidar_gone;
+	bool lidar_gone, camera_gone;
 };
 
 static bool is_output(const struct record_entry *e)
@@ -185,8 +185,14 @@ static int replay_camera_read(camera *c, struct camera_frame_info *ret_info,
 {
 	struct replay_head *r = (struct replay_head *)c->head;
 	if (is_due(r, RECORD_CAMERA_GONE)) {
-		if (advance(r, error))
-			g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "the camera was unplugged");
+		r->camera_gone = true;
+		if (!advance(r, error))
+			return -1;
+	}
+	/* It was back at the latest when it brought a frame. */
+	r->camera_gone = r->camera_gone && !is_due(r, RECORD_FRAME);
+	if (r->camera_gone) {
+		g_set_error(error, WIRE_ERROR, WIRE_ERROR_GONE, "the camera was unplugged");
 		return -1;
 	}
 	if (!is_due(r, RECORD_FRAME) || r->next.length < sizeof *ret_info)
