@@ -14,7 +14,7 @@
 
 struct timed_event {
 	struct stage_event event;
-	int64_t ticks; /* unwrapped */
+	int64_t ticks; /* unwrapped; with STAGE_EVENT_HOST_CLOCK the host's time in nanoseconds */
 };
 
 /* One power-on of the head, from its RECORD_SESSION to the next. */
@@ -331,31 +331,64 @@ static void feed_track(struct session *session)
 	for (guint i = 0; i < session->stage_events->len; i++) {
 		const struct timed_event *t =
 			&g_array_index(session->stage_events, struct timed_event, i);
+		bool exact = t->event.flags & STAGE_EVENT_HOST_CLOCK;
 		stage_track_feed(session->track, &t->event,
-			device_clock_host_ns(session->stage_clock, (double)t->ticks));
+			exact ? t->ticks
+			      : device_clock_host_ns(session->stage_clock, (double)t->ticks));
 	}
 	g_array_set_size(session->stage_events, 0);
 }
 
+/* Emergency stop, interlock, button and SYNC tell nothing of where the stage is. */
+static bool is_motion(const struct stage_event *e)
+{
+	return e->kind <= STAGE_FAULT;
+}
+
+/* The low 32 bits of a microsecond near the arrival, whole again. */
+static int64_t whole_host_ns(uint32_t low_us, int64_t arrival_ns)
+{
+	int64_t arrival_us = arrival_ns / 1000;
+	return MAX(arrival_us + (int32_t)(low_us - (uint32_t)arrival_us), 0) * 1000;
+}
+
+static void keep_stage_event(
+	struct session *session, const struct stage_event *event, int64_t arrival_ns)
+{
+	bool exact = event->flags & STAGE_EVENT_HOST_CLOCK;
+	struct timed_event t = { *event,
+		exact ? whole_host_ns(event->ticks, arrival_ns)
+		      : device_clock_unwrap(session->stage_clock, event->ticks, arrival_ns) };
+	g_array_append_val(session->stage_events, t);
+}
+
 /* The last of a batch waited least: only it says something of the delay, and it has to before the
  * others are timed. */
+static void learn_stage_clock(struct session *session, guint first, int64_t arrival_ns)
+{
+	for (guint i = session->stage_events->len; i > first; i--) {
+		const struct timed_event *t =
+			&g_array_index(session->stage_events, struct timed_event, i - 1);
+		if (t->event.flags & STAGE_EVENT_HOST_CLOCK)
+			continue;
+		device_clock_add_arrival(session->stage_clock, t->ticks, arrival_ns);
+		return;
+	}
+}
+
 static void take_stage(stream *s, const struct record_entry *e)
 {
 	const struct stage_event *events = e->payload;
 	size_t n = e->length / sizeof *events;
 	struct session *session = s->session;
-	if (n == 0 || (s->mode == STREAM_LEARN_FIRST && !s->learning))
+	if (s->mode == STREAM_LEARN_FIRST && !s->learning)
 		return; /* the second time the track is whole already */
 	g_array_set_size(session->stage_events, s->learning ? session->stage_events->len : 0);
 	guint first = session->stage_events->len;
-	for (size_t i = 0; i < n; i++) {
-		struct timed_event t = { events[i],
-			device_clock_unwrap(session->stage_clock, events[i].ticks, e->time_ns) };
-		g_array_append_val(session->stage_events, t);
-	}
-	struct timed_event *timed =
-		&g_array_index(session->stage_events, struct timed_event, first);
-	device_clock_add_arrival(session->stage_clock, timed[n - 1].ticks, e->time_ns);
+	for (size_t i = 0; i < n; i++)
+		if (is_motion(&events[i]))
+			keep_stage_event(session, &events[i], e->time_ns);
+	learn_stage_clock(session, first, e->time_ns);
 	if (!s->learning)
 		feed_track(session);
 	place_pending(s);
