@@ -121,9 +121,8 @@ static bool take_camera(struct pump *p, GError **error)
 	int64_t arrival_ns;
 	int n = 0;
 	g_autoptr(GError) gone = NULL;
-	while (p->head->camera &&
-		(n = camera_read(p->head->camera, &info, &pixels, &bytes, &arrival_ns, &gone)) >
-			0) {
+	while (p->head->camera && (n = camera_read(p->head->camera, &info, &pixels, &bytes,
+					   &arrival_ns, &gone)) > 0) {
 		g_autofree uint8_t *payload = g_malloc(sizeof info + bytes);
 		memcpy(payload, &info, sizeof info);
 		memcpy(payload + sizeof info, pixels, bytes);

@@ -35,7 +35,8 @@ struct camera_frame_info {
 		ticks; /* of the camera's clock at the start of exposure, if flags say nothing else: it wraps */
 	uint32_t sequence;
 	uint32_t flags;
-	uint32_t fourcc; /* of camera-format.h; YUV is BT.601, limited range, if flags say nothing else */
+	uint32_t
+		fourcc; /* of camera-format.h; YUV is BT.601, limited range, if flags say nothing else */
 	uint32_t width, height;
 	struct camera_controls controls; /* in force for this frame, as the camera itself says */
 	uint32_t reserved;

@@ -68,13 +68,19 @@ static void take_frame(const struct camera_frame_info *info, const uint8_t *pixe
 	double front_rad, bool locked, gpointer data)
 {
 	struct sink *s = data;
-	struct photo photo = { *info, pixels, front_rad };
 	for (size_t i = 0; i < camera_frame_bytes(info); i++)
 		s->sum += pixels[i];
 	g_assert_true(isfinite(front_rad));
 	s->sum += locked;
-	if (s->photos->len < PHOTOS_MAX)
-		g_array_append_val(s->photos, photo);
+	if (s->photos->len >= PHOTOS_MAX)
+		return;
+	struct photo photo = { *info, g_memdup2(pixels, camera_frame_bytes(info)), front_rad };
+	g_array_append_val(s->photos, photo);
+}
+
+static void free_photo(gpointer data)
+{
+	g_free((gpointer)((struct photo *)data)->pixels);
 }
 
 static void take_reply(const struct lidar_reply *reply, gpointer data)
@@ -110,6 +116,7 @@ static void develop(GBytes *bytes, enum stream_mode mode)
 	struct panorama_desc desc = panorama_desc_for(COLUMNS, ROWS);
 	g_autoptr(panorama) p = panorama_new(&desc, NULL);
 	g_autoptr(GArray) photos = g_array_new(FALSE, FALSE, sizeof(struct photo));
+	g_array_set_clear_func(photos, free_photo);
 	struct sink sink = { p, photos, 0 };
 	struct stream_sink calls = { take_line, take_frame, take_reply, &sink };
 	g_autoptr(stream) s = stream_new(mode, &calls);

@@ -1,6 +1,8 @@
 /* Frames to NV12, each kind against its definition written out in doubles; stamps; what is refused. */
 #include "acquire/frames.h"
+#include "acquire/stream.h"
 #include "firmware-io/camera-format.h"
+#include "firmware-io/stage.h"
 #include <linux/videodev2.h>
 #include <math.h>
 #include <string.h>
@@ -310,6 +312,133 @@ static void test_stamps(void)
 	g_assert_cmpint(frames_middle_ns(&info, 8000), ==, -8000000 - 2500000);
 }
 
+/* ---- in a record ---- */
+
+#define SECOND_NS INT64_C(1000000000)
+#define LOCKED                                                                                     \
+	"{\"camera\": {\"exposure_100us\": 50, \"gain_percent\": 100, \"white_balance_k\": 5500}}"
+
+struct seen {
+	unsigned frames, locked;
+	double front_rad;
+	struct camera_frame_info info;
+};
+
+static void see_frame(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad,
+	bool locked, gpointer user_data)
+{
+	struct seen *seen = user_data;
+	g_assert_nonnull(pixels);
+	seen->frames++;
+	seen->locked += locked;
+	seen->front_rad = front_rad;
+	seen->info = *info;
+}
+
+static void feed(
+	stream *s, enum record_kind kind, int64_t time_ns, const void *payload, size_t length)
+{
+	g_autoptr(GError) error = NULL;
+	/* Payloads of a record are aligned. */
+	g_autofree void *copy = g_memdup2(payload, length);
+	struct record_entry e = {
+		.kind = kind, .length = (uint32_t)length, .time_ns = time_ns, .payload = copy
+	};
+	g_assert_true(stream_feed(s, &e, &error));
+	g_assert_no_error(error);
+}
+
+/* A stage of 3600 steps goes a hundred steps a second, from its home slot at 1 s. */
+static void feed_stage(stream *s)
+{
+	for (int i = 0; i <= 200; i++) {
+		uint32_t ticks = (uint32_t)(1000000 + i * 10000);
+		struct stage_event events[2] = { { ticks, 1, STAGE_STEP, 0 },
+			{ ticks, 1, i == 0 ? STAGE_HOME : STAGE_STEP, 0 } };
+		feed(s, RECORD_STAGE, ticks * INT64_C(1000), events,
+			(i == 0 ? 2 : 1) * sizeof *events);
+	}
+}
+
+static void feed_session(stream *s, const char *camera)
+{
+	g_autofree char *text = g_strdup_printf(
+		"{\"device\":\"x:\",\"protocol\":\"scip\",\"time\":\"2026-11-21T03:18:12Z\","
+		"\"calibration\":{\"serial\":\"t\",\"lidar\":{\"beam_zero_deg\":90,"
+		"\"beam_direction\":1,\"range_offset_m\":0,\"rotation_deg\":[0,0,0],"
+		"\"translation_m\":[0,0,0]},\"stage\":{\"steps_per_turn\":3600,\"index_slots\":1,"
+		"\"azimuth_zero_deg\":0,\"clock_hz\":1000000,\"clock_bits\":32},\"camera\":%s}}",
+		camera);
+	feed(s, RECORD_SESSION, SECOND_NS / 2, text, strlen(text));
+}
+
+static void feed_frame(
+	stream *s, const struct camera_frame_info *info, size_t bytes, int64_t time_ns)
+{
+	g_autofree uint8_t *payload = g_malloc0(sizeof *info + bytes);
+	memcpy(payload, info, sizeof *info);
+	feed(s, RECORD_FRAME, time_ns, payload, sizeof *info + bytes);
+}
+
+#define CAMERA                                                                                     \
+	"{\"width\":16,\"height\":12,\"fx\":20,\"fy\":20,\"cx\":8,\"cy\":6,"                       \
+	"\"distortion\":[0,0,0,0,0],\"rotation\":[[1,0,0],[0,0,-1],[0,1,0]],"                      \
+	"\"translation_m\":[0,0,0],\"clock_hz\":1000000,\"clock_bits\":32,\"readout_us\":20000}"
+
+/* The angle is that of the middle of the exposure, however late a frame comes, and whatever its stamp is of. */
+static void test_in_a_record(void)
+{
+	struct seen seen = { 0 };
+	struct stream_sink sink = { .frame = see_frame, .user_data = &seen };
+	g_autoptr(stream) s = stream_new(STREAM_LIVE, &sink);
+	feed_session(s, CAMERA);
+	feed(s, RECORD_MARK, SECOND_NS, LOCKED, strlen(LOCKED));
+	feed_stage(s);
+	struct camera_frame_info info = info_of(V4L2_PIX_FMT_YUYV, CAMERA_HOST_CLOCK);
+	const double per_second = 100 * 2 * G_PI / 3600;
+	double start_rad = 0;
+	for (int i = 0; i < 3; i++) {
+		bool of_end = i == 2;
+		info.ticks = 1500000 + (of_end ? 20000 + 5000 : 0);
+		info.flags = CAMERA_HOST_CLOCK | (of_end ? CAMERA_STAMP_END : 0);
+		feed_frame(s, &info, 2 * PIXELS, (i == 0 ? 2 : 3) * SECOND_NS);
+		g_assert_cmpuint(seen.frames, ==, (unsigned)i + 1);
+		start_rad = i == 0 ? seen.front_rad : start_rad;
+		g_assert_cmpfloat_with_epsilon(seen.front_rad, start_rad, 1e-9);
+	}
+	info.ticks += 300000;
+	feed_frame(s, &info, 2 * PIXELS, 3 * SECOND_NS);
+	g_assert_cmpfloat_with_epsilon(seen.front_rad - start_rad, 0.3 * per_second, 1e-4);
+	g_assert_cmpuint(seen.info.fourcc, ==, CAMERA_FOURCC_NV12);
+	g_assert_cmpuint(seen.locked, ==, 4);
+	info.controls.exposure_100us++;
+	feed_frame(s, &info, 2 * PIXELS, 3 * SECOND_NS);
+	g_assert_cmpuint(seen.locked, ==, 4);
+	/* Too short, of another size, and no picture at all. */
+	feed_frame(s, &info, 2 * PIXELS - 1, 3 * SECOND_NS);
+	info.width = 14;
+	feed_frame(s, &info, 2 * 14 * HEIGHT, 3 * SECOND_NS);
+	info.width = 16;
+	info.fourcc = V4L2_PIX_FMT_MJPEG;
+	feed_frame(s, &info, 2 * PIXELS, 3 * SECOND_NS);
+	g_assert_cmpuint(seen.frames, ==, 5);
+	g_assert_cmpuint(stream_get_report(s).bad_frames, ==, 3);
+}
+
+/* Where the head's certificate knows nothing of a camera its frames are kept, and not used. */
+static void test_camera_not_known(void)
+{
+	struct seen seen = { 0 };
+	struct stream_sink sink = { .frame = see_frame, .user_data = &seen };
+	g_autoptr(stream) s = stream_new(STREAM_LIVE, &sink);
+	feed_session(s, "null");
+	feed_stage(s);
+	struct camera_frame_info info = info_of(V4L2_PIX_FMT_YUYV, CAMERA_HOST_CLOCK);
+	feed_frame(s, &info, 2 * PIXELS, 2 * SECOND_NS);
+	g_assert_cmpuint(seen.frames, ==, 0);
+	g_assert_cmpuint(stream_get_report(s).bad_frames, ==, 0);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -321,5 +450,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/frames/mjpeg-cut", test_mjpeg_cut);
 	g_test_add_func("/frames/refused", test_refused);
 	g_test_add_func("/frames/stamps", test_stamps);
+	g_test_add_func("/frames/in-a-record", test_in_a_record);
+	g_test_add_func("/frames/camera-not-known", test_camera_not_known);
 	return g_test_run();
 }
