@@ -91,16 +91,51 @@ static bool take_lidar(struct pump *p, GError **error)
 	return n < 0 ? lidar_is_gone(p, gone, error) : true;
 }
 
+/* Neither of them stands in the way: true. */
+static bool is_safe(const struct pump *p, GError **error)
+{
+	if (p->pressed)
+		g_set_error_literal(error, PUMP_ERROR, PUMP_ERROR_ESTOP,
+			"the emergency stop is pressed");
+	else if (p->open)
+		g_set_error_literal(error, PUMP_ERROR, PUMP_ERROR_INTERLOCK,
+			"the interlock is open: the cover is not closed");
+	return !p->pressed && !p->open;
+}
+
+static void note_event(struct pump *p, const struct stage_event *e)
+{
+	switch (e->kind) {
+	case STAGE_STOPPED: p->stage_stopped = true; break;
+	case STAGE_FAULT: p->stage_fault = true; break;
+	case STAGE_ESTOP_PRESSED: p->pressed = p->struck = true; break;
+	case STAGE_ESTOP_RELEASED: p->pressed = false; break;
+	case STAGE_INTERLOCK_OPENED: p->open = p->struck = true; break;
+	case STAGE_INTERLOCK_CLOSED: p->open = false; break;
+	case STAGE_BUTTON: p->button = true; break;
+	default: break;
+	}
+}
+
+static bool has_not_struck(struct pump *p, GError **error)
+{
+	if (!p->struck)
+		return true;
+	p->struck = false;
+	if (is_safe(p, error)) /* opened and closed again meanwhile */
+		g_set_error_literal(error, PUMP_ERROR, PUMP_ERROR_NOT_RESET,
+			"the emergency stop or the interlock has stopped the scanner");
+	return false;
+}
+
 static bool take_stage(struct pump *p, GError **error)
 {
 	const struct stage_event *events;
 	int64_t arrival_ns;
 	gssize n;
 	while ((n = stage_read(p->head->stage, &events, &arrival_ns, error)) > 0) {
-		for (gssize i = 0; i < n; i++) {
-			p->stage_stopped |= events[i].kind == STAGE_STOPPED;
-			p->stage_fault |= events[i].kind == STAGE_FAULT;
-		}
+		for (gssize i = 0; i < n; i++)
+			note_event(p, &events[i]);
 		if (!feed(p, RECORD_STAGE, arrival_ns, events, n * sizeof *events, error))
 			return false;
 	}
@@ -110,7 +145,7 @@ static bool take_stage(struct pump *p, GError **error)
 			"the pan stage stopped by itself: is something in its way?");
 		return false;
 	}
-	return n == 0;
+	return n == 0 && has_not_struck(p, error);
 }
 
 static bool take_camera(struct pump *p, GError **error)
@@ -178,10 +213,50 @@ pump_reply *pump_answer(struct pump *p, const char *command, int64_t timeout_ns,
 	return NULL;
 }
 
+bool pump_prepare_lidar(struct pump *p, GError **error)
+{
+	if (!p->driver->prepare(p, error))
+		return false;
+	stage_show_emitting(p->head->stage, false);
+	return true;
+}
+
+bool pump_start_lidar(struct pump *p, GError **error)
+{
+	if (!is_safe(p, error))
+		return false;
+	stage_show_emitting(p->head->stage, true);
+	return p->driver->start(p, error);
+}
+
+bool pump_stop_lidar(struct pump *p, GError **error)
+{
+	if (!p->driver->stop(p, error))
+		return false;
+	stage_show_emitting(p->head->stage, false);
+	return true;
+}
+
+bool pump_start_move(struct pump *p, const struct stage_move *move, GError **error)
+{
+	static const enum pump_error codes[] = { [STAGE_ERROR_ESTOP] = PUMP_ERROR_ESTOP,
+		[STAGE_ERROR_INTERLOCK] = PUMP_ERROR_INTERLOCK,
+		[STAGE_ERROR_NOT_RESET] = PUMP_ERROR_NOT_RESET };
+	GError *refused = NULL;
+	p->stage_stopped = false;
+	if (stage_start_move(p->head->stage, move, &refused))
+		return true;
+	if (refused->domain == STAGE_ERROR) {
+		refused->code = (int)codes[refused->code];
+		refused->domain = PUMP_ERROR;
+	}
+	g_propagate_error(error, refused);
+	return false;
+}
+
 bool pump_move(struct pump *p, const struct stage_move *move, GError **error)
 {
-	p->stage_stopped = false;
-	if (!stage_start_move(p->head->stage, move, error))
+	if (!pump_start_move(p, move, error))
 		return false;
 	int64_t silent_since_ns = head_now_ns(p->head), known_ns = INT64_MIN;
 	while (!p->stage_stopped) {

@@ -15,6 +15,9 @@ enum pump_error {
 	PUMP_ERROR_REFUSED, /* the device answered that it will not */
 	PUMP_ERROR_STAGE,   /* the stage's drive stopped by itself */
 	PUMP_ERROR_STOPPED, /* somebody asked the scan to stop */
+	PUMP_ERROR_ESTOP,     /* the emergency stop is, or was, pressed */
+	PUMP_ERROR_INTERLOCK, /* the interlock is, or was, open */
+	PUMP_ERROR_NOT_RESET, /* one of the two was, and nobody has said since that it is safe */
 };
 
 struct pump {
@@ -28,6 +31,9 @@ struct pump {
 
 	/* The pump's own. */
 	bool lidar_open, camera_gone, stage_stopped, stage_fault;
+	bool pressed, open; /* how emergency stop and interlock stand */
+	bool struck;        /* one of them has changed to that, and it was not told yet */
+	bool button;        /* was pressed, since its owner last cleared this */
 	int64_t last_bytes_ns; /* when the lidar last said something */
 	struct sniff heard;    /* the lidar's last bytes, since it was opened or its line was set */
 	GQueue replies;        /* of struct pump_reply, oldest first; bounded */
@@ -50,7 +56,8 @@ bool pump_mark(struct pump *p, const char *text, GError **error);
 
 bool pump_open_lidar(struct pump *p, GError **error);
 
-/* One turn: sleeps until something comes or the deadline, then takes all there is. */
+/* One turn: sleeps until something comes or the deadline, then takes all there is. A pressed emergency stop and an open
+ * interlock are errors of the turn that first learns of them. */
 bool pump_turn(struct pump *p, int64_t deadline_ns, GError **error);
 /* Turns for so long. */
 bool pump_for(struct pump *p, int64_t duration_ns, GError **error);
@@ -62,6 +69,14 @@ bool pump_send(struct pump *p, const void *bytes, size_t length, GError **error)
 struct pump_reply *pump_answer(
 	struct pump *p, const char *command, int64_t timeout_ns, GError **error);
 
+/* What the driver does, with the light that says that the laser is on: lit from before the start, dark only once the device has
+ * confirmed that it stopped. Nothing is started while the emergency stop is pressed or the interlock is open. */
+bool pump_prepare_lidar(struct pump *p, GError **error);
+bool pump_start_lidar(struct pump *p, GError **error);
+bool pump_stop_lidar(struct pump *p, GError **error);
+
+/* Starts a move of the stage; p->stage_stopped says when it is over. */
+bool pump_start_move(struct pump *p, const struct stage_move *move, GError **error);
 /* Moves the stage and turns until it has stopped. Errors of the stage are PUMP_ERROR_STAGE. */
 bool pump_move(struct pump *p, const struct stage_move *move, GError **error);
 

@@ -56,7 +56,7 @@ static bool begin(struct checking *c, const char *uri, record_writer *record, GE
 	head_attach_record(h, record);
 	return record_write(record, e.kind, e.time_ns, text, e.length, NULL, 0, error) &&
 	       stream_feed(c->pump.stream, &e, error) && pump_open_lidar(&c->pump, error) &&
-	       c->pump.driver->prepare(&c->pump, error) && c->pump.driver->start(&c->pump, error);
+	       pump_prepare_lidar(&c->pump, error) && pump_start_lidar(&c->pump, error);
 }
 
 static bool stream_for_a_while(struct checking *c, struct rate_check *ret, GError **error)
@@ -73,7 +73,7 @@ static bool stream_for_a_while(struct checking *c, struct rate_check *ret, GErro
 	ret->report.revolutions -= before.revolutions;
 	ret->counts = wire_count(h->lidar);
 	ret->lidar = *stream_lidar(c->pump.stream);
-	return c->pump.driver->stop(&c->pump, error);
+	return pump_stop_lidar(&c->pump, error);
 }
 
 static bool check(struct checking *c, const char *uri, const char *path, struct rate_check *ret,

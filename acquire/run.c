@@ -22,7 +22,7 @@ struct run {
 	uint32_t faces;
 	panorama *preview;
 	photos *photos;
-	bool streaming, metering, recalling, controls_known;
+	bool scanning, streaming, metering, recalling, controls_known;
 	bool steady; /* the stage goes slowly enough for a photo to tell where it was taken */
 	uint64_t device_errors; /* up to the last start */
 	uint32_t suspects, recoveries;
@@ -150,6 +150,16 @@ static bool check_lidar(run *r, GError **error)
 	return true;
 }
 
+/* An operator at the scanner; of a head that is only looked at it means nothing. */
+static bool check_button(run *r, GError **error)
+{
+	if (!r->pump.button || !r->scanning)
+		return true;
+	g_set_error_literal(
+		error, PUMP_ERROR, PUMP_ERROR_STOPPED, "the scan was paused by the scanner's button");
+	return false;
+}
+
 static bool serve_camera(run *r, GError **error)
 {
 	if (r->pump.camera_gone)
@@ -165,7 +175,8 @@ static bool serve_camera(run *r, GError **error)
 static bool each_turn(gpointer user_data, GError **error)
 {
 	run *r = user_data;
-	return check_lidar(r, error) && (!stream_stage(r->pump.stream) || serve_camera(r, error)) &&
+	return check_button(r, error) && check_lidar(r, error) &&
+	       (!stream_stage(r->pump.stream) || serve_camera(r, error)) &&
 	       report_progress(r, error);
 }
 
@@ -227,7 +238,7 @@ bool run_begin(run *r, const struct record_entry *session, GError **error)
 
 bool run_prepare(run *r, GError **error)
 {
-	if (!pump_open_lidar(&r->pump, error) || !r->pump.driver->prepare(&r->pump, error))
+	if (!pump_open_lidar(&r->pump, error) || !pump_prepare_lidar(&r->pump, error))
 		return false;
 	r->pace = preset_pace(r->options.preset, run_lidar(r)->scan_rate_hz);
 	return true;
@@ -290,8 +301,7 @@ static bool home(run *r, GError **error)
 	stage_track *track = stream_stage(r->pump.stream);
 	doing(r, "finding the home position");
 	r->metering = true;
-	r->pump.stage_stopped = false;
-	if (!stage_start_move(r->pump.head->stage, &move, error))
+	if (!pump_start_move(&r->pump, &move, error))
 		return false;
 	while (!stage_track_is_homed(track) && !r->pump.stage_stopped)
 		if (!pump_turn(&r->pump, head_now_ns(r->pump.head) + SECOND_NS / 4, error))
@@ -313,7 +323,7 @@ static bool home(run *r, GError **error)
 
 static bool start_lidar(run *r, GError **error)
 {
-	if (!r->pump.driver->start(&r->pump, error))
+	if (!pump_start_lidar(&r->pump, error))
 		return false;
 	r->pump.last_bytes_ns = head_now_ns(r->pump.head);
 	r->device_errors = stream_get_report(r->pump.stream).device_errors;
@@ -373,7 +383,7 @@ static bool can_recover(const GError *e)
 static bool revive(run *r, GError **error)
 {
 	return (r->pump.lidar_open || pump_open_lidar(&r->pump, error)) &&
-	       r->pump.driver->prepare(&r->pump, error) && start_lidar(r, error);
+	       pump_prepare_lidar(&r->pump, error) && start_lidar(r, error);
 }
 
 /* Ramps the stage down and waits for it, whatever else is wrong; what the lidar says meanwhile does not matter. */
@@ -456,7 +466,7 @@ static bool scan_columns(run *r, GError **error)
 		return false;
 	}
 	r->streaming = false;
-	return r->pump.driver->stop(&r->pump, error);
+	return pump_stop_lidar(&r->pump, error);
 }
 
 /* Those that the pass did not bring: first on from where the stage stands, then from the start. */
@@ -501,7 +511,7 @@ static bool look_back(run *r, GError **error)
 	if (start_lidar(r, &failed) &&
 		go(r, fmax(here - r->pace.look_rad, 0), r->pace.look_rad_s, &failed) &&
 		go(r, 0, r->pace.travel_rad_s, &failed))
-		r->pump.driver->stop(&r->pump, &failed);
+		pump_stop_lidar(&r->pump, &failed);
 	r->streaming = false;
 	return forgive(failed, error);
 }
@@ -515,10 +525,26 @@ static bool go_home(run *r, GError **error)
 	       go(r, 0, r->pace.travel_rad_s, error);
 }
 
+/* Whatever ended it: the stage comes to rest, and the laser is told to stop, as far as they still listen. */
+static void leave_safe(run *r)
+{
+	r->pump.each_turn = NULL; /* which would only say again what ends it */
+	halt(r, NULL);
+	if (r->pump.lidar_open)
+		pump_stop_lidar(&r->pump, NULL);
+	r->streaming = false;
+}
+
 bool run_scan(run *r, GError **error)
 {
-	return home(r, error) && scan_columns(r, error) && take_photos(r, error) &&
-	       go_home(r, error);
+	r->pump.button = false;
+	r->scanning = true;
+	bool good = home(r, error) && scan_columns(r, error) && take_photos(r, error) &&
+		    go_home(r, error);
+	r->scanning = false;
+	if (!good)
+		leave_safe(r);
+	return good;
 }
 
 const panorama *run_preview(const run *r)

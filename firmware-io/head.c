@@ -3,6 +3,7 @@
 #include <string.h>
 
 G_DEFINE_QUARK(wire - error - quark, wire_error)
+G_DEFINE_QUARK(stage - error - quark, stage_error)
 
 /* What opens a head whose URI begins so; whole: it takes all of the URI, not what follows the colon. */
 static const struct {

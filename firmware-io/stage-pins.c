@@ -465,9 +465,9 @@ static void give_order(struct pins_stage *s, enum order order, const struct stag
 	wake_thread(s);
 }
 
-static bool refuse(GError **error, const char *text)
+static bool refuse(GError **error, enum stage_error code, const char *text)
 {
-	g_set_error_literal(error, WIRE_ERROR, WIRE_ERROR_BROKEN, text);
+	g_set_error_literal(error, STAGE_ERROR, code, text);
 	return false;
 }
 
@@ -478,11 +478,12 @@ static bool pins_move(stage *base, const struct stage_move *move, GError **error
 	bool pressed = s->pressed, open = s->open, latched = s->latched;
 	g_mutex_unlock(&s->lock);
 	if (pressed)
-		return refuse(error, "the emergency stop is pressed");
+		return refuse(error, STAGE_ERROR_ESTOP, "the emergency stop is pressed");
 	if (open)
-		return refuse(error, "the interlock is open");
+		return refuse(error, STAGE_ERROR_INTERLOCK, "the interlock is open");
 	if (latched)
-		return refuse(error, "the stage was stopped for safety, and was not reset since");
+		return refuse(error, STAGE_ERROR_NOT_RESET,
+			"the stage was stopped for safety, and was not reset since");
 	give_order(s, ORDER_MOVE, move);
 	return true;
 }
@@ -502,9 +503,11 @@ static bool pins_reset(stage *base, GError **error)
 	s->latched = pressed || open;
 	g_mutex_unlock(&s->lock);
 	if (pressed)
-		return refuse(error, "the emergency stop is still pressed: release it first");
+		return refuse(error, STAGE_ERROR_ESTOP,
+			"the emergency stop is still pressed: release it first");
 	if (open)
-		return refuse(error, "the interlock is still open: close it first");
+		return refuse(error, STAGE_ERROR_INTERLOCK,
+			"the interlock is still open: close it first");
 	wake_thread(s);
 	return true;
 }

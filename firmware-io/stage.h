@@ -39,6 +39,15 @@ struct stage_event {
 	uint16_t flags;   /* STAGE_EVENT_HOST_CLOCK */
 };
 
+/* Why a move or a reset is refused for safety, each with a sentence; other errors are the wire's. */
+#define STAGE_ERROR (stage_error_quark())
+GQuark stage_error_quark(void);
+enum stage_error {
+	STAGE_ERROR_ESTOP,     /* the emergency stop is pressed */
+	STAGE_ERROR_INTERLOCK, /* the interlock is open */
+	STAGE_ERROR_NOT_RESET, /* neither, but one of them was: stage_reset first */
+};
+
 struct stage_move {
 	int64_t target_steps;
 	double rate_steps_s, acceleration_steps_s2; /* both > 0 */
