@@ -95,8 +95,8 @@ static bool take_lidar(struct pump *p, GError **error)
 static bool is_safe(const struct pump *p, GError **error)
 {
 	if (p->pressed)
-		g_set_error_literal(error, PUMP_ERROR, PUMP_ERROR_ESTOP,
-			"the emergency stop is pressed");
+		g_set_error_literal(
+			error, PUMP_ERROR, PUMP_ERROR_ESTOP, "the emergency stop is pressed");
 	else if (p->open)
 		g_set_error_literal(error, PUMP_ERROR, PUMP_ERROR_INTERLOCK,
 			"the interlock is open: the cover is not closed");

@@ -12,9 +12,9 @@ GQuark pump_error_quark(void);
 enum pump_error {
 	PUMP_ERROR_LIDAR_GONE, /* unplugged: pump_open_lidar may succeed later */
 	PUMP_ERROR_NO_ANSWER,
-	PUMP_ERROR_REFUSED, /* the device answered that it will not */
-	PUMP_ERROR_STAGE,   /* the stage's drive stopped by itself */
-	PUMP_ERROR_STOPPED, /* somebody asked the scan to stop */
+	PUMP_ERROR_REFUSED,   /* the device answered that it will not */
+	PUMP_ERROR_STAGE,     /* the stage's drive stopped by itself */
+	PUMP_ERROR_STOPPED,   /* somebody asked the scan to stop */
 	PUMP_ERROR_ESTOP,     /* the emergency stop is, or was, pressed */
 	PUMP_ERROR_INTERLOCK, /* the interlock is, or was, open */
 	PUMP_ERROR_NOT_RESET, /* one of the two was, and nobody has said since that it is safe */
@@ -31,9 +31,9 @@ struct pump {
 
 	/* The pump's own. */
 	bool lidar_open, camera_gone, stage_stopped, stage_fault;
-	bool pressed, open; /* how emergency stop and interlock stand */
-	bool struck;        /* one of them has changed to that, and it was not told yet */
-	bool button;        /* was pressed, since its owner last cleared this */
+	bool pressed, open;    /* how emergency stop and interlock stand */
+	bool struck;           /* one of them has changed to that, and it was not told yet */
+	bool button;           /* was pressed, since its owner last cleared this */
 	int64_t last_bytes_ns; /* when the lidar last said something */
 	struct sniff heard;    /* the lidar's last bytes, since it was opened or its line was set */
 	GQueue replies;        /* of struct pump_reply, oldest first; bounded */

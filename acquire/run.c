@@ -155,8 +155,8 @@ static bool check_button(run *r, GError **error)
 {
 	if (!r->pump.button || !r->scanning)
 		return true;
-	g_set_error_literal(
-		error, PUMP_ERROR, PUMP_ERROR_STOPPED, "the scan was paused by the scanner's button");
+	g_set_error_literal(error, PUMP_ERROR, PUMP_ERROR_STOPPED,
+		"the scan was paused by the scanner's button");
 	return false;
 }
 

@@ -360,7 +360,7 @@ static void feed_stage(stream *s)
 	}
 }
 
-static void feed_session(stream *s, const char *camera)
+static void feed_session(stream *s, const char *camera_text)
 {
 	g_autofree char *text = g_strdup_printf(
 		"{\"device\":\"x:\",\"protocol\":\"scip\",\"time\":\"2026-11-21T03:18:12Z\","
@@ -368,7 +368,7 @@ static void feed_session(stream *s, const char *camera)
 		"\"beam_direction\":1,\"range_offset_m\":0,\"rotation_deg\":[0,0,0],"
 		"\"translation_m\":[0,0,0]},\"stage\":{\"steps_per_turn\":3600,\"index_slots\":1,"
 		"\"azimuth_zero_deg\":0,\"clock_hz\":1000000,\"clock_bits\":32},\"camera\":%s}}",
-		camera);
+		camera_text);
 	feed(s, RECORD_SESSION, SECOND_NS / 2, text, strlen(text));
 }
 
