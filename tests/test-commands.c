@@ -39,7 +39,7 @@ static const struct usage {
 	{ "bench-frames", { "bench", "coherence", "--frames=40" }, 2, "frames" },
 	{ "scan-scheme", { "scan", "x", "--device", "warp:9" }, 1, "'warp:9'" },
 	{ "scan-no-scheme", { "scan", "x", "--device", "court" }, 1, "'court'" },
-	{ "scan-no-backend", { "scan", "x", "--device", "tim:" }, 1, "no USB" },
+	{ "scan-no-lidar", { "scan", "x", "--device", "scip:/dev/no-port" }, 1, "/dev/no-port" },
 	{ "scan-scene", { "scan", "x", "--device", "sim:moon" }, 1, "sim:moon" },
 	{ "scan-sim-option", { "scan", "x", "--device", "sim:hall?sed=3" }, 1, "sed" },
 	{ "scan-sim-value", { "scan", "x", "--device", "sim:hall?ares=-7" }, 1, "ares=-7" },
