@@ -83,7 +83,7 @@ check-units: all
 check-kernel: all
 	@sh tests/deps.sh $(kernel_packages) || true
 	$(MAKE) $(kernel_programs)
-	prove --timer --exec sh tests/kernel/run.sh tests/kernel/devices.sh :: $(BUILD)
+	prove --timer --exec sh tests/kernel/run.sh :: $(BUILD)
 .PHONY: check-units check-kernel
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:
