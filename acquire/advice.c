@@ -27,14 +27,16 @@ static const struct advice all[] = {
 		   "the scan: the head finds its zero by itself.") },
 	{ pump_error_quark, PUMP_ERROR_STOPPED, "" },
 	{ pump_error_quark, PUMP_ERROR_ESTOP,
-		N_("See that nobody is in danger, and release the emergency stop. Then go on with "
-		   "the scan: the head finds its zero by itself.") },
+		N_("See that nobody is in danger, release the emergency stop, and press Reset; "
+		   "then go "
+		   "on with the scan.") },
 	{ pump_error_quark, PUMP_ERROR_INTERLOCK,
-		N_("Close the scanner's cover, and see that nobody is in danger. Then go on with "
-		   "the scan.") },
+		N_("Close the cover of the scanner, see that nobody is in danger, and press Reset; "
+		   "then "
+		   "go on with the scan.") },
 	{ pump_error_quark, PUMP_ERROR_NOT_RESET,
-		N_("See that nobody is in danger and that the head can turn freely. Then go on "
-		   "with the scan.") },
+		N_("See that nobody is in danger and that the head can turn freely, and press "
+		   "Reset.") },
 	{ wire_error_quark, -1, N_("Look at the scanner's cables and its power, then try again.") },
 	{ record_error_quark, RECORD_ERROR_DAMAGED,
 		N_("The record is damaged in the middle. Go on without what is damaged, or copy "
