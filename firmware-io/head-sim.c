@@ -36,6 +36,7 @@ struct sim_head {
 	size_t lidar_taken;   /* bytes of the first lidar message already read */
 	struct message *lent; /* to the caller of a stage or camera read */
 	bool lidar_answered, lidar_present, camera_gone;
+	bool pressed, open, latched; /* as the simulated stage has it, as far as it was read */
 	GArray *events;
 };
 
@@ -286,8 +287,22 @@ static const struct wire_ops lidar_ops = { .open = lidar_open,
 	.close = lidar_close,
 	.set_line = lidar_set_line };
 
+static bool refuse(GError **error, enum stage_error code, const char *text)
+{
+	g_set_error_literal(error, STAGE_ERROR, code, text);
+	return false;
+}
+
 static bool stage_move_sim(stage *st, const struct stage_move *move, GError **error)
 {
+	struct sim_head *s = (struct sim_head *)st->head;
+	if (s->pressed)
+		return refuse(error, STAGE_ERROR_ESTOP, "the emergency stop is pressed");
+	if (s->open)
+		return refuse(error, STAGE_ERROR_INTERLOCK, "the interlock is open");
+	if (s->latched)
+		return refuse(error, STAGE_ERROR_NOT_RESET,
+			"the stage was stopped for safety, and was not reset since");
 	struct link_stage_move m = { move->target_steps, move->rate_steps_s,
 		move->acceleration_steps_s2 };
 	return send_message((struct sim_head *)st->head, LINK_STAGE_MOVE, 0, &m, sizeof m, error);
@@ -298,6 +313,28 @@ static bool stage_stop_sim(stage *st, GError **error)
 	return send_message((struct sim_head *)st->head, LINK_STAGE_STOP, 0, NULL, 0, error);
 }
 
+static bool stage_reset_sim(stage *st, GError **error)
+{
+	struct sim_head *s = (struct sim_head *)st->head;
+	if (s->pressed)
+		return refuse(error, STAGE_ERROR_ESTOP,
+			"the emergency stop is still pressed: release it first");
+	if (s->open)
+		return refuse(error, STAGE_ERROR_INTERLOCK,
+			"the interlock is still open: close it first");
+	s->latched = false;
+	return send_message(s, LINK_STAGE_RESET, 0, NULL, 0, error);
+}
+
+static void note_guards(struct sim_head *s, enum stage_event_kind kind)
+{
+	if (kind == STAGE_ESTOP_PRESSED || kind == STAGE_ESTOP_RELEASED)
+		s->pressed = kind == STAGE_ESTOP_PRESSED;
+	if (kind == STAGE_INTERLOCK_OPENED || kind == STAGE_INTERLOCK_CLOSED)
+		s->open = kind == STAGE_INTERLOCK_OPENED;
+	s->latched |= s->pressed || s->open;
+}
+
 static gssize stage_read_sim(
 	stage *st, const struct stage_event **ret_events, int64_t *ret_arrival_ns, GError **error)
 {
@@ -306,7 +343,11 @@ static gssize stage_read_sim(
 		[LINK_STAGE_INDEX] = STAGE_INDEX,
 		[LINK_STAGE_HOME] = STAGE_HOME,
 		[LINK_STAGE_STOPPED] = STAGE_STOPPED,
-		[LINK_STAGE_FAULT] = STAGE_FAULT };
+		[LINK_STAGE_FAULT] = STAGE_FAULT,
+		[LINK_STAGE_ESTOP_PRESSED] = STAGE_ESTOP_PRESSED,
+		[LINK_STAGE_ESTOP_RELEASED] = STAGE_ESTOP_RELEASED,
+		[LINK_STAGE_INTERLOCK_OPENED] = STAGE_INTERLOCK_OPENED,
+		[LINK_STAGE_INTERLOCK_CLOSED] = STAGE_INTERLOCK_CLOSED };
 	(void)error;
 	g_autofree struct message *m = g_queue_pop_head(&s->stage_queue);
 	if (!m)
@@ -321,6 +362,7 @@ static gssize stage_read_sim(
 		struct stage_event event = {
 			.ticks = e.ticks_us, .direction = e.direction, .kind = kinds[e.kind]
 		};
+		note_guards(s, event.kind);
 		g_array_append_val(s->events, event);
 	}
 	*ret_events = (const struct stage_event *)(void *)s->events->data;
@@ -328,9 +370,10 @@ static gssize stage_read_sim(
 	return s->events->len;
 }
 
-static const struct stage_ops stage_sim_ops = {
-	.move = stage_move_sim, .stop = stage_stop_sim, .read = stage_read_sim
-};
+static const struct stage_ops stage_sim_ops = { .move = stage_move_sim,
+	.stop = stage_stop_sim,
+	.read = stage_read_sim,
+	.reset = stage_reset_sim };
 
 static bool camera_set_sim(camera *c, const struct camera_controls *controls, GError **error)
 {

@@ -27,6 +27,9 @@ static const struct fault_row rows[FAULT_KINDS] = {
 	[FAULT_CAMERAGONE] = { "cameragone" },
 	[FAULT_CODES] = { "codes", true, true, 100, 1, 100000 },
 	[FAULT_EPSTALL] = { "epstall" },
+	[FAULT_ESTOP] = { "estop", .parametric = true, .standard = 2, .min = 0.001, .max = 3600 },
+	[FAULT_INTERLOCK] = { "interlock", .parametric = true, .standard = 2, .min = 0.001,
+		.max = 3600 },
 };
 
 bool fault_is_of_camera(enum fault_kind kind)

@@ -26,7 +26,9 @@
  *     frameloss :N   N exposures (default 1) never come
  *     cameragone     the camera is unplugged for good
  *     epstall        the USB endpoint halts until the host clears it; only behind a kernel
- *     codes xN :B    in N revolutions, a stretch of B beams (default 100) holds error codes */
+ *     codes xN :B    in N revolutions, a stretch of B beams (default 100) holds error codes
+ *     estop :S       the emergency stop is pressed, and released after S seconds (default 2)
+ *     interlock :S   the interlock opens, and closes after S seconds (default 2) */
 #include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -50,6 +52,8 @@ enum fault_kind {
 	FAULT_CAMERAGONE,
 	FAULT_CODES,
 	FAULT_EPSTALL,
+	FAULT_ESTOP,
+	FAULT_INTERLOCK,
 	FAULT_KINDS
 };
 

@@ -194,6 +194,8 @@ static void strike(struct head *h, const struct fault *fault)
 	switch (fault->kind) {
 	case FAULT_POWER: give_up(h); break;
 	case FAULT_STAGE: stage_fail(h->stage, h->now_ns); break;
+	case FAULT_ESTOP: stage_press(h->stage, h->now_ns, fault->param); break;
+	case FAULT_INTERLOCK: stage_open(h->stage, h->now_ns, fault->param); break;
 	case FAULT_SLIP: slip(h, fault->param); break;
 	case FAULT_EPSTALL: outbox_push(h->out, h->now_ns, LINK_LIDAR_HALTED, NULL); break;
 	default:
@@ -323,6 +325,7 @@ static bool obey_device(struct head *h, const struct link_header *header, const 
 	case LINK_STAGE_STOP: stage_halt(h->stage, h->now_ns); return header->length == 0;
 	case LINK_STAGE_BEGIN: stage_begin_pulses(h->stage, h->now_ns); return header->length == 0;
 	case LINK_STAGE_PULSES: return obey_pulses(h, payload, header->length);
+	case LINK_STAGE_RESET: stage_reset(h->stage); return header->length == 0;
 	case LINK_CAMERA_QUEUE:
 		if (h->camera)
 			camera_lend(h->camera, h->now_ns);

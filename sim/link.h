@@ -57,6 +57,8 @@ enum link_kind {
 	LINK_CAMERA_QUEUE, /* no payload: lends one buffer; the next exposure that starts fills it.
 			    * Exposures with no buffer are dropped and counted in the sequence, as
 			    * V4L2 does. */
+	LINK_STAGE_RESET,  /* no payload: after an emergency stop or an open interlock; moves are
+			    * ignored until then, and no reset counts while one of them lasts */
 	/* Only where devices stand behind a kernel. */
 	LINK_STAGE_BEGIN =
 		96,        /* no payload: from now on pulses drive the stage, from where it stood
@@ -83,6 +85,10 @@ enum link_stage_kind {
 	LINK_STAGE_HOME,    /* the home slot passed the sensor */
 	LINK_STAGE_STOPPED, /* the move is over */
 	LINK_STAGE_FAULT,   /* the drive stopped by itself */
+	LINK_STAGE_ESTOP_PRESSED,
+	LINK_STAGE_ESTOP_RELEASED,
+	LINK_STAGE_INTERLOCK_OPENED,
+	LINK_STAGE_INTERLOCK_CLOSED,
 };
 struct link_stage_event {
 	uint32_t ticks_us;

@@ -35,6 +35,8 @@ struct stage {
 	bool pulsed; /* driven by pulses: the last of them, and the time since the one before */
 	int64_t pulse_ns, period_ns;
 	int pulse_direction;
+	int64_t pressed_until_ns, open_until_ns; /* INT64_MAX: is neither pressed nor open */
+	bool latched;                            /* until a reset */
 	GByteArray *pending;
 	int64_t pending_since_ns;
 };
@@ -139,6 +141,7 @@ stage *stage_new(const struct stage_desc *desc, int64_t now_ns)
 	s->segments = g_array_new(FALSE, FALSE, sizeof(struct segment));
 	g_array_append_val(s->segments, rest);
 	s->reported_ns = now_ns;
+	s->pressed_until_ns = s->open_until_ns = INT64_MAX;
 	s->pending = g_byte_array_new();
 	s->gap = slots_passed(s, 0);
 	return s;
@@ -269,6 +272,8 @@ bool stage_move(stage *s, int64_t now_ns, const struct link_stage_move *move)
 	if (!is_positive(move->rate_steps_s) || !is_positive(move->acceleration_steps_s2) ||
 		move->target_steps > INT32_MAX || move->target_steps < INT32_MIN)
 		return false;
+	if (s->latched)
+		return true; /* makes sense, but is not obeyed */
 	struct segment state = cut(s, now_ns);
 	double target = (double)move->target_steps, a = move->acceleration_steps_s2;
 	double room = (target - state.position) * sign(state.rate);
@@ -312,7 +317,8 @@ static void report(stage *s, int64_t at_ns, enum link_stage_kind kind, int direc
 		s->pending_since_ns = at_ns - BATCH_NS;
 }
 
-void stage_fail(stage *s, int64_t now_ns)
+/* Returns the direction in which it went. */
+static int stop_dead(stage *s, int64_t now_ns)
 {
 	struct segment state = cut(s, now_ns);
 	int direction = sign(state.rate);
@@ -321,7 +327,42 @@ void stage_fail(stage *s, int64_t now_ns)
 	append_rest(s, &state);
 	s->current = s->segments->len - 1;
 	s->moving = false;
-	report(s, now_ns, LINK_STAGE_FAULT, direction);
+	return direction;
+}
+
+void stage_fail(stage *s, int64_t now_ns)
+{
+	report(s, now_ns, LINK_STAGE_FAULT, stop_dead(s, now_ns));
+}
+
+void stage_press(stage *s, int64_t now_ns, double seconds)
+{
+	if (s->moving)
+		report(s, now_ns, LINK_STAGE_STOPPED, stop_dead(s, now_ns));
+	s->latched = true;
+	s->pressed_until_ns = now_ns + llrint(seconds * 1e9);
+	report(s, now_ns, LINK_STAGE_ESTOP_PRESSED, 0);
+}
+
+void stage_open(stage *s, int64_t now_ns, double seconds)
+{
+	stage_halt(s, now_ns);
+	s->latched = true;
+	s->open_until_ns = now_ns + llrint(seconds * 1e9);
+	report(s, now_ns, LINK_STAGE_INTERLOCK_OPENED, 0);
+}
+
+void stage_reset(stage *s)
+{
+	s->latched = s->pressed_until_ns != INT64_MAX || s->open_until_ns != INT64_MAX;
+}
+
+static void end_of(stage *s, int64_t *until_ns, int64_t now_ns, enum link_stage_kind kind)
+{
+	if (*until_ns > now_ns)
+		return;
+	report(s, *until_ns, kind, 0);
+	*until_ns = INT64_MAX;
 }
 
 void stage_slip(stage *s, int64_t now_ns, double steps)
@@ -404,6 +445,7 @@ int64_t stage_next_ns(const stage *s)
 {
 	int64_t at_ns = next_event(s).at_ns;
 
+	at_ns = MIN(at_ns, MIN(s->pressed_until_ns, s->open_until_ns));
 	return s->pending->len ? MIN(at_ns, s->pending_since_ns + BATCH_NS) : at_ns;
 }
 
@@ -440,6 +482,8 @@ GByteArray *stage_run(stage *s, int64_t now_ns)
 
 	if (event.at_ns <= now_ns)
 		happen(s, &event);
+	end_of(s, &s->pressed_until_ns, now_ns, LINK_STAGE_ESTOP_RELEASED);
+	end_of(s, &s->open_until_ns, now_ns, LINK_STAGE_INTERLOCK_CLOSED);
 	if (s->pending->len == 0 || now_ns < s->pending_since_ns + BATCH_NS)
 		return NULL;
 	GByteArray *batch = s->pending;
