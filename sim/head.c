@@ -325,7 +325,7 @@ static bool obey_device(struct head *h, const struct link_header *header, const 
 	case LINK_STAGE_STOP: stage_halt(h->stage, h->now_ns); return header->length == 0;
 	case LINK_STAGE_BEGIN: stage_begin_pulses(h->stage, h->now_ns); return header->length == 0;
 	case LINK_STAGE_PULSES: return obey_pulses(h, payload, header->length);
-	case LINK_STAGE_RESET: stage_reset(h->stage); return header->length == 0;
+	case LINK_STAGE_RESET: stage_unlatch(h->stage); return header->length == 0;
 	case LINK_CAMERA_QUEUE:
 		if (h->camera)
 			camera_lend(h->camera, h->now_ns);

@@ -352,7 +352,7 @@ void stage_open(stage *s, int64_t now_ns, double seconds)
 	report(s, now_ns, LINK_STAGE_INTERLOCK_OPENED, 0);
 }
 
-void stage_reset(stage *s)
+void stage_unlatch(stage *s)
 {
 	s->latched = s->pressed_until_ns != INT64_MAX || s->open_until_ns != INT64_MAX;
 }

@@ -33,10 +33,10 @@ bool stage_move(stage *s, int64_t now_ns, const struct link_stage_move *move);
 void stage_halt(stage *s, int64_t now_ns);
 void stage_fail(stage *s, int64_t now_ns);               /* the drive stops dead and says so */
 /* Emergency stop: stops dead. Interlock: ramps down. Each ends by itself after the time; moves are ignored from then on until both
- * have ended and stage_reset came. */
+ * have ended and stage_unlatch came. */
 void stage_press(stage *s, int64_t now_ns, double seconds);
 void stage_open(stage *s, int64_t now_ns, double seconds);
-void stage_reset(stage *s);
+void stage_unlatch(stage *s);
 void stage_slip(stage *s, int64_t now_ns, double steps); /* lost against the direction of motion */
 
 /* Another way to drive it: by the pulses of a driver's STEP pin, as they are told of. At a pulse the
