@@ -66,17 +66,21 @@ static struct told tell(const GError *error, bool is_its, bool gone, bool known,
 	return (struct told){ "good", good };
 }
 
+static bool is_about_stage(const GError *e)
+{
+	return g_error_matches(e, PUMP_ERROR, PUMP_ERROR_STAGE) || pump_error_is_safety(e);
+}
+
 static bool is_about_lidar(const GError *e)
 {
-	return e && ((e->domain == PUMP_ERROR && e->code != PUMP_ERROR_STAGE &&
-			     e->code != PUMP_ERROR_STOPPED) ||
-			    e->domain == WIRE_ERROR);
+	return e &&
+	       ((e->domain == PUMP_ERROR && !is_about_stage(e) && e->code != PUMP_ERROR_STOPPED) ||
+		       e->domain == WIRE_ERROR);
 }
 
 GVariant *acquisition_devices(const struct recorder_head *known, const GError *error)
 {
 	GVariantBuilder all;
-	bool is_stage = g_error_matches(error, PUMP_ERROR, PUMP_ERROR_STAGE);
 	bool gone = error && !g_error_matches(error, PUMP_ERROR, PUMP_ERROR_REFUSED);
 	const struct lidar_identity *l = &known->lidar;
 	g_autofree char *lidar =
@@ -86,7 +90,7 @@ GVariant *acquisition_devices(const struct recorder_head *known, const GError *e
 	add_device(&all, "lidar", "Lidar",
 		tell(error, is_about_lidar(error), gone, known->known, lidar));
 	add_device(&all, "stage", "Stage",
-		tell(error, is_stage, false, known->known,
+		tell(error, is_about_stage(error), false, known->known,
 			"Connected; it finds its zero when a scan begins."));
 	if (!known->known || known->has_camera)
 		add_device(&all, "camera", "Camera",

@@ -2,6 +2,7 @@
 #include "acquire/acquisition-bus.h"
 #include "acquire/acquisition-lists.h"
 #include "acquire/advice.h"
+#include "acquire/pump.h"
 #include "acquire/service.h"
 #include "firmware-io/hotplug.h"
 #include <gio/gunixfdlist.h>
@@ -29,9 +30,11 @@ struct acquisition_service {
 	bool any_site;
 	BusAcquisition1 *bus;
 	recorder *recorder;
-	GError *error;      /* of the last look or scan; NULL: it was good */
-	struct wish wish;   /* the scan that has not begun yet */
-	GPtrArray *lookers; /* calls of Check that wait */
+	GError *error;                /* of the last look or scan; NULL: it was good */
+	struct wish wish;             /* the scan that has not begun yet */
+	GPtrArray *lookers;           /* calls of Check that wait */
+	GDBusMethodInvocation *reset; /* a call of Reset that waits; NULL: none */
+	bool is_resetting;            /* the recorder works on it */
 	guint timer, look_again;
 	hotplug *plugs;
 	void (*ended)(void); /* once it shall end */
@@ -45,6 +48,7 @@ static void show_devices(acquisition_service *s)
 	bus_acquisition1_set_devices(s->bus, acquisition_devices(&h, s->error));
 	bus_acquisition1_set_fault(s->bus,
 		g_variant_new("(ss)", s->error ? s->error->message : "", advice_for(s->error)));
+	bus_acquisition1_set_needs_reset(s->bus, recorder_is_latched(s->recorder));
 }
 
 /* In steps that can be seen: what stays the same is not sent. */
@@ -79,7 +83,12 @@ static gboolean show_again(gpointer user_data)
 static void set_error(acquisition_service *s, const GError *error)
 {
 	g_clear_error(&s->error);
-	s->error = error ? g_error_copy(error) : NULL;
+	/* That a contact is closed again does not make it good. */
+	s->error =
+		error ? g_error_copy(error)
+		: recorder_is_latched(s->recorder)
+			? g_error_new_literal(PUMP_ERROR, PUMP_ERROR_NOT_RESET, RECORDER_NOT_RESET)
+			: NULL;
 	show_devices(s);
 }
 
@@ -111,6 +120,29 @@ static void answer_lookers(acquisition_service *s)
 	for (guint i = 0; i < calls->len; i++)
 		bus_acquisition1_complete_check(
 			s->bus, calls->pdata[i], bus_acquisition1_get_devices(s->bus));
+}
+
+/* ---- resetting ---- */
+
+static void begin_reset(acquisition_service *s)
+{
+	GError *error = NULL;
+	g_clear_handle_id(&s->look_again, g_source_remove);
+	s->is_resetting = recorder_reset(s->recorder, s->device, &error);
+	if (!s->is_resetting)
+		service_refuse(g_steal_pointer(&s->reset), error);
+}
+
+/* Something else may be wrong with the head: that is not what was asked. */
+static void answer_reset(acquisition_service *s, const GError *error)
+{
+	GDBusMethodInvocation *call = s->is_resetting ? g_steal_pointer(&s->reset) : NULL;
+	s->is_resetting = false;
+	g_dbus_interface_skeleton_flush(G_DBUS_INTERFACE_SKELETON(s->bus));
+	if (call && recorder_is_latched(s->recorder))
+		service_refuse(call, g_error_copy(error));
+	else if (call)
+		bus_acquisition1_complete_reset(s->bus, call);
 }
 
 /* ---- scans ---- */
@@ -196,8 +228,11 @@ static void checked(const GError *error, gpointer user_data)
 	acquisition_service *s = user_data;
 	set_error(s, error);
 	answer_lookers(s);
+	answer_reset(s, error);
 	if (s->ended)
 		s->ended();
+	else if (s->reset)
+		begin_reset(s);
 	else if (s->wish.call)
 		begin_wish(s);
 	else if (error)
@@ -268,6 +303,23 @@ static gboolean check(BusAcquisition1 *b, GDBusMethodInvocation *call, gpointer 
 	g_ptr_array_add(s->lookers, call);
 	if (!recorder_is_checking(s->recorder))
 		look(s);
+	return TRUE;
+}
+
+static gboolean reset(BusAcquisition1 *b, GDBusMethodInvocation *call, gpointer user_data)
+{
+	acquisition_service *s = user_data;
+	(void)b;
+	if (!s->device || s->reset || s->ended ||
+		(recorder_is_working(s->recorder) && !recorder_is_checking(s->recorder))) {
+		g_dbus_method_invocation_return_error_literal(call, SERVICE_ERROR,
+			SERVICE_ERROR_BUSY,
+			"there is nothing to reset now: no scanner is set up, or it is at work");
+		return TRUE;
+	}
+	s->reset = call;
+	if (!recorder_is_working(s->recorder))
+		begin_reset(s);
 	return TRUE;
 }
 
@@ -452,6 +504,7 @@ acquisition_service *acquisition_service_new(const struct acquisition_options *o
 	bus_acquisition1_set_device(s->bus, s->device ? s->device : "");
 	g_signal_connect(s->bus, "handle-list-presets", G_CALLBACK(list_presets), s);
 	g_signal_connect(s->bus, "handle-check", G_CALLBACK(check), s);
+	g_signal_connect(s->bus, "handle-reset", G_CALLBACK(reset), s);
 	g_signal_connect(s->bus, "handle-set-device", G_CALLBACK(set_device), s);
 	g_signal_connect(s->bus, "handle-start", G_CALLBACK(start), s);
 	g_signal_connect(s->bus, "handle-pause", G_CALLBACK(pause_scan), s);

@@ -237,21 +237,38 @@ bool pump_stop_lidar(struct pump *p, GError **error)
 	return true;
 }
 
-bool pump_start_move(struct pump *p, const struct stage_move *move, GError **error)
+bool pump_error_is_safety(const GError *e)
+{
+	return g_error_matches(e, PUMP_ERROR, PUMP_ERROR_ESTOP) ||
+	       g_error_matches(e, PUMP_ERROR, PUMP_ERROR_INTERLOCK) ||
+	       g_error_matches(e, PUMP_ERROR, PUMP_ERROR_NOT_RESET);
+}
+
+/* Takes what the stage says. */
+static bool is_refused(GError *refused, GError **error)
 {
 	static const enum pump_error codes[] = { [STAGE_ERROR_ESTOP] = PUMP_ERROR_ESTOP,
 		[STAGE_ERROR_INTERLOCK] = PUMP_ERROR_INTERLOCK,
 		[STAGE_ERROR_NOT_RESET] = PUMP_ERROR_NOT_RESET };
-	GError *refused = NULL;
-	p->stage_stopped = false;
-	if (stage_start_move(p->head->stage, move, &refused))
-		return true;
 	if (refused->domain == STAGE_ERROR) {
 		refused->code = (int)codes[refused->code];
 		refused->domain = PUMP_ERROR;
 	}
 	g_propagate_error(error, refused);
 	return false;
+}
+
+bool pump_reset_stage(stage *s, GError **error)
+{
+	GError *refused = NULL;
+	return stage_reset(s, &refused) || is_refused(refused, error);
+}
+
+bool pump_start_move(struct pump *p, const struct stage_move *move, GError **error)
+{
+	GError *refused = NULL;
+	p->stage_stopped = false;
+	return stage_start_move(p->head->stage, move, &refused) || is_refused(refused, error);
 }
 
 bool pump_move(struct pump *p, const struct stage_move *move, GError **error)

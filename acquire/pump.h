@@ -75,6 +75,10 @@ bool pump_prepare_lidar(struct pump *p, GError **error);
 bool pump_start_lidar(struct pump *p, GError **error);
 bool pump_stop_lidar(struct pump *p, GError **error);
 
+/* Whether an error is of those that only stage_reset undoes: emergency stop, interlock, not reset. */
+bool pump_error_is_safety(const GError *e);
+/* stage_reset, with errors of the pump's. */
+bool pump_reset_stage(stage *s, GError **error);
 /* Starts a move of the stage; p->stage_stopped says when it is over. */
 bool pump_start_move(struct pump *p, const struct stage_move *move, GError **error);
 /* Moves the stage and turns until it has stopped. Errors of the stage are PUMP_ERROR_STAGE. */

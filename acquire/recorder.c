@@ -20,11 +20,12 @@ struct recorder {
 	/* What the thread is to do; not changed while it runs. */
 	char *device, *site_path;
 	const struct preset *preset;
-	bool resume, salvage, only_check;
+	bool resume, salvage, only_check, reset;
 
 	GMutex lock; /* of all below */
 	struct recorder_progress now;
 	bool stop, keep;
+	bool latched; /* until a reset */
 	struct recorder_head head;
 	panorama *preview;
 	uint64_t preview_serial;
@@ -202,11 +203,26 @@ static bool learn_head(recorder *r, head *h, const struct lidar_identity *lidar,
 	return true;
 }
 
+static void set_latched(recorder *r, bool latched)
+{
+	g_mutex_lock(&r->lock);
+	r->latched = latched;
+	g_mutex_unlock(&r->lock);
+}
+
+static bool unlatch(recorder *r, head *h, GError **error)
+{
+	if (!pump_reset_stage(h->stage, error))
+		return false;
+	set_latched(r, false);
+	return true;
+}
+
 static bool check(recorder *r, GError **error)
 {
 	g_autofree char *device = device_for(r->device, 1);
 	g_autoptr(head) h = head_open(device, error);
-	if (!h)
+	if (!h || (r->reset && !unlatch(r, h, error)))
 		return false;
 	struct run_options o = { .preset = preset_find("draft") };
 	g_autofree char *text = scan_session_text(device, h);
@@ -278,6 +294,8 @@ static gpointer work(gpointer data)
 		check(r, &l.error);
 	else
 		l = record_site(r);
+	if (pump_error_is_safety(l.error))
+		set_latched(r, true);
 	g_mutex_lock(&r->lock);
 	r->now.state = l.partial ? RECORDER_PAUSED : RECORDER_IDLE;
 	r->now.seconds_left = -1;
@@ -338,6 +356,16 @@ static bool is_free(const recorder *r, GError **error)
 	return false;
 }
 
+static bool may_scan(recorder *r, GError **error)
+{
+	if (!is_free(r, error))
+		return false;
+	if (!recorder_is_latched(r))
+		return true;
+	g_set_error_literal(error, PUMP_ERROR, PUMP_ERROR_NOT_RESET, RECORDER_NOT_RESET);
+	return false;
+}
+
 static void set_task(recorder *r, const char *device, const char *site_path)
 {
 	char *old_device = r->device, *old_site = r->site_path;
@@ -345,7 +373,7 @@ static void set_task(recorder *r, const char *device, const char *site_path)
 	r->site_path = g_strdup(site_path);
 	g_free(old_device);
 	g_free(old_site);
-	r->resume = r->salvage = r->only_check = false;
+	r->resume = r->salvage = r->only_check = r->reset = false;
 	r->stop = false;
 	r->keep = true;
 	r->scanning_us = 0;
@@ -366,7 +394,7 @@ static void begin(recorder *r)
 bool recorder_start(recorder *r, const char *device, const char *site_path,
 	const struct preset *preset, GError **error)
 {
-	if (!is_free(r, error))
+	if (!may_scan(r, error))
 		return false;
 	set_task(r, device, site_path);
 	r->preset = preset;
@@ -376,7 +404,7 @@ bool recorder_start(recorder *r, const char *device, const char *site_path,
 
 bool recorder_resume(recorder *r, const char *site_path, bool salvage, GError **error)
 {
-	if (!is_free(r, error))
+	if (!may_scan(r, error))
 		return false;
 	set_task(r, NULL, site_path);
 	r->preset = NULL;
@@ -394,6 +422,24 @@ bool recorder_check(recorder *r, const char *device, GError **error)
 	r->only_check = true;
 	r->thread = g_thread_new("recorder", work, r);
 	return true;
+}
+
+bool recorder_reset(recorder *r, const char *device, GError **error)
+{
+	if (!is_free(r, error))
+		return false;
+	set_task(r, device, NULL);
+	r->only_check = r->reset = true;
+	r->thread = g_thread_new("recorder", work, r);
+	return true;
+}
+
+bool recorder_is_latched(recorder *r)
+{
+	g_mutex_lock(&r->lock);
+	bool latched = r->latched;
+	g_mutex_unlock(&r->lock);
+	return latched;
 }
 
 bool recorder_pause(recorder *r, GError **error)

@@ -5,6 +5,10 @@
 #include "acquire/picture.h"
 #include "acquire/scan.h"
 
+/* What a latched recorder says: see recorder_reset. */
+#define RECORDER_NOT_RESET                                                                         \
+	"the scanner was stopped for safety, and nobody has said since that it is safe: reset it"
+
 enum recorder_state {
 	RECORDER_IDLE,
 	RECORDER_STARTING,
@@ -57,6 +61,11 @@ bool recorder_start(recorder *r, const char *device, const char *site_path,
 bool recorder_resume(recorder *r, const char *site_path, bool salvage, GError **error);
 /* Opens the head and identifies its lidar. */
 bool recorder_check(recorder *r, const char *device, GError **error);
+/* A scan or a check that an emergency stop or an open interlock has ended leaves the recorder latched: it refuses to scan (PUMP_ERROR_NOT_RESET)
+ * until somebody has said that it is safe, whatever became of the head meanwhile. This opens the head, resets its stage and checks; checked
+ * follows. Still latched after that: a contact is open. */
+bool recorder_reset(recorder *r, const char *device, GError **error);
+bool recorder_is_latched(recorder *r);
 /* Stops, and keeps what there is; ended follows. Fine when it is paused already. */
 bool recorder_pause(recorder *r, GError **error);
 /* Stops; ended follows. keep false: the partial scan is removed, also one that is paused. */

@@ -384,6 +384,59 @@ static void fault_says_what_to_do(struct bench *b, gconstpointer data)
 	g_assert_cmpuint(partial_scan(b), ==, 1);
 }
 
+static GError *fails_to_go_on(struct bench *b)
+{
+	guint number;
+	GError *error = NULL;
+	g_assert_false(bus_acquisition1_call_resume_sync(
+		b->service, b->site_path, FALSE, &number, NULL, &error));
+	return error;
+}
+
+static const char *state_of_stage(struct bench *b)
+{
+	const char *state = "";
+	g_autoptr(GVariant) device =
+		g_variant_get_child_value(bus_acquisition1_get_devices(b->service), 1);
+	g_variant_lookup(device, "state", "&s", &state);
+	return g_intern_string(state);
+}
+
+/* What was stopped for safety goes on only after somebody has said that it is safe; looking at the head says nothing of it. */
+static void estop_wants_a_reset(struct bench *b, gconstpointer data)
+{
+	guint number = 0;
+	g_autoptr(GError) error = NULL;
+	g_autoptr(GVariant) devices = NULL;
+	(void)data;
+	g_assert_false(bus_acquisition1_get_needs_reset(b->service));
+	start_scan(b);
+	WAIT_FOR(b->stopped);
+	g_assert_true(b->partial);
+	g_assert_nonnull(strstr(b->sentence, "emergency stop"));
+	g_assert_nonnull(strstr(b->advice, "Reset"));
+	WAIT_FOR(bus_acquisition1_get_needs_reset(b->service));
+	g_assert_cmpstr(state_of_stage(b), ==, "fault");
+	g_assert_true(bus_acquisition1_call_check_sync(b->service, &devices, NULL, &error));
+	g_assert_cmpstr(state_of_stage(b), ==, "fault");
+	g_autoptr(GError) first = fails_to_go_on(b),
+			  other = fails_to_start(b, b->elsewhere, "draft");
+	g_assert_nonnull(strstr(first->message, "reset it"));
+	g_assert_nonnull(strstr(other->message, "reset it"));
+	g_assert_true(bus_acquisition1_call_reset_sync(b->service, NULL, &error));
+	g_assert_no_error(error);
+	WAIT_FOR(!bus_acquisition1_get_needs_reset(b->service));
+	g_assert_cmpstr(state_of_stage(b), ==, "good");
+	g_assert_cmpuint(partial_scan(b), ==, 1);
+	/* It begins; this head's emergency stop is pressed at the same place once more. */
+	g_assert_true(bus_acquisition1_call_resume_sync(
+		b->service, b->site_path, FALSE, &number, NULL, &error));
+	g_assert_no_error(error);
+	WAIT_FOR(b->stopped == 2);
+	g_assert_true(b->partial);
+	WAIT_FOR(bus_acquisition1_get_needs_reset(b->service));
+}
+
 static void head_that_is_not_there(struct bench *b, gconstpointer data)
 {
 	(void)data;
@@ -531,6 +584,8 @@ int main(int argc, char **argv)
 	ADD("damaged-record-is-gone-on-with", set_up_running, NULL, damaged_record_is_gone_on_with);
 	ADD("fault-says-what-to-do", set_up_running, "sim:" COMMANDS_SCENE "&fault=stagefault@900",
 		fault_says_what_to_do);
+	ADD("estop-wants-a-reset", set_up_running, "sim:" COMMANDS_SCENE "&fault=estop@900",
+		estop_wants_a_reset);
 	ADD("head-that-is-not-there", set_up_running, "sim:/nowhere/at/all",
 		head_that_is_not_there);
 	ADD("refusals", set_up_running, NULL, refusals);
