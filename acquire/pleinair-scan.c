@@ -3,12 +3,16 @@
 #include "acquire/configuration.h"
 #include "acquire/identify.h"
 #include "acquire/picture.h"
+#include "acquire/pump.h"
 #include "acquire/scan.h"
 #include <stdio.h>
 #include <string.h>
 
 #define COMMAND          "scan"
 #define PREVIEW_EVERY_US G_USEC_PER_SEC
+#define IS_SAFE                                                                                    \
+	"release the emergency stop, close the cover and see that nobody is in danger; the next "  \
+	"scan, or --resume, resets the stage and moves it"
 
 static char *device, *preset_name, *preview;
 static gboolean resume, salvage, discard, json;
@@ -171,6 +175,8 @@ static int record(site *s, head *h, const struct preset *preset)
 	if (resume && !partial && g_error_matches(error, RECORD_ERROR, RECORD_ERROR_DAMAGED))
 		return refuse_damaged(s, error);
 	cli_fail(COMMAND, error);
+	if (pump_error_is_safety(error))
+		g_printerr("pleinair scan: %s\n", IS_SAFE);
 	if (partial)
 		say_how_to_go_on(s, partial);
 	else

@@ -22,7 +22,6 @@
 #define PULSE_NS       2500            /* of STEP, and of DIR before it; DEVICES 4.1 */
 #define EVENTS         65536
 #define EDGES          64
-#define PRIORITY       80
 
 /* Lines by what they are for; those of a machine that lacks one are not there. */
 enum pin {
@@ -65,7 +64,7 @@ struct pins_stage {
 	gpio_lines *lines;
 	int line_of[PIN_COUNT]; /* of lines; below 0: not there */
 	enum pin pin_of[PIN_COUNT];
-	double rate_max;
+	double rate_max, priority;
 	GThread *thread;
 	int order_fd, told_fd;
 
@@ -380,7 +379,7 @@ static void obey(struct pins_stage *s)
 static void go_first(struct pins_stage *s)
 {
 	bool first = pthread_setschedparam(pthread_self(), SCHED_FIFO,
-			     &(struct sched_param){ .sched_priority = PRIORITY }) == 0;
+			     &(struct sched_param){ .sched_priority = (int)s->priority }) == 0;
 	if (!first)
 		g_message("steps of the stage may come late: real-time priority is not allowed "
 			  "(pleinair doctor tells more)");
@@ -642,6 +641,7 @@ stage *stage_new_pins_on(head *h, const parts *p, gpio_opener open, GError **err
 	s->base = (stage){ &pins_ops, h };
 	allocate(s);
 	if (!parts_number(p, "stage", "rate_max", 1, 1e6, 1e6, &s->rate_max, error) ||
+		!parts_number(p, "stage", "priority", 1, 99, 80, &s->priority, error) ||
 		!open_lines(s, p, chip, open, error)) {
 		pins_close(&s->base);
 		return NULL;

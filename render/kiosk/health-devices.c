@@ -4,7 +4,7 @@
 
 struct devices {
 	kiosk *kiosk;
-	GtkWidget *none, *rows, *spinner, *check, *uri, *fault, *fault_text, *fault_advice;
+	GtkWidget *none, *rows, *spinner, *check, *uri, *fault, *fault_text, *fault_advice, *reset;
 	GVariant *shown; /* of type aa{sv} */
 	GCancellable *cancel;
 };
@@ -101,6 +101,7 @@ static void show(struct devices *d)
 	kit_set_text(d->uri, there && uri && *uri ? uri : _("None is chosen"));
 	show_devices(d, devices);
 	show_fault(d, bus_acquisition1_get_fault(a));
+	gtk_widget_set_visible(d->reset, bus_acquisition1_get_needs_reset(a));
 	gtk_widget_set_sensitive(
 		d->check, there && !gtk_spinner_get_spinning(GTK_SPINNER(d->spinner)));
 }
@@ -139,6 +140,23 @@ static void check_pressed(GtkButton *button, gpointer user_data)
 		services_acquisition(kiosk_services(d->kiosk)), d->cancel, checked, d);
 }
 
+static void was_reset(GObject *source, GAsyncResult *result, gpointer user_data)
+{
+	struct devices *d = user_data;
+	g_autoptr(GError) error = NULL;
+	bool good = bus_acquisition1_call_reset_finish(BUS_ACQUISITION1(source), result, &error);
+	if (!good && !g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED))
+		kiosk_complain_of(d->kiosk, error);
+}
+
+static void reset_pressed(GtkButton *button, gpointer user_data)
+{
+	struct devices *d = user_data;
+	(void)button;
+	bus_acquisition1_call_reset(
+		services_acquisition(kiosk_services(d->kiosk)), d->cancel, was_reset, d);
+}
+
 static void change_pressed(GtkButton *button, gpointer user_data)
 {
 	struct devices *d = user_data;
@@ -162,7 +180,10 @@ static void build_fault(struct devices *d)
 {
 	d->fault_text = kit_named_text("health-fault", "", "bad");
 	d->fault_advice = kit_named_text("health-advice", "", "small");
-	d->fault = kit_column(4, d->fault_text, d->fault_advice, NULL);
+	d->reset = kit_button("health-reset", NULL, _("Reset"),
+		_("It is safe: the scanner may be used again"), "main", G_CALLBACK(reset_pressed),
+		d);
+	d->fault = kit_column(4, d->fault_text, d->fault_advice, d->reset, NULL);
 	gtk_widget_set_visible(d->fault, FALSE);
 }
 

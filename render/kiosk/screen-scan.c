@@ -15,7 +15,7 @@ struct scan_screen {
 	kiosk *kiosk;
 	GtkWidget *widget, *panorama, *frame, *head, *doing, *bar, *columns, *left, *photos, *fault,
 		*advice;
-	GtkWidget *fault_box, *keep_clear, *pause, *resume, *stop;
+	GtkWidget *fault_box, *reset, *keep_clear, *pause, *resume, *stop;
 	GCancellable *gone;
 	guint timer;
 	const char *plane;
@@ -113,6 +113,7 @@ static void show_fault(struct scan_screen *s)
 	kit_set_text(s->fault, sentence);
 	kit_set_text(s->advice, words_advice(advice));
 	gtk_widget_set_visible(s->fault_box, *sentence);
+	gtk_widget_set_visible(s->reset, bus_acquisition1_get_needs_reset(acquisition(s)));
 }
 
 static const char *headline(const char *state)
@@ -162,6 +163,7 @@ static void show(struct scan_screen *s)
 	gtk_widget_set_visible(s->pause, !paused);
 	gtk_widget_set_visible(s->resume, paused);
 	gtk_widget_set_sensitive(s->pause, turns);
+	gtk_widget_set_sensitive(s->resume, !bus_acquisition1_get_needs_reset(acquisition(s)));
 	gtk_widget_set_sensitive(s->stop, turns || paused);
 	gtk_widget_set_visible(s->keep_clear, turns);
 }
@@ -236,6 +238,12 @@ static void resume_pressed(GtkButton *b, gpointer user_data)
 	ask(s, "Resume", g_variant_new("(sb)", folder ? folder : "", FALSE));
 }
 
+static void reset_pressed(GtkButton *b, gpointer user_data)
+{
+	(void)b;
+	ask(user_data, "Reset", NULL);
+}
+
 static void stop_keep(GtkButton *b, gpointer user_data)
 {
 	struct scan_screen *s = user_data;
@@ -308,7 +316,13 @@ static GtkWidget *fault_area(struct scan_screen *s)
 {
 	s->fault = kit_named_text("scan-fault", "", "head bad");
 	s->advice = kit_named_text("scan-advice", "", NULL);
-	s->fault_box = kit_classed(kit_column(4, s->fault, s->advice, NULL), "card");
+	s->reset = kit_button("scan-reset", NULL, _("Reset"),
+		_("It is safe: the scanner may be used again"), "main great",
+		G_CALLBACK(reset_pressed), s);
+	s->fault_box = kit_classed(
+		kit_row(16, kit_grow(kit_column(4, s->fault, s->advice, NULL), true, false),
+			s->reset, NULL),
+		"card");
 	gtk_widget_set_visible(s->fault_box, FALSE);
 	return s->fault_box;
 }
