@@ -7,6 +7,8 @@ G_DEFINE_QUARK(pump - error - quark, pump_error)
 /* Answers that nobody takes are old ones. */
 #define REPLIES_MAX 64
 #define SECOND_NS   INT64_C(1000000000)
+/* One that only knows its index slots says nothing between two of them. */
+#define SILENT_STAGE_NS (20 * SECOND_NS)
 
 void pump_reply_free(pump_reply *r)
 {
@@ -284,7 +286,7 @@ bool pump_move(struct pump *p, const struct stage_move *move, GError **error)
 		if (now_known_ns != known_ns)
 			silent_since_ns = head_now_ns(p->head);
 		known_ns = now_known_ns;
-		if (head_now_ns(p->head) - silent_since_ns > 5 * SECOND_NS) {
+		if (head_now_ns(p->head) - silent_since_ns > SILENT_STAGE_NS) {
 			g_set_error(error, PUMP_ERROR, PUMP_ERROR_STAGE,
 				"the pan stage does not move: check its motor supply");
 			return false;

@@ -6,8 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Live, lines wait for the stage's pulses no longer than this many revolutions. */
-#define PENDING_MAX 64
+/* Live, lines wait for the stage's pulses no longer than this many revolutions: some 25 s at 40 Hz, in
+ * which a stage that only knows its index slots has passed the next one. */
+#define PENDING_MAX 1024
 /* A record is what somebody wrote. No clock runs for thirty years; beyond, sums of times overflow.
  */
 #define TIME_MAX_NS INT64_C(1000000000000000000)

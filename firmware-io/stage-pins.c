@@ -1,5 +1,6 @@
 #include "firmware-io/stage-pins.h"
 #include "firmware-io/inbox.h"
+#include "firmware-io/stage-index.h"
 #include "firmware-io/step-ramp.h"
 #include <errno.h>
 #include <math.h>
@@ -65,6 +66,7 @@ struct pins_stage {
 	int line_of[PIN_COUNT]; /* of lines; below 0: not there */
 	enum pin pin_of[PIN_COUNT];
 	double rate_max, priority;
+	bool counted; /* steps are made here, else index has them */
 	GThread *thread;
 	int order_fd, told_fd;
 
@@ -84,6 +86,9 @@ struct pins_stage {
 	int64_t edge_ns[PIN_COUNT]; /* the last that counted */
 	int direction;
 	bool moving, enabled, gone;
+	struct stage_index index;
+	int64_t target_steps; /* of a motor that turns by itself */
+	bool arrived;
 };
 
 /* ---- telling; under the lock ---- */
@@ -171,6 +176,7 @@ static void stop_dead(struct pins_stage *s, int64_t now_ns)
 	bool was_moving = s->moving;
 	enable(s, false);
 	step_ramp_rest(&s->ramp, now_ns, s->steps);
+	stage_index_forget(&s->index);
 	s->moving = false;
 	if (was_moving)
 		tell(s, STAGE_STOPPED, now_ns);
@@ -198,7 +204,9 @@ static void set_open(struct pins_stage *s, bool open, int64_t time_ns)
 	s->open = open;
 	s->latched |= open;
 	g_mutex_unlock(&s->lock);
-	if (open && s->moving)
+	if (open && !s->counted)
+		stop_dead(s, inbox_now_ns());
+	else if (open && s->moving)
 		step_ramp_stop(&s->ramp, inbox_now_ns());
 	tell(s, open ? STAGE_INTERLOCK_OPENED : STAGE_INTERLOCK_CLOSED, time_ns);
 	show_lights(s, inbox_now_ns());
@@ -229,11 +237,31 @@ static bool is_the_edge(const struct pins_stage *s, bool on)
 	return on == (s->direction >= 0);
 }
 
+/* The steps since the slot before are told now that they are known. */
+static void count_from_slot(struct pins_stage *s, int64_t time_ns)
+{
+	int64_t from_ns, n = stage_index_pass(&s->index, time_ns, s->direction, &from_ns);
+	g_mutex_lock(&s->lock);
+	for (int64_t k = 1; k <= n; k++)
+		tell_locked(
+			s, STAGE_STEP, s->direction, stage_index_step_ns(from_ns, time_ns, k, n));
+	s->counts.steps += (uint64_t)n;
+	g_mutex_unlock(&s->lock);
+	s->arrived = s->direction * (s->target_steps - s->index.steps) <= 0;
+}
+
+static bool is_counted_by(const struct pins_stage *s, enum pin pin)
+{
+	return pin == (s->line_of[PIN_INDEX] >= 0 ? PIN_INDEX : PIN_HOME);
+}
+
 static void take_slot(struct pins_stage *s, enum pin pin, const struct gpio_edge *e)
 {
 	if (!is_the_edge(s, e->on) || e->time_ns - s->edge_ns[pin] < BOUNCE_NS)
 		return;
 	s->edge_ns[pin] = e->time_ns;
+	if (!s->counted && is_counted_by(s, pin))
+		count_from_slot(s, e->time_ns);
 	tell(s, pin == PIN_HOME ? STAGE_HOME : STAGE_INDEX, e->time_ns);
 }
 
@@ -296,6 +324,8 @@ static void set_direction(struct pins_stage *s, int direction)
 
 static void end_move(struct pins_stage *s, int64_t now_ns)
 {
+	if (!s->counted)
+		enable(s, false);
 	s->moving = false;
 	tell(s, STAGE_STOPPED, now_ns);
 }
@@ -339,6 +369,11 @@ static int64_t run_steps(struct pins_stage *s)
 	int direction;
 	if (!s->moving)
 		return INT64_MAX;
+	if (!s->counted) {
+		if (s->arrived)
+			end_move(s, inbox_now_ns());
+		return INT64_MAX;
+	}
 	if (!step_ramp_next(&s->ramp, s->steps, s->last_step_ns, &due_ns, &direction)) {
 		end_move(s, inbox_now_ns());
 		return INT64_MAX;
@@ -350,6 +385,19 @@ static int64_t run_steps(struct pins_stage *s)
 }
 
 /* ---- orders ---- */
+
+/* It turns until a slot at or beyond the target; one that is told to stop, until the next slot. */
+static void turn_by_itself(struct pins_stage *s, int64_t target, int64_t now_ns)
+{
+	s->target_steps = target;
+	s->arrived = target == s->index.steps;
+	if (!s->arrived)
+		set_direction(s, target > s->index.steps ? 1 : -1);
+	if (!s->arrived && !s->moving)
+		stage_index_start(&s->index, now_ns);
+	enable(s, !s->arrived);
+	s->moving = true;
+}
 
 static void obey(struct pins_stage *s)
 {
@@ -363,7 +411,11 @@ static void obey(struct pins_stage *s)
 	bool latched = s->latched;
 	s->order = ORDER_NONE;
 	g_mutex_unlock(&s->lock);
-	if (order == ORDER_MOVE && !latched) {
+	if (order == ORDER_MOVE && !latched && !s->counted) {
+		turn_by_itself(s, move.target_steps, now_ns);
+	} else if (order == ORDER_STOP && s->moving && !s->counted) {
+		s->target_steps = s->index.steps;
+	} else if (order == ORDER_MOVE && !latched) {
 		move.rate_steps_s = fmin(move.rate_steps_s, s->rate_max);
 		enable(s, true);
 		step_ramp_move(&s->ramp, now_ns, &move);
@@ -604,7 +656,7 @@ static bool open_lines(
 	for (enum pin pin = 0; pin < PIN_COUNT; pin++) {
 		const char *line = parts_text(p, "stage", pins[pin].key);
 		s->line_of[pin] = line ? (int)n : -1;
-		if (!line && pins[pin].needed) {
+		if (!line && pins[pin].needed && (s->counted || pin != PIN_STEP)) {
 			g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
 				"the pan stage: [stage] does not say on which line '%s' is",
 				pins[pin].key);
@@ -618,6 +670,24 @@ static bool open_lines(
 	}
 	s->lines = open(chip, lines, n, error);
 	return s->lines;
+}
+
+/* A stretch between two slots has to find room in the queue. */
+static bool read_index(struct pins_stage *s, const parts *p, GError **error)
+{
+	double turn, slots;
+	if (!parts_flag(p, "stage", "counted", true, &s->counted, error) ||
+		!parts_number(p, "stage", "steps_per_turn", 16, 1e8, 3200, &turn, error) ||
+		!parts_number(p, "stage", "index_slots", 0, 100000, 1, &slots, error))
+		return false;
+	s->index.spacing = turn / (parts_text(p, "stage", "index") && slots >= 1 ? slots : 1);
+	if (s->counted || s->index.spacing <= EVENTS / 4)
+		return true;
+	g_set_error(error, WIRE_ERROR, WIRE_ERROR_BROKEN,
+		"[stage] counted=no: %g steps from slot to slot are too many, %d would do: more "
+		"index_slots or fewer steps_per_turn",
+		s->index.spacing, EVENTS / 4);
+	return false;
 }
 
 static void allocate(struct pins_stage *s)
@@ -642,7 +712,7 @@ stage *stage_new_pins_on(head *h, const parts *p, gpio_opener open, GError **err
 	allocate(s);
 	if (!parts_number(p, "stage", "rate_max", 1, 1e6, 1e6, &s->rate_max, error) ||
 		!parts_number(p, "stage", "priority", 1, 99, 80, &s->priority, error) ||
-		!open_lines(s, p, chip, open, error)) {
+		!read_index(s, p, error) || !open_lines(s, p, chip, open, error)) {
 		pins_close(&s->base);
 		return NULL;
 	}

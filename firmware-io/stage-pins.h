@@ -13,7 +13,8 @@
  * stage_reset was called. Both are so from the start if they are open then.
  *
  * counted=no: the motor turns by itself while ENABLE is on, in the direction of DIR, and where it is comes from the slots alone. Steps are told
- * evenly between two slots, once the second is reached; a move ends at the first slot at or beyond its target. */
+ * evenly between two slots, once the second is reached; a move ends at the first slot at or beyond its target, and
+ * one that is told to stop at the next slot; STEP is not needed, rates are the motor's own. When the emergency stop or the interlock opens, ENABLE is taken away at once. */
 #include "firmware-io/gpio-lines.h"
 #include "firmware-io/parts.h"
 

@@ -31,7 +31,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(stage, stage_free)
  */
 bool stage_move(stage *s, int64_t now_ns, const struct link_stage_move *move);
 void stage_halt(stage *s, int64_t now_ns);
-void stage_fail(stage *s, int64_t now_ns);               /* the drive stops dead and says so */
+void stage_fail(stage *s, int64_t now_ns); /* the drive stops dead and says so */
 /* Emergency stop: stops dead. Interlock: ramps down. Each ends by itself after the time; moves are ignored from then on until both
  * have ended and stage_unlatch came. */
 void stage_press(stage *s, int64_t now_ns, double seconds);
