@@ -34,3 +34,10 @@ $(BUILD)/tests/kernel/pulse: $(BUILD)/tests/kernel/pulse.o
 $(BUILD)/tests/kernel/compare-scans: $(BUILD)/tests/kernel/compare-scans.o $(BUILD)/libacquire.a $(BUILD)/libfirmware-io.a
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
+# The lines by libgpiod's second API are compiled also where only the first is installed.
+tests: $(BUILD)/tests/gpio-lines-2.o
+$(BUILD)/tests/gpio-lines-2.o: firmware-io/gpio-lines-2.c firmware-io/gpio-lines.h tests/gpiod-2/gpiod.h
+	@mkdir -p $(@D)
+	$(call say,CC)
+	$(q)$(CC) -std=gnu17 -D_GNU_SOURCE -O1 -Wall -Wextra -Werror -DGPIOD_API_VERSION=2 -Itests/gpiod-2 -I. \
+		$(shell pkg-config --cflags glib-2.0 | sed 's/-I/-isystem /g') -c -o $@ $<
