@@ -4,6 +4,7 @@
 #include "acquire/advice.h"
 #include "acquire/pump.h"
 #include "acquire/service.h"
+#include "firmware-io/button.h"
 #include "firmware-io/hotplug.h"
 #include <gio/gunixfdlist.h>
 #include <math.h>
@@ -37,6 +38,9 @@ struct acquisition_service {
 	bool is_resetting;            /* the recorder works on it */
 	guint timer, look_again;
 	hotplug *plugs;
+	button *button;  /* while the head is closed; NULL: has none */
+	char *last_site; /* of the last scan that began */
+	const struct preset *last_preset;
 	void (*ended)(void); /* once it shall end */
 };
 
@@ -92,6 +96,31 @@ static void set_error(acquisition_service *s, const GError *error)
 	show_devices(s);
 }
 
+/* ---- the scanner's own button ---- */
+
+static void begin_wish(acquisition_service *s);
+
+/* Goes on with a scan that was paused, else begins one in the last site; nobody is there to be told that it cannot be. */
+static void button_pressed(gpointer user_data)
+{
+	acquisition_service *s = user_data;
+	bool paused = g_str_equal(bus_acquisition1_get_state(s->bus), "paused");
+	if (!s->last_site || (!paused && !s->last_preset) || s->ended)
+		return;
+	s->wish =
+		(struct wish){ NULL, false, paused, false, g_strdup(s->last_site), s->last_preset };
+	begin_wish(s);
+}
+
+/* Pins belong to one at a time: to the button here, or to an open head. */
+static void watch_button(acquisition_service *s)
+{
+	g_clear_pointer(&s->button, button_free);
+	/* Where it cannot be had, the check of the head says why. */
+	if (s->device && !recorder_is_working(s->recorder))
+		s->button = button_new(s->device, button_pressed, s, NULL);
+}
+
 /* ---- looking at the head ---- */
 
 static void look(acquisition_service *s);
@@ -109,6 +138,7 @@ static void look(acquisition_service *s)
 {
 	g_autoptr(GError) error = NULL;
 	g_clear_handle_id(&s->look_again, g_source_remove);
+	g_clear_pointer(&s->button, button_free);
 	if (s->device && !s->ended && !recorder_check(s->recorder, s->device, &error))
 		g_printerr("pleinair acquired: %s\n", error->message);
 }
@@ -128,6 +158,7 @@ static void begin_reset(acquisition_service *s)
 {
 	GError *error = NULL;
 	g_clear_handle_id(&s->look_again, g_source_remove);
+	g_clear_pointer(&s->button, button_free);
 	s->is_resetting = recorder_reset(s->recorder, s->device, &error);
 	if (!s->is_resetting)
 		service_refuse(g_steal_pointer(&s->reset), error);
@@ -168,10 +199,12 @@ static void begin_wish(acquisition_service *s)
 	GError *error = NULL;
 	struct wish *w = &s->wish;
 	w->is_tried = true;
+	g_clear_pointer(&s->button, button_free);
 	bool good = w->resume ? recorder_resume(s->recorder, w->site, w->salvage, &error)
 			      : recorder_start(s->recorder, s->device, w->site, w->preset, &error);
 	if (!good) {
 		refuse_wish(s, error);
+		watch_button(s);
 		return;
 	}
 	set_error(s, NULL);
@@ -185,6 +218,9 @@ static void begun(gpointer user_data)
 	acquisition_service *s = user_data;
 	GDBusMethodInvocation *call = g_steal_pointer(&s->wish.call);
 	bool resume = s->wish.resume;
+	g_free(s->last_site);
+	s->last_site = g_strdup(s->wish.site);
+	s->last_preset = s->wish.preset ? s->wish.preset : s->last_preset;
 	wish_clear(&s->wish);
 	show_progress(s);
 	show_devices(s);
@@ -221,6 +257,7 @@ static void ended(const char *site_path, uint32_t scan, bool partial, bool stopp
 		s->ended();
 	else if (s->wish.call)
 		begin_wish(s);
+	watch_button(s);
 }
 
 static void checked(const GError *error, gpointer user_data)
@@ -237,6 +274,7 @@ static void checked(const GError *error, gpointer user_data)
 		begin_wish(s);
 	else if (error)
 		s->look_again = g_timeout_add_seconds(LOOK_AGAIN_S, look_later, s);
+	watch_button(s);
 }
 
 static void refuse_busy(GDBusMethodInvocation *call)
@@ -310,15 +348,15 @@ static gboolean reset(BusAcquisition1 *b, GDBusMethodInvocation *call, gpointer 
 {
 	acquisition_service *s = user_data;
 	(void)b;
-	if (!s->device || s->reset || s->ended ||
-		(recorder_is_working(s->recorder) && !recorder_is_checking(s->recorder))) {
+	bool scans = recorder_is_working(s->recorder) && !recorder_is_checking(s->recorder);
+	if (!s->device || s->reset || s->ended || scans) {
 		g_dbus_method_invocation_return_error_literal(call, SERVICE_ERROR,
 			SERVICE_ERROR_BUSY,
-			"there is nothing to reset now: no scanner is set up, or it is at work");
+			"nothing can be reset now: no scanner is set up, or it is at work");
 		return TRUE;
 	}
 	s->reset = call;
-	if (!recorder_is_working(s->recorder))
+	if (!recorder_is_checking(s->recorder))
 		begin_reset(s);
 	return TRUE;
 }
@@ -524,12 +562,14 @@ void acquisition_service_free(acquisition_service *s)
 	g_clear_handle_id(&s->timer, g_source_remove);
 	g_clear_handle_id(&s->look_again, g_source_remove);
 	hotplug_free(s->plugs);
+	button_free(s->button);
 	recorder_free(s->recorder);
 	g_dbus_interface_skeleton_unexport(G_DBUS_INTERFACE_SKELETON(s->bus));
 	g_object_unref(s->bus);
 	g_clear_error(&s->error);
 	g_ptr_array_unref(s->lookers);
 	wish_clear(&s->wish);
+	g_free(s->last_site);
 	g_free(s->device);
 	g_free(s->folder);
 	g_free(s);
