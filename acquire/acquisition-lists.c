@@ -9,8 +9,7 @@
 
 /* ---- presets ---- */
 
-static void add_prediction(
-	GVariantBuilder *b, const struct preset *p, const struct recorder_head *known)
+static void add_prediction(GVariantBuilder *b, const struct preset *p, const struct identity *known)
 {
 	struct prediction says =
 		preset_predict(p, known->driver, &known->lidar, &known->calibration);
@@ -19,7 +18,7 @@ static void add_prediction(
 	g_variant_builder_add(b, "{sv}", "bytes", g_variant_new_uint64(says.bytes));
 }
 
-GVariant *acquisition_presets(const struct recorder_head *known)
+GVariant *acquisition_presets(const struct identity *known)
 {
 	GVariantBuilder all;
 	g_variant_builder_init(&all, G_VARIANT_TYPE("aa{sv}"));
@@ -78,7 +77,7 @@ static bool is_about_lidar(const GError *e)
 		       e->domain == WIRE_ERROR);
 }
 
-GVariant *acquisition_devices(const struct recorder_head *known, const GError *error)
+GVariant *acquisition_devices(const struct identity *known, const GError *error)
 {
 	GVariantBuilder all;
 	bool gone = error && !g_error_matches(error, PUMP_ERROR, PUMP_ERROR_REFUSED);

@@ -4,9 +4,9 @@
 #include "acquire/recorder.h"
 
 /* aa{sv}, floating: of each preset, with what it takes where the head is known. */
-GVariant *acquisition_presets(const struct recorder_head *known);
+GVariant *acquisition_presets(const struct identity *known);
 /* aa{sv}, floating: of each device of the head, known or not. error: what the last look or scan ended with, or NULL. */
-GVariant *acquisition_devices(const struct recorder_head *known, const GError *error);
+GVariant *acquisition_devices(const struct identity *known, const GError *error);
 
 /* A sealed memfd with these bytes; -1 with error. */
 int acquisition_seal(const void *bytes, size_t length, GError **error);

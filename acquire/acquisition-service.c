@@ -48,7 +48,7 @@ struct acquisition_service {
 
 static void show_devices(acquisition_service *s)
 {
-	struct recorder_head h = recorder_head(s->recorder);
+	struct identity h = recorder_head(s->recorder);
 	bus_acquisition1_set_devices(s->bus, acquisition_devices(&h, s->error));
 	bus_acquisition1_set_fault(s->bus,
 		g_variant_new("(ss)", s->error ? s->error->message : "", advice_for(s->error)));
@@ -319,7 +319,7 @@ static bool allows(acquisition_service *s, GDBusMethodInvocation *call, const ch
 static gboolean list_presets(BusAcquisition1 *b, GDBusMethodInvocation *call, gpointer user_data)
 {
 	acquisition_service *s = user_data;
-	struct recorder_head h = recorder_head(s->recorder);
+	struct identity h = recorder_head(s->recorder);
 	bus_acquisition1_complete_list_presets(b, call, acquisition_presets(&h));
 	return TRUE;
 }

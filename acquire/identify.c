@@ -18,11 +18,8 @@ static bool learn(
 	return true;
 }
 
-bool identify_head(const char *uri, struct identity *ret, GError **error)
+bool identify_opened(head *h, const char *uri, struct identity *ret, GError **error)
 {
-	g_autoptr(head) h = head_open(uri, error);
-	if (!h)
-		return false;
 	struct run_options o = { .preset = preset_find("draft") };
 	g_autofree char *text = scan_session_text(uri, h);
 	struct record_entry e = { .kind = RECORD_SESSION,
@@ -32,6 +29,12 @@ bool identify_head(const char *uri, struct identity *ret, GError **error)
 	g_autoptr(run) looking = run_new(h, &o);
 	return run_begin(looking, &e, error) && run_prepare(looking, error) &&
 	       learn(h, run_lidar(looking), ret, error);
+}
+
+bool identify_head(const char *uri, struct identity *ret, GError **error)
+{
+	g_autoptr(head) h = head_open(uri, error);
+	return h && identify_opened(h, uri, ret, error);
 }
 
 /* Those that speak without being asked first: asking could disturb one that is none of ours. */

@@ -26,7 +26,7 @@ struct recorder {
 	struct recorder_progress now;
 	bool stop, keep;
 	bool latched; /* until a reset */
-	struct recorder_head head;
+	struct identity head;
 	panorama *preview;
 	uint64_t preview_serial;
 	int64_t preview_us, asked_us, scanning_us;
@@ -180,27 +180,14 @@ static void is_developing(const panorama *all, gpointer user_data)
 	g_mutex_unlock(&r->lock);
 }
 
-/* For %n. Caller frees. */
-static char *device_for(const char *device, uint32_t number)
+/* For %n; "auto" is the one that is plugged in. Caller frees. */
+static char *device_for(const char *device, uint32_t number, GError **error)
 {
+	if (strcmp(device, "auto") == 0)
+		return identify_find(error);
 	g_autofree char *text = g_strdup_printf("%u", number);
 	g_auto(GStrv) parts = g_strsplit(device, "%n", -1);
 	return g_strjoinv(text, parts);
-}
-
-static bool learn_head(recorder *r, head *h, const struct lidar_identity *lidar, GError **error)
-{
-	struct recorder_head known = { .known = true,
-		.lidar = *lidar,
-		.driver = driver_find(h->lidar_protocol),
-		.has_camera = h->camera };
-	if (!calibration_parse(h->calibration, "the head's calibration", &known.calibration, error))
-		return false;
-	known.has_camera = known.has_camera && known.calibration.has_camera;
-	g_mutex_lock(&r->lock);
-	r->head = known;
-	g_mutex_unlock(&r->lock);
-	return true;
 }
 
 static void set_latched(recorder *r, bool latched)
@@ -220,19 +207,15 @@ static bool unlatch(recorder *r, head *h, GError **error)
 
 static bool check(recorder *r, GError **error)
 {
-	g_autofree char *device = device_for(r->device, 1);
-	g_autoptr(head) h = head_open(device, error);
-	if (!h || (r->reset && !unlatch(r, h, error)))
+	g_autofree char *device = device_for(r->device, 1, error);
+	g_autoptr(head) h = device ? head_open(device, error) : NULL;
+	struct identity known;
+	if (!h || (r->reset && !unlatch(r, h, error)) || !identify_opened(h, device, &known, error))
 		return false;
-	struct run_options o = { .preset = preset_find("draft") };
-	g_autofree char *text = scan_session_text(device, h);
-	struct record_entry e = { .kind = RECORD_SESSION,
-		.length = strlen(text),
-		.time_ns = head_now_ns(h),
-		.payload = text };
-	g_autoptr(run) looking = run_new(h, &o);
-	return run_begin(looking, &e, error) && run_prepare(looking, error) &&
-	       learn_head(r, h, run_lidar(looking), error);
+	g_mutex_lock(&r->lock);
+	r->head = known;
+	g_mutex_unlock(&r->lock);
+	return true;
 }
 
 static uint32_t next_number(const site *s)
@@ -246,7 +229,7 @@ static bool record(recorder *r, site *s, uint32_t *ret_scan, uint32_t *ret_parti
 	struct scan_result result = { 0 };
 	uint32_t number = next_number(s);
 	g_autofree char *device =
-		r->resume ? scan_partial_device(s, error) : device_for(r->device, number);
+		r->resume ? scan_partial_device(s, error) : device_for(r->device, number, error);
 	struct scan_options o = { .device = device,
 		.preset = r->preset,
 		.resume = r->resume,
@@ -500,10 +483,10 @@ struct recorder_progress recorder_progress(recorder *r)
 	return p;
 }
 
-struct recorder_head recorder_head(recorder *r)
+struct identity recorder_head(recorder *r)
 {
 	g_mutex_lock(&r->lock);
-	struct recorder_head h = r->head;
+	struct identity h = r->head;
 	g_mutex_unlock(&r->lock);
 	return h;
 }
@@ -511,7 +494,7 @@ struct recorder_head recorder_head(recorder *r)
 void recorder_forget_head(recorder *r)
 {
 	g_mutex_lock(&r->lock);
-	r->head = (struct recorder_head){ 0 };
+	r->head = (struct identity){ 0 };
 	g_mutex_unlock(&r->lock);
 }
 

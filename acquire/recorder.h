@@ -2,6 +2,7 @@
 #define ACQUIRE_RECORDER_H
 /* Scans on a thread of its own, for services: begun, paused, gone on with, stopped; how far it is can be asked at any time. One owner;
  * all functions and callbacks are of the thread that made it, which runs a main loop. */
+#include "acquire/identify.h"
 #include "acquire/picture.h"
 #include "acquire/scan.h"
 
@@ -29,15 +30,6 @@ struct recorder_progress {
 	uint32_t photos_taken, photos_wanted;
 };
 void recorder_progress_clear(struct recorder_progress *p);
-
-/* What is known of a head that was looked at. */
-struct recorder_head {
-	bool known;
-	struct lidar_identity lidar;
-	struct calibration calibration;
-	const struct driver *driver;
-	bool has_camera;
-};
 
 struct recorder_watcher {
 	/* The head answers and the folder is there. */
@@ -75,7 +67,7 @@ bool recorder_discard(recorder *r, const char *site_path, GError **error);
 bool recorder_is_working(const recorder *r); /* on a scan or a check */
 bool recorder_is_checking(const recorder *r);
 struct recorder_progress recorder_progress(recorder *r); /* caller clears */
-struct recorder_head recorder_head(recorder *r);
+struct identity recorder_head(recorder *r);
 void recorder_forget_head(recorder *r); /* another one is meant from now on */
 /* What has been seen so far: 4 bytes a cell, RGBA, A 0 where nothing was; caller frees. *ret_serial changes with it. NULL: no scan
  * was made yet. Asking keeps it up to date. */

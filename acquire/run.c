@@ -444,6 +444,30 @@ static void say_pass(run *r, uint32_t turn)
 	doing(r, turn ? words : "scanning");
 }
 
+/* The scan is whole by then: what the lidar may come back from costs nothing any more. Takes the
+ * error. */
+static bool forgive(GError *failed, GError **error)
+{
+	if (failed && !can_recover(failed)) {
+		g_propagate_error(error, failed);
+		return false;
+	}
+	g_clear_error(&failed);
+	return true;
+}
+
+/* All that was wanted is there: a lidar that does not answer any more is woken once, which stops it too, and a scan is not lost for it. */
+static bool quieten_lidar(run *r, GError **error)
+{
+	g_autoptr(GError) deaf = NULL, lost = NULL;
+	if (pump_stop_lidar(&r->pump, &deaf))
+		return true;
+	if (can_recover(deaf) && r->pump.lidar_open && pump_prepare_lidar(&r->pump, &lost))
+		return true;
+	GError *why = lost ? g_steal_pointer(&lost) : g_steal_pointer(&deaf);
+	return forgive(why, error);
+}
+
 static bool scan_columns(run *r, GError **error)
 {
 	if (run_missing_columns(r) == 0)
@@ -466,7 +490,7 @@ static bool scan_columns(run *r, GError **error)
 		return false;
 	}
 	r->streaming = false;
-	return pump_stop_lidar(&r->pump, error);
+	return quieten_lidar(r, error);
 }
 
 /* Those that the pass did not bring: first on from where the stage stands, then from the start. */
@@ -485,18 +509,6 @@ static bool take_photos(run *r, GError **error)
 			!go(r, 2 * G_PI, r->pace.photo_rad_s, error))
 			return false;
 	}
-	return true;
-}
-
-/* The scan is whole by then: what the lidar may come back from costs nothing any more. Takes the
- * error. */
-static bool forgive(GError *failed, GError **error)
-{
-	if (failed && !can_recover(failed)) {
-		g_propagate_error(error, failed);
-		return false;
-	}
-	g_clear_error(&failed);
 	return true;
 }
 

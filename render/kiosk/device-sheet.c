@@ -4,6 +4,7 @@
 static const struct preset {
 	const char *name, *words, *uri;
 } presets[] = {
+	{ "device-auto", N_("The one that is plugged in"), "auto" },
 	{ "device-court", N_("Simulated courtyard"), "sim:court?station=%n" },
 	{ "device-street", N_("Simulated street"), "sim:street?station=%n" },
 	{ "device-bridge", N_("Simulated bridge"), "sim:bridge?station=%n" },

@@ -1,13 +1,22 @@
-/* compare-scans SITE-A SITE-B: compares the first scans of two sites, which were made of the same place with the same head, cell by cell, and prints
- * how many are equal. Two scans never cast the same beams: each beam goes to the cell that it meets, and a cell's beams lie somewhere else in it each
- * time. So a cell is equal when its range is within TOLERANCE of the other's, or of what the other has within a cell around it: where a surface is seen
- * edge-on, or ends. What one has and the other has not is never equal. */
+/* compare-scans SITE-A SITE-B: compares the first scans of two sites, made of the same place with the same head, cell by cell, and prints how many are
+ * equal.
+ *
+ * Two scans never cast the same beams, and each calls the instant at which it saw its home slot azimuth zero: one that is told of the slot later
+ * is turned by a little, as a whole. That angle is found first, and told. Then each measured beam of the first is looked up in the second: it
+ * is equal when its range is within TOLERANCE of the range there, or of what lies within a cell around, where a surface is seen edge-on or
+ * ends. What one has and the other has not is never equal. */
 #include "acquire/scan.h"
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #define TOLERANCE_M 0.01
+#define TURN_MAX    (1.0 * G_PI / 180)
+#define TURN_STEP   (0.01 * G_PI / 180)
+#define SPARSE      17 /* every so manieth cell finds the angle */
+
+struct tally {
+	uint64_t cells, within, equal, missing;
+};
 
 static panorama *load(const char *path)
 {
@@ -19,28 +28,61 @@ static panorama *load(const char *path)
 	return p;
 }
 
-static float at(const panorama *p, int column, int row)
+static float range_at(const panorama *p, int row, int column)
 {
 	int n = (int)p->desc.columns;
 	return p->range_m[(size_t)row * n + (size_t)((column + n) % n)];
 }
 
-static bool is_measured(const panorama *p, int column, int row)
-{
-	return at(p, column, row) > 0;
-}
-
-/* Within what the other has around there. */
-static bool is_near(const panorama *other, int column, int row, float range_m)
+static bool is_among(const panorama *p, int row, int column, float range_m)
 {
 	float least = INFINITY, most = 0;
-	for (int r = MAX(row - 1, 0); r <= MIN(row + 1, (int)other->desc.rows - 1); r++)
+	for (int r = MAX(row - 1, 0); r <= MIN(row + 1, (int)p->desc.rows - 1); r++)
 		for (int c = column - 1; c <= column + 1; c++)
-			if (is_measured(other, c, r)) {
-				least = fminf(least, at(other, c, r));
-				most = fmaxf(most, at(other, c, r));
+			if (range_at(p, r, c) > 0) {
+				least = fminf(least, range_at(p, r, c));
+				most = fmaxf(most, range_at(p, r, c));
 			}
 	return range_m >= least - TOLERANCE_M && range_m <= most + TOLERANCE_M;
+}
+
+static void compare_cell(
+	const panorama *a, const panorama *b, size_t i, double turn_rad, struct tally *t)
+{
+	int row = (int)(i / a->desc.columns);
+	double across =
+		(double)(i % a->desc.columns) + 0.5 + a->azimuth_offset[i] / PANORAMA_OFFSET_ONE;
+	int column = (int)floor(across + turn_rad / a->column_rad);
+	float range_m = a->range_m[i], there_m = range_at(b, row, column);
+	if (range_m <= 0)
+		return;
+	t->cells++;
+	t->missing += there_m <= 0;
+	t->within += there_m > 0 && fabsf(there_m - range_m) <= TOLERANCE_M;
+	t->equal += there_m > 0 && is_among(b, row, column, range_m);
+}
+
+static struct tally compare(const panorama *a, const panorama *b, double turn_rad, size_t every)
+{
+	struct tally t = { 0 };
+	for (size_t i = 0; i < (size_t)a->desc.columns * a->desc.rows; i += every)
+		compare_cell(a, b, i, turn_rad, &t);
+	return t;
+}
+
+/* The angle that most cells agree about. */
+static double find_turn(const panorama *a, const panorama *b)
+{
+	uint64_t most = 0;
+	double best = 0;
+	for (double turn = -TURN_MAX; turn <= TURN_MAX; turn += TURN_STEP) {
+		struct tally t = compare(a, b, turn, SPARSE);
+		if (t.within > most) {
+			most = t.within;
+			best = turn;
+		}
+	}
+	return best;
 }
 
 int main(int argc, char **argv)
@@ -48,24 +90,12 @@ int main(int argc, char **argv)
 	g_autoptr(panorama) a = argc == 3 ? load(argv[1]) : NULL, b = a ? load(argv[2]) : NULL;
 	if (!b || a->desc.columns != b->desc.columns || a->desc.rows != b->desc.rows)
 		return 1;
-	uint64_t both = 0, only_a = 0, only_b = 0, within = 0, equal = 0;
-	for (int row = 0; row < (int)a->desc.rows; row++)
-		for (int column = 0; column < (int)a->desc.columns; column++) {
-			bool in_a = is_measured(a, column, row), in_b = is_measured(b, column, row);
-			only_a += in_a && !in_b;
-			only_b += in_b && !in_a;
-			if (!in_a || !in_b)
-				continue;
-			both++;
-			bool same = fabsf(at(a, column, row) - at(b, column, row)) <= TOLERANCE_M;
-			within += same;
-			equal += same || is_near(b, column, row, at(a, column, row));
-		}
-	uint64_t all = both + only_a + only_b;
-	printf("%.4f %% of %lu cells are equal; %.2f %% within 10 mm in the cell itself, %lu only "
-	       "in the first, %lu only in the second\n",
-		100.0 * (double)equal / (double)MAX(all, 1), (unsigned long)all,
-		100.0 * (double)within / (double)MAX(all, 1), (unsigned long)only_a,
-		(unsigned long)only_b);
+	double turn = find_turn(a, b);
+	struct tally t = compare(a, b, turn, 1);
+	double all = (double)MAX(t.cells, 1);
+	printf("%.2f %% of %lu cells are equal (%.2f %% within 10 mm in the cell itself, %.2f %% "
+	       "not in the second), turned by %.2f degrees\n",
+		100 * (double)t.equal / all, (unsigned long)t.cells, 100 * (double)t.within / all,
+		100 * (double)t.missing / all, turn * 180 / G_PI);
 	return 0;
 }

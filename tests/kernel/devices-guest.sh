@@ -4,14 +4,7 @@
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8
 exec < /dev/null > /dev/ttyS1 2> /dev/console
 . /usr/lib/pleinair/test/guest-tap.sh
-comment "$(uname -r); the test begins $(uptime_ms) ms after the kernel"
-/lib/systemd/systemd-udevd --daemon
-modprobe -a configfs virtio_net vhci_hcd cdc_acm cp210x videodev
-insmod $test/gpio-sim.ko
-insmod $test/v4l2loopback.ko exclusive_caps=1 video_nr=10 card_label=head
-ip link set lo up
-ip link set eth0 up
-ip address add 10.0.2.15/24 dev eth0
+begin
 comment "drivers are loaded $(uptime_ms) ms after the kernel began"
 $test/agent --sim "10.0.2.2:$(argument agent_tim)" --camera /dev/video10 --commands /run/agent \
 	--usb "10.0.2.2:$(argument usb_tim)" --usb "10.0.2.2:$(argument usb_hokuyo)" --usb "10.0.2.2:$(argument usb_bridge)" > /run/ready &
@@ -72,7 +65,7 @@ turn 300 100
 turn 700 400
 wait $probe
 comment "$(cat /run/halted)"
-grep -q ' 1 halts, unplugged' /run/halted
+grep -q ' [1-9][0-9]* halts, unplugged' /run/halted
 result $? "the TiM's endpoint halts and goes on when that is cleared; its plug is pulled"
 turn 1000 1500
 sleep 0.3

@@ -4,19 +4,13 @@
 # slower; devices-guest.sh looks at what the kernel makes of them. Prints TAP, or skips it all with a reason.
 build=$1
 . tests/kernel/kernel.sh
-unpack_kernel
-modules=$cache/modules-$release
-why=$(sh "$here/modules.sh" "$release" "$modules" 2>&1) || skip "$why"
-make_first first
-install_appliance appliance-devices
-test=$appliance/usr/lib/pleinair/test
-cp "$modules"/*.ko "$build/tests/kernel/agent" "$build/tests/kernel/usb-probe" "$build/tests/kernel/pulse" "$here/devices-guest.sh" "$here/guest-tap.sh" "$test/"
-chmod 755 "$test/devices-guest.sh"
+prepare_devices devices
+cp "$build/tests/kernel/usb-probe" "$build/tests/kernel/pulse" "$test/"
 
 simulate tim 'hall?lidar=cola&seed=7&latency_ms=55&camera=360x640&fps=2&home_deg=350&fault=epstall@20,unplug@120:1'
 simulate hokuyo 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none'
 simulate bridge 'hall?lidar=scip&ares=1440&seed=7&latency_ms=55&camera=none' --plug cp2102
 
 begun=$(date +%s)
-boot devices "test=/usr/lib/pleinair/test/devices-guest.sh $ports" -netdev user,id=n -device virtio-net-pci,netdev=n
+boot devices "net.ifnames=0 test=/usr/lib/pleinair/test/devices-guest.sh $ports" -netdev user,id=n -device virtio-net-pci,netdev=n
 tell devices "$begun"

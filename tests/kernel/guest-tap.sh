@@ -1,4 +1,4 @@
-# Read by what runs in QEMU without systemd.
+# Read by what runs in QEMU without systemd, as the only program.
 test=/usr/lib/pleinair/test
 n=0
 result() { # STATUS WORDS: 0 is good
@@ -23,4 +23,14 @@ bye() {
 	dmesg > /dev/console
 	busybox poweroff -f
 	sleep 100
+}
+begin() { # The drivers, udev with the rules that are shipped, and the way to the simulators.
+	comment "$(uname -r); the test begins $(uptime_ms) ms after the kernel"
+	/lib/systemd/systemd-udevd --daemon
+	modprobe -a configfs virtio_net vhci_hcd cdc_acm cp210x videodev
+	insmod $test/gpio-sim.ko
+	insmod $test/v4l2loopback.ko exclusive_caps=1 video_nr=10 card_label=head
+	ip link set lo up
+	ip link set eth0 up
+	ip address add 10.0.2.15/24 dev eth0
 }

@@ -102,3 +102,15 @@ simulate() { # NAME DESCRIPTION OPTIONS...
 	[ -s "$told" ] || fail "the simulator $name does not start: $(cat "$log")"
 	ports="$ports $(sed "s/usbip=/usb_$name=/; s/agent=/agent_$name=/" "$told")"
 }
+
+# All that a boot with devices of the kernel's own drivers needs: NAME-guest.sh runs there.
+prepare_devices() { # NAME
+	unpack_kernel
+	modules=$cache/modules-$release
+	why=$(sh "$here/modules.sh" "$release" "$modules" 2>&1) || skip "$why"
+	make_first first
+	install_appliance "appliance-$1"
+	test=$appliance/usr/lib/pleinair/test
+	cp "$modules"/*.ko "$build/tests/kernel/agent" "$here/$1-guest.sh" "$here/guest-tap.sh" "$test/"
+	chmod 755 "$test/$1-guest.sh"
+}

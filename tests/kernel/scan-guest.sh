@@ -4,14 +4,7 @@
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8
 exec < /dev/null > /dev/ttyS1 2> /dev/console
 . /usr/lib/pleinair/test/guest-tap.sh
-comment "$(uname -r); the test begins $(uptime_ms) ms after the kernel"
-/lib/systemd/systemd-udevd --daemon
-modprobe -a configfs virtio_net vhci_hcd cdc_acm cp210x videodev
-insmod $test/gpio-sim.ko
-insmod $test/v4l2loopback.ko exclusive_caps=1 video_nr=10 card_label=head
-ip link set lo up
-ip link set eth0 up
-ip address add 10.0.2.15/24 dev eth0
+begin
 mkdir -m 777 /run/sites /run/out
 mount -t 9p -o trans=virtio,version=9p2000.L out /run/out
 as_service() { prlimit --rtprio=90 --memlock=unlimited setpriv --reuid=pleinair-acquired --regid=pleinair --groups=pleinair,plugdev,dialout,video,gpio "$@"; }

@@ -4,14 +4,7 @@
 # compared, cell by cell, with one that never saw a kernel. Prints TAP, or skips it all with a reason.
 build=$1
 . tests/kernel/kernel.sh
-unpack_kernel
-modules=$cache/modules-$release
-why=$(sh "$here/modules.sh" "$release" "$modules" 2>&1) || skip "$why"
-make_first first
-install_appliance appliance-scan
-test=$appliance/usr/lib/pleinair/test
-cp "$modules"/*.ko "$build/tests/kernel/agent" "$here/scan-guest.sh" "$here/guest-tap.sh" "$test/"
-chmod 755 "$test/scan-guest.sh"
+prepare_devices scan
 cp "$here/scan.conf" "$appliance/etc/pleinair.conf"
 out=$cache/out
 rm -rf "$out" && mkdir -p "$out"
