@@ -144,10 +144,11 @@ static void say_interfaces(usbip *u)
 	const uint8_t *at = u->gadget->configuration;
 
 	for (gsize i = 0; i < u->gadget->configuration_length; i += at[i]) {
-		const uint8_t four[4] = { at[i + 5], at[i + 6], at[i + 7], 0 };
+		if (at[i + 1] == 4) {
+			const uint8_t four[4] = { at[i + 5], at[i + 6], at[i + 7], 0 };
 
-		if (at[i + 1] == 4)
 			g_byte_array_append(u->out, four, sizeof four);
+		}
 	}
 }
 

@@ -75,7 +75,8 @@ static inline gssize made_read(gpio_lines *l, struct gpio_edge *edges, size_t ro
 	uint64_t any;
 	g_mutex_lock(&c->lock);
 	size_t n = MIN(room, c->edges->len);
-	memcpy(edges, c->edges->data, n * sizeof *edges);
+	if (n > 0)
+		memcpy(edges, c->edges->data, n * sizeof *edges);
 	g_array_remove_range(c->edges, 0, (guint)n);
 	if (c->edges->len == 0 && read(l->fd, &any, sizeof any) < 0)
 		n += 0; /* nothing waited */
