@@ -35,6 +35,7 @@ struct stage {
 	bool pulsed; /* driven by pulses: the last of them, and the time since the one before */
 	int64_t pulse_ns, period_ns;
 	int pulse_direction;
+	double pulse_head; /* where it was then */
 	int64_t pressed_until_ns, open_until_ns; /* INT64_MAX: is neither pressed nor open */
 	bool latched;                            /* until a reset */
 	GByteArray *pending;
@@ -501,6 +502,7 @@ void stage_begin_pulses(stage *s, int64_t now_ns)
 	g_byte_array_set_size(s->pending, 0);
 	s->current = 0;
 	s->count = 0;
+	s->pulse_head = 0;
 	s->gap = slots_passed(s, 0);
 	s->reported_ns = s->pulse_ns = now_ns;
 	s->period_ns = 0;
@@ -508,19 +510,14 @@ void stage_begin_pulses(stage *s, int64_t now_ns)
 	s->homed = false;
 }
 
-/* As if pulses went on coming as this one did, for a step at least; and after a while back, for it may
- * have been the last. */
+/* As if pulses went on coming as this one did, for a step at least; and after a while, for it may have been the last, what is known again. */
 static void append_guess(stage *s, struct segment *state, double period_s)
 {
-	double duration_s = MAX(period_s, GUESS_S), ahead = duration_s / period_s;
-	double rate = state->rate;
+	struct segment known = *state;
 
-	append(s, state, duration_s, 0);
-	state->rate = 0;
-	append(s, state, 2 * duration_s, 0);
-	state->rate = -rate;
-	append(s, state, ahead / fabs(rate), 0);
-	state->position = (double)s->count;
+	append(s, state, MAX(period_s, GUESS_S), 0);
+	known.start_ns = state->start_ns;
+	*state = known;
 }
 
 void stage_pulse(stage *s, int64_t at_ns, int direction)
@@ -535,10 +532,12 @@ void stage_pulse(stage *s, int64_t at_ns, int direction)
 	struct segment state = cut(s, from_ns);
 
 	state.position = (double)s->count;
+	state.head = s->pulse_head;
 	state.rate = direction / seconds(from_ns, to_ns);
 	append(s, &state, seconds(from_ns, to_ns), 0);
 	s->count += direction;
 	s->pulse_direction = direction;
+	s->pulse_head = state.head;
 	state.position = (double)s->count;
 	state.start_ns = to_ns;
 	if (even)

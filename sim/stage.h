@@ -42,7 +42,7 @@ void stage_slip(stage *s, int64_t now_ns, double steps); /* lost against the dir
 /* Another way to drive it: by the pulses of a driver's STEP pin, as they are told of. At a pulse the
  * rotor is at that whole step; between two it moves evenly, from rest for 40 ms. Where the pulses
  * come at an even pace it is taken to go on so for a step or 10 ms, whichever is more, so that slots
- * pass when they should; if no pulse comes then, it goes back. A pulse that is told of late changes
+ * pass when they should; if no pulse comes then, it is back where the last one took it. A pulse that is told of late changes
  * the past since the one before. No events but slots are reported. */
 void stage_begin_pulses(stage *s, int64_t now_ns); /* it stands as at power-on */
 void stage_pulse(stage *s, int64_t at_ns, int direction);
