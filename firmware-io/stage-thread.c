@@ -306,7 +306,12 @@ static int64_t run_steps(struct pins_stage *s)
 	if (inbox_now_ns() < due_ns)
 		return due_ns;
 	make_step(s, due_ns, direction);
-	return s->moving ? inbox_now_ns() : INT64_MAX;
+	if (!s->moving)
+		return INT64_MAX;
+	/* Where there is none any more, the next turn ends the move. */
+	return step_ramp_next(&s->ramp, s->steps, s->last_step_ns, &due_ns, &direction)
+		       ? due_ns
+		       : s->last_step_ns;
 }
 
 /* ---- orders ---- */
@@ -373,25 +378,26 @@ static bool wants_to_quit(struct pins_stage *s)
 	return quit;
 }
 
+/* Sleeps, but for orders and edges: what there is of them is dealt with. */
 static void sleep_until(struct pins_stage *s, int64_t due_ns)
 {
 	struct pollfd fds[] = { { .fd = s->order_fd, .events = POLLIN },
 		{ .fd = s->lines->fd, .events = POLLIN } };
-	int64_t left_ns = due_ns - inbox_now_ns();
-	struct timespec until = { due_ns / 1000000000, due_ns % 1000000000 };
-	if (left_ns > NAP_NS) {
-		struct timespec left = { (left_ns - NAP_NS) / 1000000000,
-			(left_ns - NAP_NS) % 1000000000 };
-		ppoll(fds, G_N_ELEMENTS(fds), &left, NULL);
-	} else if (left_ns > 0 && poll(fds, G_N_ELEMENTS(fds), 0) == 0) {
+	int64_t left_ns = due_ns - inbox_now_ns(), coarse_ns = MAX(left_ns - NAP_NS, 0);
+	struct timespec coarse = { coarse_ns / 1000000000, coarse_ns % 1000000000 },
+			until = { due_ns / 1000000000, due_ns % 1000000000 };
+	if (ppoll(fds, G_N_ELEMENTS(fds), &coarse, NULL) > 0) {
+		if (fds[0].revents)
+			obey(s);
+		if (fds[1].revents)
+			take_edges(s);
+	} else if (coarse_ns == 0 && left_ns > 0) {
 		clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
 	}
 }
 
 static void turn(struct pins_stage *s)
 {
-	obey(s);
-	take_edges(s);
 	int64_t now_ns = inbox_now_ns();
 	stage_thread_look_at_levels(s, now_ns);
 	int64_t step_ns = run_steps(s);

@@ -39,6 +39,9 @@ struct head {
 	int64_t now_ns;
 	int64_t origin_ns; /* real time: CLOCK_MONOTONIC when the head began, which its time agrees
 			      with */
+	int64_t lag_ns;    /* ... and is behind by since, for it was led */
+	bool led;          /* by LINK_TIME, whose clock the head's is ahead of; up to led_ns */
+	int64_t led_ns, ahead_ns;
 	bool powered;
 	GError *broken; /* why the host was given up */
 	bool sent;
@@ -54,8 +57,10 @@ static int64_t monotonic_ns(void)
 
 static int64_t real_time_ns(const struct head *h)
 {
-	int64_t since_ns = monotonic_ns() - h->origin_ns;
+	int64_t since_ns = monotonic_ns() - h->lag_ns - h->origin_ns;
 
+	if (h->led)
+		return h->led_ns;
 	if (h->options->speed == 1)
 		return h->origin_ns + since_ns;
 	return h->origin_ns + llrint((double)since_ns * h->options->speed);
@@ -162,7 +167,8 @@ static void give_up(struct head *h)
 static void send(
 	struct head *h, enum link_kind kind, int64_t host_ns, const void *payload, gsize length)
 {
-	if (h->powered && !host_send(h->host, kind, host_ns, payload, length, &h->broken))
+	if (h->powered &&
+		!host_send(h->host, kind, host_ns - h->ahead_ns, payload, length, &h->broken))
 		give_up(h);
 }
 
@@ -309,9 +315,32 @@ static bool obey_pulses(struct head *h, const guint8 *payload, gsize length)
 
 	for (gsize at = 0; at + sizeof pulse <= length; at += sizeof pulse) {
 		memcpy(&pulse, payload + at, sizeof pulse);
-		stage_pulse(h->stage, MIN(pulse.at_ns, real_time_ns(h)), pulse.direction);
+		stage_pulse(
+			h->stage, MIN(pulse.at_ns + h->ahead_ns, real_time_ns(h)), pulse.direction);
 	}
 	return length % sizeof pulse == 0;
+}
+
+static bool obey_time(struct head *h, const guint8 *payload, gsize length)
+{
+	int64_t told_ns;
+
+	if (length != sizeof told_ns || h->options->speed != 1)
+		return false;
+	memcpy(&told_ns, payload, sizeof told_ns);
+	if (told_ns < 0) {
+		h->lag_ns = h->led ? monotonic_ns() - h->led_ns : h->lag_ns;
+		h->ahead_ns = 0;
+		h->led = false;
+		return true;
+	}
+	if (!h->led) {
+		h->led_ns = MAX(real_time_ns(h), h->now_ns);
+		h->ahead_ns = h->led_ns - told_ns;
+	}
+	h->led = true;
+	h->led_ns = MAX(h->led_ns, told_ns + h->ahead_ns);
+	return true;
 }
 
 static bool obey_device(struct head *h, const struct link_header *header, const guint8 *payload)
@@ -324,6 +353,7 @@ static bool obey_device(struct head *h, const struct link_header *header, const 
 		return true;
 	case LINK_STAGE_STOP: stage_halt(h->stage, h->now_ns); return header->length == 0;
 	case LINK_STAGE_BEGIN: stage_begin_pulses(h->stage, h->now_ns); return header->length == 0;
+	case LINK_TIME: return obey_time(h, payload, header->length);
 	case LINK_STAGE_PULSES: return obey_pulses(h, payload, header->length);
 	case LINK_STAGE_RESET: stage_unlatch(h->stage); return header->length == 0;
 	case LINK_CAMERA_QUEUE:
@@ -396,6 +426,8 @@ static int64_t patience_ns(struct head *h)
 	h->now_ns = MAX(h->now_ns, real_time_ns(h));
 	if (prepare(h))
 		return 0;
+	if (h->led)
+		return -1;
 	double until_ns = (double)(next_ns(h) - h->now_ns) / h->options->speed;
 	bool sweeping = lidar_next_ns(h->lidar) != INT64_MAX;
 

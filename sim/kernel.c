@@ -33,6 +33,7 @@ struct kernel {
 	GByteArray *from_head, *from_agent;
 	GPtrArray *plugs; /* struct plug */
 	peer *agent;
+	int64_t agent_ns; /* what its clock shows; below 0: not told */
 	struct kernel_frame_format format;
 
 	struct plug *attached; /* the one whose device the lidar is; others only ask */
@@ -53,6 +54,11 @@ static int64_t monotonic_ns(void)
 
 	clock_gettime(CLOCK_MONOTONIC, &now);
 	return now.tv_sec * INT64_C(1000000000) + now.tv_nsec;
+}
+
+static int64_t time_ns(const struct kernel *k)
+{
+	return k->agent_ns < 0 ? monotonic_ns() : k->agent_ns;
 }
 
 static void send_message(peer *p, uint32_t kind, int64_t host_ns, const void *payload, gsize length)
@@ -159,7 +165,7 @@ static const struct usbip_behind behind_plug = { plug_import, plug_begin, plug_l
 static bool plug_bytes(peer *p, const uint8_t *bytes, gsize length, gpointer data)
 {
 	struct plug *plug = data;
-	bool goes_on = usbip_receive(plug->usb, monotonic_ns(), bytes, length);
+	bool goes_on = usbip_receive(plug->usb, time_ns(plug->k), bytes, length);
 
 	(void)p;
 	flush_plug(plug);
@@ -263,7 +269,7 @@ static void greet_agent(struct kernel *k)
 		.height = k->options->camera_height,
 		.fps_1000 = (uint32_t)lrint(k->options->fps * 1000) };
 
-	send_message(k->agent, KERNEL_STAGE, monotonic_ns(), &hello, sizeof hello);
+	send_message(k->agent, KERNEL_STAGE, 0, &hello, sizeof hello);
 }
 
 static void take_from_agent(
@@ -273,7 +279,10 @@ static void take_from_agent(
 
 	switch (header->kind) {
 	case KERNEL_CLOCK:
-		send_message(k->agent, KERNEL_CLOCK, monotonic_ns(), payload, header->length);
+		if (header->length != sizeof k->agent_ns)
+			break;
+		memcpy(&k->agent_ns, payload, sizeof k->agent_ns);
+		tell_head(k, LINK_TIME, payload, header->length);
 		break;
 	case KERNEL_CAMERA:
 		memcpy(&fourcc, payload, MIN(sizeof fourcc, header->length));
@@ -297,9 +306,12 @@ static void agent_gone(peer *p, gpointer data)
 {
 	struct kernel *k = data;
 
-	if (k->agent == p)
-		k->agent = NULL;
 	g_byte_array_set_size(k->from_agent, 0);
+	if (k->agent != p)
+		return;
+	k->agent = NULL;
+	k->agent_ns = -1;
+	tell_head(k, LINK_TIME, &k->agent_ns, sizeof k->agent_ns);
 }
 
 static const struct peer_calls agent_calls = { agent_bytes, agent_gone };
@@ -390,6 +402,7 @@ static void head_gone(peer *p, gpointer data)
 	lidar_gone(k);
 	if (k->agent)
 		peer_hang_up(g_steal_pointer(&k->agent));
+	k->agent_ns = -1;
 }
 
 static const struct peer_calls head_calls = { head_bytes, head_gone };
@@ -499,6 +512,7 @@ bool kernel_serve(const struct kernel_options *options, int until, GError **erro
 	struct kernel k = { .wishes = options,
 		.loop = g_main_loop_new(NULL, FALSE),
 		.listening = { -1, -1 },
+		.agent_ns = -1,
 		.from_head = g_byte_array_new(),
 		.from_agent = g_byte_array_new(),
 		.unsaid = g_byte_array_new(),

@@ -6,8 +6,9 @@
  * v4l2loopback), and an agent in the guest (tests/kernel/agent.c) stands where their wires would be: it
  * is the client of the port after that one, sends each pulse that it saw, and gets frames.
  *
- * To the agent goes what the link (link.h) has for a stage and a camera, and of what stands below. Time
- * is CLOCK_MONOTONIC of this machine, from which the agent finds out how its own differs by KERNEL_CLOCK.
+ * To the agent goes what the link (link.h) has for a stage and a camera, and of what stands below. The
+ * head lives in the agent's time: it goes on when the agent says what its clock shows (KERNEL_CLOCK), so a guest that is
+ * slow, or gets no processor for a while, misses nothing for it. Without an agent it is CLOCK_MONOTONIC of this machine.
  *
  * Beams are cast late, when the pulses of their time have come: SETTLE after it. So the lidar's answers
  * come that late too: set latency_ms to 55 or more, for what arrives must have been on its way. */
@@ -23,10 +24,9 @@ enum kernel_kind {
 
 	/* LINK_CAMERA_FRAME has as host_ns when the exposure began. */
 
-	/* Both ways. */
-	KERNEL_CLOCK = 160, /* comes back as it was sent, at once, with host_ns */
-
 	/* From the agent. */
+	KERNEL_CLOCK =
+		160, /* int64_t: its CLOCK_MONOTONIC. Every pulse before it was told; some ten milliseconds after the last */
 	KERNEL_CAMERA =
 		192, /* uint32_t: a V4L2 fourcc, YUYV, NV12 or MJPG, that frames shall have */
 };

@@ -64,6 +64,8 @@ enum link_kind {
 		96,        /* no payload: from now on pulses drive the stage, from where it stood
 				  at power-on */
 	LINK_STAGE_PULSES, /* struct link_stage_pulse[], in order */
+	LINK_TIME, /* int64_t: what the time is, in nanoseconds of the sender's clock, and that no pulse before it is untold. The head's time
+		    * stands still until the next; host_ns and the times of pulses are of that clock. Below 0: it goes on by itself. */
 };
 
 struct link_hello {
@@ -99,7 +101,7 @@ struct link_stage_event {
 
 /* A pulse of the driver's STEP pin while it was enabled. */
 struct link_stage_pulse {
-	int64_t at_ns;     /* CLOCK_MONOTONIC of the simulator */
+	int64_t at_ns;     /* CLOCK_MONOTONIC of the simulator, or as LINK_TIME says */
 	int32_t direction; /* +1, -1 */
 	uint32_t reserved;
 };

@@ -2,7 +2,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <gio/gio.h>
-#include <glib-unix.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,10 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define CONFIG   "/sys/kernel/config"
-#define TRACING  "/sys/kernel/tracing"
-#define PAUSE_MS 3
-#define BANK     CONFIG "/gpio-sim/head/bank0"
+#define CONFIG  "/sys/kernel/config"
+#define TRACING "/sys/kernel/tracing"
+#define BANK    CONFIG "/gpio-sim/head/bank0"
 
 static const char *const names[PIN_COUNT] = { "step", "dir", "enable", "home", "index", "estop",
 	"interlock", "button", "sync", "led_ready", "led_emitting", "led_fault" };
@@ -25,7 +23,6 @@ struct pins {
 	int pulls[PIN_COUNT];
 	int trace;
 	GString *text;
-	guint source, pause; /* either: waits for a change, or looks again soon */
 };
 
 int pin_by_name(const char *name)
@@ -166,29 +163,11 @@ static bool drain(pins *p)
 	return true;
 }
 
-static gboolean on_trace(int fd, GIOCondition condition, gpointer data);
-
-static gboolean look_again(gpointer data)
-{
-	pins *p = data;
-
-	if (drain(p))
-		return G_SOURCE_CONTINUE;
-	p->pause = 0;
-	p->source = g_unix_fd_add(p->trace, G_IO_IN, on_trace, p);
-	return G_SOURCE_REMOVE;
-}
-
 /* Being woken by each pulse would leave no time for whoever makes them. The trace keeps the times. */
-static gboolean on_trace(int fd, GIOCondition condition, gpointer data)
+void pins_look(pins *p)
 {
-	pins *p = data;
-
-	(void)fd, (void)condition;
-	drain(p);
-	p->source = 0;
-	p->pause = g_timeout_add_full(G_PRIORITY_HIGH, PAUSE_MS, look_again, p, NULL);
-	return G_SOURCE_REMOVE;
+	while (drain(p))
+		;
 }
 
 static bool watch(pins *p, GError **error)
@@ -207,7 +186,6 @@ static bool watch(pins *p, GError **error)
 			error, G_IO_ERROR, G_IO_ERROR_FAILED, "trace_pipe: %s", g_strerror(errno));
 		return false;
 	}
-	p->source = g_unix_fd_add(p->trace, G_IO_IN, on_trace, p);
 	return true;
 }
 
@@ -242,8 +220,6 @@ void pins_free(pins *p)
 {
 	if (!p)
 		return;
-	g_clear_handle_id(&p->source, g_source_remove);
-	g_clear_handle_id(&p->pause, g_source_remove);
 	for (int i = 0; i < PIN_COUNT; i++)
 		if (p->pulls[i] >= 0)
 			close(p->pulls[i]);

@@ -19,14 +19,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define CLOCK_MS   250
-#define CLOCK_KEPT 16
-#define SLOT_MS    8  /* a slot covers its sensor */
-#define TELL_MS    10 /* pulses are collected for so long */
-
-struct clock_pair {
-	int64_t guest_ns, difference_ns, trip_ns; /* the simulator's clock less ours */
-};
+#define TICK_MS 5 /* pulses are looked for, and the simulator is told the time */
+#define SLOT_MS 8 /* a slot covers its sensor */
 
 struct agent {
 	char *sim, *camera, *format, *commands;
@@ -41,8 +35,6 @@ struct agent {
 	bool levels[PIN_COUNT]; /* as outputs and pulls stand */
 	screen *screen;
 	struct kernel_stage head;
-	struct clock_pair pairs[CLOCK_KEPT];
-	guint pair_count;
 	GByteArray *pulses; /* struct link_stage_pulse that are not yet sent */
 	guint64 steps, slots, frames;
 	guint leaving;     /* a slot */
@@ -66,34 +58,6 @@ static void tell(struct agent *a, uint32_t kind, const void *payload, gsize leng
 	peer_send(a->peer, &header, sizeof header);
 	if (length)
 		peer_send(a->peer, payload, length);
-}
-
-/* The clocks: the pair that took the shortest trip is the best of the last seconds. */
-
-static gboolean ask_clock(gpointer data)
-{
-	int64_t now_ns = guest_ns();
-
-	tell(data, KERNEL_CLOCK, &now_ns, sizeof now_ns);
-	return G_SOURCE_CONTINUE;
-}
-
-static void take_clock(struct agent *a, int64_t sent_ns, int64_t host_ns)
-{
-	int64_t now_ns = guest_ns(), middle_ns = sent_ns + (now_ns - sent_ns) / 2;
-
-	a->pairs[a->pair_count++ % CLOCK_KEPT] =
-		(struct clock_pair){ middle_ns, host_ns - middle_ns, now_ns - sent_ns };
-}
-
-static int64_t clock_difference_ns(const struct agent *a)
-{
-	const struct clock_pair *best = &a->pairs[0];
-
-	for (guint i = 1; i < MIN(a->pair_count, CLOCK_KEPT); i++)
-		if (a->pairs[i].trip_ns < best->trip_ns)
-			best = &a->pairs[i];
-	return best->difference_ns;
 }
 
 /* The stage. */
@@ -139,7 +103,7 @@ static void pass_slot(struct agent *a, enum pin pin, int direction)
 	a->slots++;
 }
 
-static void run_stage(struct agent *a)
+static void pass_slots(struct agent *a)
 {
 	int64_t due_ns;
 
@@ -157,6 +121,11 @@ static void run_stage(struct agent *a)
 			a->latest_ns = MAX(a->latest_ns, guest_ns() - due_ns);
 		}
 	}
+}
+
+static void run_stage(struct agent *a)
+{
+	pass_slots(a);
 	set_timer(a);
 }
 
@@ -170,26 +139,15 @@ static gboolean on_timer(int fd, GIOCondition condition, gpointer data)
 	return G_SOURCE_CONTINUE;
 }
 
-static gboolean send_pulses(gpointer data)
-{
-	struct agent *a = data;
-
-	tell(a, LINK_STAGE_PULSES, a->pulses->data, a->pulses->len);
-	g_byte_array_set_size(a->pulses, 0);
-	return G_SOURCE_REMOVE;
-}
-
 static void step(struct agent *a, int64_t at_ns)
 {
 	int direction = a->levels[PIN_DIR] ? 1 : -1;
-	struct link_stage_pulse pulse = { at_ns + clock_difference_ns(a), direction, 0 };
+	struct link_stage_pulse pulse = { at_ns, direction, 0 };
 
 	stage_pulse(a->stage, at_ns, direction);
 	a->steps++;
-	if (a->pulses->len == 0)
-		g_timeout_add(TELL_MS, send_pulses, a);
 	g_byte_array_append(a->pulses, (const guint8 *)&pulse, sizeof pulse);
-	run_stage(a);
+	pass_slots(a);
 }
 
 static void changed(enum pin pin, bool level, int64_t at_ns, gpointer data)
@@ -199,6 +157,23 @@ static void changed(enum pin pin, bool level, int64_t at_ns, gpointer data)
 	a->levels[pin] = level;
 	if (pin == PIN_STEP && level && a->levels[PIN_ENABLE] && a->levels[PIN_ESTOP] && a->stage)
 		step(a, at_ns);
+}
+
+/* What the clock shows is told last: no pulse before it is still to come. */
+static gboolean tick(gpointer data)
+{
+	struct agent *a = data;
+	int64_t now_ns = guest_ns();
+
+	pins_look(a->pins);
+	if (!a->stage)
+		return G_SOURCE_CONTINUE;
+	run_stage(a);
+	if (a->pulses->len)
+		tell(a, LINK_STAGE_PULSES, a->pulses->data, a->pulses->len);
+	g_byte_array_set_size(a->pulses, 0);
+	tell(a, KERNEL_CLOCK, &now_ns, sizeof now_ns);
+	return G_SOURCE_CONTINUE;
 }
 
 static void begin_stage(struct agent *a)
@@ -250,7 +225,7 @@ static void take_frame(struct agent *a, int64_t host_ns, const guint8 *payload, 
 	memcpy(&head, payload, sizeof head);
 	struct screen_frame frame = { .bytes = payload + sizeof head,
 		.length = length - sizeof head,
-		.at_ns = host_ns - clock_difference_ns(a),
+		.at_ns = host_ns,
 		.sequence = head.sequence,
 		.damaged = head.flags & LINK_FRAME_ERROR };
 
@@ -275,15 +250,10 @@ static void take_stage(struct agent *a, const guint8 *payload, gsize length)
 
 static void take(struct agent *a, const struct link_header *header, const guint8 *payload)
 {
-	int64_t sent_ns;
 	double steps;
 
 	switch (header->kind) {
 	case KERNEL_STAGE: take_stage(a, payload, header->length); break;
-	case KERNEL_CLOCK:
-		memcpy(&sent_ns, payload, sizeof sent_ns);
-		take_clock(a, sent_ns, header->host_ns);
-		break;
 	case LINK_STAGE_SLIPPED:
 		memcpy(&steps, payload, sizeof steps);
 		stage_slip(a->stage, guest_ns(), steps);
@@ -329,15 +299,10 @@ static const struct peer_calls calls = { on_bytes, on_gone };
 
 static void tell_state(struct agent *a)
 {
-	const struct clock_pair *last = &a->pairs[(a->pair_count + CLOCK_KEPT - 1) % CLOCK_KEPT];
-
 	g_printerr("agent: %" G_GUINT64_FORMAT " steps, azimuth %.3f deg, %" G_GUINT64_FORMAT
-		   " slots (latest %.2f ms), %" G_GUINT64_FORMAT
-		   " frames; trip %.2f ms, clock %.3f ms off the best; %.0f ms of CPU\n",
+		   " slots (latest %.2f ms), %" G_GUINT64_FORMAT " frames; %.0f ms of CPU\n",
 		a->steps, stage_azimuth_rad(a->stage, guest_ns(), 0) * 180 / G_PI, a->slots,
-		a->latest_ns * 1e-6, a->frames, last->trip_ns * 1e-6,
-		(last->difference_ns - clock_difference_ns(a)) * 1e-6,
-		clock() * 1e3 / CLOCKS_PER_SEC);
+		a->latest_ns * 1e-6, a->frames, clock() * 1e3 / CLOCKS_PER_SEC);
 	a->latest_ns = 0;
 }
 
@@ -466,8 +431,7 @@ int main(int argc, char **argv)
 		g_unix_fd_add(a.timer, G_IO_IN, on_timer, &a);
 		if (!reach(&a))
 			return 1;
-		g_timeout_add(CLOCK_MS, ask_clock, &a);
-		ask_clock(&a);
+		g_timeout_add_full(G_PRIORITY_HIGH, TICK_MS, tick, &a, NULL);
 	}
 	listen_to_commands(&a);
 	g_main_loop_run(a.loop);

@@ -40,8 +40,9 @@ int pin_by_name(const char *name); /* -1: there is none */
 typedef struct pins pins;
 /* A change of an output, in order. */
 typedef void (*pins_func)(enum pin pin, bool level, int64_t at_ns, gpointer data);
-/* The chip, labelled `label`; changes come on the main loop. */
+/* The chip, labelled `label`. */
 pins *pins_new(const char *label, pins_func changed, gpointer data, GError **error);
+void pins_look(pins *p); /* tells of all that has changed since */
 void pins_pull(pins *p, enum pin pin, bool level);
 void pins_free(pins *p); /* the chip too; NULL is fine */
 

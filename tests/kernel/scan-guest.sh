@@ -32,6 +32,7 @@ scan() { # SITE ARGUMENTS...
 	site=$1
 	shift
 	begun=$(uptime_ms)
+	jiffies=$(sed -n 's/^cpu  //p' /proc/stat)
 	as_service env PLEINAIR_PROGRESS_FD=3 pleinair scan "/run/sites/$site" --json "$@" > /run/said 2> /run/complaint 3> /run/progress
 	status=$?
 	took=$(($(uptime_ms) - begun))
@@ -42,7 +43,8 @@ tell_scan() {
 	comment "$(tr -d '\n' < /run/said | tr -s ' ')"
 	comment "$(cat /run/complaint)"
 	comment "$(sentences)"
-	comment "it took $took ms"
+	comment "it took $took ms; of them $(sed -n 's/^cpu  //p' /proc/stat | awk -v before="$jiffies" '{ split(before, b)
+		printf "%d ms idle, %d ms in programs, %d ms in the kernel", ($4 - b[4]) * 10, ($1 + $2 - b[1] - b[2]) * 10, ($3 + $6 + $7 - b[3] - b[6] - b[7]) * 10 }')"
 }
 # Each sentence that is expected, in a file a line each.
 says_all() { # WORDS...

@@ -11,9 +11,9 @@ rm -rf "$out" && mkdir -p "$out"
 
 # The lidars turn fast, so that a draft takes seconds. Ranges have no noise, for the comparison.
 scene='seed=7&camera=none&home_deg=330'
-exact="hall?lidar=cola&rate_hz=45&noise_mm=0&dropouts=0&$scene"
 late='latency_ms=55'
-simulate exact "$exact&$late"
+exact="hall?lidar=cola&rate_hz=45&noise_mm=0&dropouts=0&$scene&$late"
+simulate exact "$exact"
 simulate tim "hall?lidar=cola&rate_hz=45&$scene&$late&fault=unplug@150:1.5,epstall@300,drop@450x3,stall@600:2,split@700:512,garble@800x2,slip@900:40,merge@1000x2"
 simulate hokuyo "hall?lidar=scip&ares=1440&$scene&$late&fault=unplug@300:1.5,drop@500x3,epstall@700,stall@900:2,garble@1100x2"
 simulate acm "hall?lidar=scip&ares=1440&$scene&$late&fault=drop@300x3,unplug@600:1.5,stall@900:2"
