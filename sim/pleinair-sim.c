@@ -1,4 +1,5 @@
 /* pleinair-sim: serves a simulated head to a host, or tells the truth about its world. */
+#include "sim/certificate.h"
 #include "sim/head.h"
 #include "sim/kernel.h"
 #include "sim/options.h"
@@ -20,7 +21,7 @@ typedef struct arguments {
 	int fd;
 	int port; /* of --kernel, or -1 */
 	char *listen_path, *plug;
-	gboolean poses, truth, light;
+	gboolean poses, certificate, truth, light;
 	int columns, rows;
 	char *output;
 	char **descriptions;
@@ -113,6 +114,19 @@ static int tell_poses(const char *description)
 	return fflush(stdout) == 0 ? DONE : FAILED;
 }
 
+static int tell_certificate(const char *description)
+{
+	GError *error = NULL;
+	sim_options *options = options_parse(description, &error);
+	g_autofree char *json = options ? certificate_json(options, &error) : NULL;
+
+	options_free(options);
+	if (!json)
+		return complain("", error);
+	puts(json);
+	return fflush(stdout) == 0 ? DONE : FAILED;
+}
+
 static int tell_truth(const arguments *a, const char *description)
 {
 	GError *error = NULL;
@@ -141,6 +155,8 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 			"... as sick, hokuyo or cp2102 (as the lidar's protocol has it)", "NAME" },
 		{ "truth-poses", 0, 0, G_OPTION_ARG_NONE, &a->poses,
 			"Print where the scene's stations stand, as JSON", NULL },
+		{ "certificate", 0, 0, G_OPTION_ARG_NONE, &a->certificate,
+			"Print what the head tells of itself, as JSON", NULL },
 		{ "truth", 0, 0, G_OPTION_ARG_NONE, &a->truth,
 			"Write what the station sees, per cell of a panorama", NULL },
 		{ "light", 0, 0, G_OPTION_ARG_NONE, &a->light,
@@ -162,8 +178,8 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 
 static bool makes_sense(const arguments *a)
 {
-	int ways = (a->fd >= 0) + (a->port >= 0) + (a->listen_path != NULL) + a->poses + a->truth +
-		   a->light;
+	int ways = (a->fd >= 0) + (a->port >= 0) + (a->listen_path != NULL) + a->poses +
+		   a->certificate + a->truth + a->light;
 
 	return ways == 1 && a->port < 65535 && (a->port >= 0 || !a->plug) && a->descriptions &&
 	       g_strv_length(a->descriptions) == 1 &&
@@ -175,6 +191,8 @@ static int run(const arguments *a, const char *description)
 {
 	if (a->poses)
 		return tell_poses(description);
+	if (a->certificate)
+		return tell_certificate(description);
 	if (a->truth || a->light)
 		return tell_truth(a, description);
 	if (a->port >= 0)
@@ -206,7 +224,8 @@ int main(int argc, char **argv)
 		return WRONG_USAGE;
 	}
 	if (!makes_sense(&a)) {
-		complain("give one of --fd, --listen, --kernel, --truth-poses, --truth, --light "
+		complain("give one of --fd, --listen, --kernel, --truth-poses, --certificate, "
+			 "--truth, --light "
 			 "(with -o) "
 			 "and one description; --help tells more",
 			NULL);
