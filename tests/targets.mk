@@ -83,7 +83,7 @@ check-units: all
 check-kernel: all
 	@sh tests/deps.sh $(kernel_packages) || true
 	$(MAKE) $(kernel_programs)
-	prove --timer --exec sh tests/kernel/run.sh :: $(BUILD)
+	prove --jobs 2 --timer --exec sh tests/kernel/scan.sh tests/kernel/run.sh tests/kernel/cuts.sh :: $(BUILD)
 .PHONY: check-units check-kernel
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:

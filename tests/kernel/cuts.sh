@@ -14,7 +14,9 @@ disk=$cache/cuts.disk
 rm -f "$disk" && truncate -s 1G "$disk" && mke2fs -q -t ext4 "$disk" || fail "no disk can be made"
 simulate cuts 'hall?lidar=cola&rate_hz=45&seed=7&camera=none&home_deg=330&latency_ms=55'
 
+said=$cache/cuts.tap
 start() { # END: boots in the background
+	: > "$said"
 	boot cuts "net.ifnames=0 test=/usr/lib/pleinair/test/cuts-guest.sh end=$1 $ports" -netdev user,id=n -device virtio-net-pci,netdev=n \
 		-drive "file=$disk,format=raw,if=virtio,cache=writeback" -pidfile "$cache/cuts.pid" &
 	boot=$!
@@ -45,7 +47,7 @@ for n in $(seq $((cuts + 1))); do
 	[ "$(number finished "${found:-finished=0}")" -ge "$finished" ] || good=1
 	tr -d '\r' < "$said" | sed -n '/^scans/{p;q}' | grep -q resume && resumed=$((resumed + 1))
 	if [ -z "$end" ]; then
-		moment=$(awk -v seed="$seed$n" -v longest="$SCAN_SECONDS" 'BEGIN { srand(seed); printf "%.2f", rand() * longest }')
+		moment=$(awk -v seed="$seed" -v n="$n" -v longest="$SCAN_SECONDS" 'BEGIN { srand(seed % 1000000 + 7919 * n); rand(); printf "%.2f", rand() * longest }')
 		sleep "$moment"
 	fi
 	kill -9 "$(cat "$cache/cuts.pid")" 2> /dev/null

@@ -17,6 +17,11 @@ needs() { # PROGRAM...
 	done
 }
 
+# Tests run side by side: what they share is made by one at a time.
+mkdir -p "$cache"
+alone() { exec 9> "$cache/lock" && flock 9; }
+together() { exec 9>&-; }
+
 # The kernel that Debian has today, as it is for real machines: unpacked, not installed.
 unpack_kernel() {
 	needs qemu-system-x86_64 busybox modprobe depmod cpio udevadm dpkg-deb python3
@@ -107,6 +112,7 @@ simulate() { # NAME DESCRIPTION OPTIONS...
 
 # All that a boot with devices of the kernel's own drivers needs: NAME-guest.sh runs there.
 prepare_devices() { # NAME
+	alone
 	unpack_kernel
 	modules=$cache/modules-$release
 	why=$(sh "$here/modules.sh" "$release" "$modules" 2>&1) || skip "$why"
@@ -115,4 +121,5 @@ prepare_devices() { # NAME
 	test=$appliance/usr/lib/pleinair/test
 	cp "$modules"/*.ko "$build/tests/kernel/agent" "$here/$1-guest.sh" "$here/guest-tap.sh" "$test/"
 	chmod 755 "$test/$1-guest.sh"
+	together
 }

@@ -4,9 +4,11 @@
 build=$1
 . tests/kernel/kernel.sh
 [ -x /lib/systemd/systemd ] || skip "systemd is not installed"
+alone
 unpack_kernel
 make_first first
 install_appliance appliance
+together
 cp "$here/guest.sh" "$appliance/usr/lib/pleinair/test/"
 cp "$here"/pleinair-test.* "$appliance/usr/lib/systemd/system/"
 printf '[head]\ndevice=sim:hall?lidar=cola&beams=541&camera=none&seed=7&station=%%n\n' > "$appliance/etc/pleinair.conf"

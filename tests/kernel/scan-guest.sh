@@ -81,7 +81,7 @@ faulty() { # NAME WORD,... ARGUMENTS...
 }
 tim() {
 	plug_in tim 19a2 --camera /dev/video10
-	faulty tim unplugged,silent --device "tim:?camera.node=/dev/video10&camera.timestamps=trust&camera.width=240&camera.height=428&head.certificate=$test/certificate.json"
+	faulty tim unplugged,silent --device "tim:?camera.node=/dev/video10&camera.timestamps=trust&camera.width=120&camera.height=214&head.certificate=$test/certificate.json"
 	[ "$(number photos)" -ge 18 ]
 	result $? "tim: a photo from each of 18 angles, through V4L2, though frames are damaged and lost"
 	cp -r /run/sites/tim /run/out/
