@@ -1,6 +1,7 @@
 #include "acquire/run.h"
 #include "acquire/colour.h"
 #include "acquire/driver.h"
+#include "acquire/marks.h"
 #include <math.h>
 #include <string.h>
 
@@ -289,7 +290,7 @@ static bool lock_exposure(run *r, GError **error)
 				: photos_settle_exposure(r->photos, error)))
 		return false;
 	controls = photos_controls(r->photos);
-	g_autofree char *text = stream_lock_text(&controls);
+	g_autofree char *text = mark_lock_text(&controls);
 	return pump_mark(&r->pump, text, error);
 }
 
@@ -517,7 +518,7 @@ static bool look_back(run *r, GError **error)
 	GError *failed = NULL;
 	stage_track *track = stream_stage(r->pump.stream);
 	double here = stage_track_angle_rad(track, stage_track_known_until_ns(track));
-	g_autofree char *pause = stream_pause_text();
+	g_autofree char *pause = mark_pause_text();
 	if (!pump_mark(&r->pump, pause, error))
 		return false;
 	if (start_lidar(r, &failed) &&

@@ -118,7 +118,9 @@ static void develop(GBytes *bytes, enum stream_mode mode)
 	g_autoptr(GArray) photos = g_array_new(FALSE, FALSE, sizeof(struct photo));
 	g_array_set_clear_func(photos, free_photo);
 	struct sink sink = { p, photos, 0 };
-	struct stream_sink calls = { take_line, take_frame, take_reply, &sink };
+	struct stream_sink calls = {
+		.line = take_line, .frame = take_frame, .reply = take_reply, .user_data = &sink
+	};
 	g_autoptr(stream) s = stream_new(mode, &calls);
 	feed_all(s, bytes);
 	if (mode == STREAM_LEARN_FIRST) {
