@@ -1,5 +1,5 @@
 #include "acquire/brackets.h"
-#include <math.h>
+#include "acquire/srgb.h"
 #include <string.h>
 
 /* Colours (0..255) are summed in quarters; beyond black and white they go as far as chroma can take them. */
@@ -18,23 +18,22 @@
 /* What the curve gives, in parts of 0..255. */
 #define CODE_SCALE 16
 
+/* Stops this near are of the same angle. */
+#define SAME_RAD (G_PI / 180)
+
+struct made {
+	struct photo photo;
+	uint32_t frames;
+};
+
 struct brackets {
 	struct exposures exposures;
 	struct photo frames[EXPOSURES_MAX]; /* pixels NULL: did not come */
 	double base_light;                  /* of the first stop: 0 before */
+	GArray *made;                       /* of struct made */
 };
 
 /* ---- curves ---- */
-
-static double to_linear(double v)
-{
-	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-}
-
-static double to_srgb(double v)
-{
-	return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
-}
 
 double brackets_tone(double light)
 {
@@ -69,7 +68,8 @@ static void fill_says(uint64_t *says, double share, bool is_shortest, bool is_lo
 		double colour = CLAMP((double)(i - BELOW) / QUARTERS, 0.0, 255.0),
 		       least = is_shortest || (is_longest && colour < HAT_MIDDLE),
 		       weight = fmax(rint(HAT_SCALE * hat(colour)), least);
-		uint64_t value = (uint64_t)rint(weight * LINEAR_SCALE * to_linear(colour / 255)),
+		uint64_t value = (uint64_t)rint(
+				 weight * LINEAR_SCALE * srgb_to_linear(colour / 255)),
 			 light = (uint64_t)rint(weight * LINEAR_SCALE * share);
 		says[i] = value << 32 | MAX(light, weight > 0);
 	}
@@ -96,7 +96,7 @@ static void fill_code(struct tables *t)
 		float light;
 		memcpy(&light, &bits, sizeof light);
 		t->code[i] = (uint16_t)lrint(
-			255 * CODE_SCALE * fmin(to_srgb(brackets_tone(i ? light : 0)), 1));
+			255 * CODE_SCALE * fmin(srgb_of(brackets_tone(i ? light : 0)), 1));
 	}
 }
 
@@ -215,36 +215,35 @@ void brackets_merge(const struct bracket_frame *frames, uint32_t count, double b
 
 /* ---- stops ---- */
 
-brackets *brackets_new(void)
+static void drop_pixels(struct photo *p)
 {
-	return g_new0(brackets, 1);
+	g_clear_pointer((gpointer *)&p->pixels, g_free);
 }
 
-static void drop(brackets *b)
+static void made_clear(gpointer data)
 {
-	for (int i = 0; i < EXPOSURES_MAX; i++) {
-		g_free((gpointer)b->frames[i].pixels);
-		b->frames[i] = (struct photo){ 0 };
-	}
+	drop_pixels(&((struct made *)data)->photo);
+}
+
+brackets *brackets_new(void)
+{
+	brackets *b = g_new0(brackets, 1);
+	b->made = g_array_new(FALSE, FALSE, sizeof(struct made));
+	g_array_set_clear_func(b->made, made_clear);
+	return b;
 }
 
 void brackets_free(brackets *b)
 {
 	if (!b)
 		return;
-	drop(b);
+	for (int i = 0; i < EXPOSURES_MAX; i++)
+		drop_pixels(&b->frames[i]);
+	g_array_unref(b->made);
 	g_free(b);
 }
 
-void brackets_begin(brackets *b, const struct exposures *e)
-{
-	drop(b);
-	b->exposures = *e;
-	if (b->base_light == 0 && e->count)
-		b->base_light = exposures_light(&e->controls[0]);
-}
-
-static const struct photo *first_of(const brackets *b)
+static struct photo *first_of(brackets *b)
 {
 	for (int i = 0; i < EXPOSURES_MAX; i++)
 		if (b->frames[i].pixels)
@@ -264,32 +263,65 @@ void brackets_add(
 		(struct photo){ *info, g_memdup2(pixels, camera_frame_bytes(info)), front_rad };
 }
 
-static uint8_t *merged(const brackets *b, const struct photo *first, uint32_t *ret_frames)
+/* All frames of the stop as one, which keeps the first one's facts. */
+static struct made merge_stop(brackets *b, struct photo *first)
 {
 	struct bracket_frame frames[EXPOSURES_MAX];
-	uint32_t n = 0;
+	struct made made = { .photo = *first };
 	for (int i = 0; i < EXPOSURES_MAX; i++)
 		if (b->frames[i].pixels)
-			frames[n++] = (struct bracket_frame){ b->frames[i].pixels,
+			frames[made.frames++] = (struct bracket_frame){ b->frames[i].pixels,
 				exposures_light(&b->frames[i].info.controls) };
 	uint8_t *pixels = g_malloc(camera_frame_bytes(&first->info));
-	brackets_merge(frames, n, b->base_light, first->info.width, first->info.height, pixels);
-	*ret_frames = n;
-	return pixels;
+	brackets_merge(
+		frames, made.frames, b->base_light, first->info.width, first->info.height, pixels);
+	made.photo.pixels = pixels;
+	for (int i = 0; i < EXPOSURES_MAX; i++)
+		drop_pixels(&b->frames[i]);
+	return made;
 }
 
-bool brackets_end(brackets *b, struct photo *ret, uint32_t *ret_frames)
+static void keep(brackets *b, struct made made)
 {
-	const struct photo *first = first_of(b);
-	if (!first)
-		return false;
-	*ret = *first;
-	*ret_frames = 1;
-	if (b->exposures.count > 1)
-		ret->pixels = merged(b, first, ret_frames);
-	else
-		b->frames[0].pixels = NULL; /* the caller's */
-	drop(b);
-	b->exposures.count = 0;
-	return true;
+	for (guint i = 0; i < b->made->len; i++) {
+		struct made *other = &g_array_index(b->made, struct made, i);
+		if (fabs(remainder(other->photo.front_rad - made.photo.front_rad, 2 * G_PI)) >
+			SAME_RAD)
+			continue;
+		if (other->frames < made.frames) {
+			made_clear(other);
+			*other = made;
+		} else
+			made_clear(&made);
+		return;
+	}
+	g_array_append_val(b->made, made);
+}
+
+void brackets_stop(brackets *b, const struct exposures *e)
+{
+	struct photo *first = first_of(b);
+	if (first && b->exposures.count > 1)
+		keep(b, merge_stop(b, first));
+	else if (first)
+		keep(b, (struct made){
+				{ first->info, g_steal_pointer(&first->pixels), first->front_rad },
+				1 });
+	b->exposures = *e;
+	if (b->base_light == 0 && e->count)
+		b->base_light = exposures_light(&e->controls[0]);
+}
+
+uint32_t brackets_take(brackets *b, GArray *photos)
+{
+	uint32_t merged = 0;
+	brackets_stop(b, &(struct exposures){ 0 });
+	for (guint i = 0; i < b->made->len; i++) {
+		struct made *made = &g_array_index(b->made, struct made, i);
+		merged += made->frames > 1;
+		g_array_append_val(photos, made->photo);
+		made->photo.pixels = NULL;
+	}
+	g_array_set_size(b->made, 0);
+	return merged;
 }

@@ -29,19 +29,19 @@ struct bracket_frame {
 void brackets_merge(const struct bracket_frame *frames, uint32_t count, double base_light,
 	uint32_t width, uint32_t height, uint8_t *ret_pixels);
 
-/* Puts the frames of one stop after the other together. One owner. At most one stop's frames are kept. */
+/* Makes photos of the frames of one stop after the other. One owner. The frames of one stop at most are kept, and the photos. */
 typedef struct brackets brackets;
 brackets *brackets_new(void);
 void brackets_free(brackets *b); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(brackets, brackets_free)
 
-/* A stop with these exposures begins; what is there of the one before is dropped. */
-void brackets_begin(brackets *b, const struct exposures *e);
-/* A frame: kept if it is the first of one of the exposures, and has the size of the others. */
+/* A stop with these exposures begins; the one before is over, and gives its photo of the frames that came. A stop with one exposure gives its
+ * frame as it is. Of two stops at the same angle (the first was cut off) the one with more frames counts. count 0: none begins. */
+void brackets_stop(brackets *b, const struct exposures *e);
+/* A frame: kept if it is the first of one of the stop's exposures, and of the size of the others. */
 void brackets_add(
 	brackets *b, const struct camera_frame_info *info, const uint8_t *pixels, double front_rad);
-/* The stop is over: its photo, the pixels the caller's to free. false: no frame came. *ret_frames: of how many it was made. A stop with one exposure
- * gives its frame as it is. */
-bool brackets_end(brackets *b, struct photo *ret, uint32_t *ret_frames);
+/* Photos of all stops, appended to an array of struct photo: the pixels are the caller's to free. How many of them were made of several exposures. */
+uint32_t brackets_take(brackets *b, GArray *photos);
 
 #endif

@@ -22,10 +22,11 @@ int exposures_find(const struct exposures *e, const struct camera_controls *c)
 
 void exposures_add(struct exposures *e, const struct camera_controls *in_force)
 {
+	bool known = exposures_light(&e->controls[0]) > 0 && exposures_light(in_force) > 0;
 	for (uint32_t i = 0; i < e->count; i++)
 		if (exposures_light(in_force) == exposures_light(&e->controls[i]))
 			return;
-	if (exposures_light(in_force) > 0 && e->count < EXPOSURES_MAX)
+	if (known && e->count < EXPOSURES_MAX)
 		e->controls[e->count++] = *in_force;
 }
 
@@ -48,9 +49,6 @@ struct exposures exposures_around(const struct camera_controls *base, uint32_t l
 	struct exposures e = { 1, { *base } };
 	struct camera_controls darker = times(base, 1 / STEP, longest_100us),
 			       lighter = times(base, STEP, longest_100us);
-	/* One that is not known is no base to go from. */
-	if (base->exposure_100us == 0)
-		return e;
 	exposures_add(&e, &darker);
 	exposures_add(&e, &lighter);
 	return e;

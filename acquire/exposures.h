@@ -15,7 +15,7 @@ struct exposures {
 /* The base, 2 EV less and 2 EV more: by time, and by gain where time comes to its end (longest_100us). What comes out as one that is there already
  * is left out. */
 struct exposures exposures_around(const struct camera_controls *base, uint32_t longest_100us);
-/* Adds one that a camera says is in force; not where it says nothing of its exposure, or the same as before. */
+/* Adds one that a camera says is in force, to a base; not where it says nothing of its exposure, or the same as before. */
 void exposures_add(struct exposures *e, const struct camera_controls *in_force);
 /* Which of them; -1: none. */
 int exposures_find(const struct exposures *e, const struct camera_controls *controls);

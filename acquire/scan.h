@@ -13,7 +13,8 @@ struct scan_options {
 	const char *device; /* URI */
 	head *head; /* instead of opening device: taken over; device is then only its name */
 	const struct preset *preset; /* of a resumed scan: NULL, it keeps its own */
-	bool resume;                 /* go on with the partial scan */
+	bool hdr; /* photos at stops, of several exposures each; a resumed scan has its own way here, too */
+	bool resume; /* go on with the partial scan */
 	/* Resume although entries in the middle of the record are damaged: without them. The
 	 * record as it was stays beside it as raw.rec.damaged. */
 	bool salvage;
@@ -34,6 +35,8 @@ struct scan_result {
 	struct panorama_counts counts;
 	struct stream_report report;
 	uint32_t missing_columns, photos;
+	bool hdr;               /* was asked for */
+	uint32_t merged_photos; /* of several exposures */
 	uint64_t record_bytes;
 	double seconds; /* of the head's time, over all sessions */
 };

@@ -112,11 +112,17 @@ static void tear_down(struct bench *b, gconstpointer data)
 
 /* ---- calls ---- */
 
+static GVariant *no_options(void)
+{
+	return g_variant_new("a{sv}", NULL);
+}
+
 static guint start_scan(struct bench *b)
 {
 	guint number = 0;
 	g_autoptr(GError) error = NULL;
-	bus_acquisition1_call_start_sync(b->service, b->site_path, "draft", &number, NULL, &error);
+	bus_acquisition1_call_start_sync(
+		b->service, b->site_path, "draft", no_options(), &number, NULL, &error);
 	g_assert_no_error(error);
 	return number;
 }
@@ -125,8 +131,8 @@ static GError *fails_to_start(struct bench *b, const char *path, const char *pre
 {
 	guint number;
 	GError *error = NULL;
-	g_assert_false(
-		bus_acquisition1_call_start_sync(b->service, path, preset, &number, NULL, &error));
+	g_assert_false(bus_acquisition1_call_start_sync(
+		b->service, path, preset, no_options(), &number, NULL, &error));
 	return error;
 }
 
