@@ -381,6 +381,17 @@ panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error)
 	return planes_load(folder, &desc, error);
 }
 
+uint32_t scan_hdr_photos(const site *s, uint32_t number)
+{
+	g_autofree char *folder = NULL;
+	struct panorama_desc desc;
+	int64_t merged = 0;
+	g_autoptr(manifest) scan = load_finished(s, number, &folder, &desc, NULL);
+	if (scan)
+		manifest_get_int(scan, "hdr.photos", 0, UINT32_MAX, &merged, NULL);
+	return (uint32_t)merged;
+}
+
 bool scan_check_record(const site *s, uint32_t number, GError **error)
 {
 	g_autofree char *folder = NULL;

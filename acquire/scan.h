@@ -60,6 +60,8 @@ bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error);
  * bit does not always hinder the decoder). With verify, all its files are checked, also the record.
  */
 panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error);
+/* How many photos of a finished scan are of several exposures; 0: it is no HDR scan. */
+uint32_t scan_hdr_photos(const site *s, uint32_t number);
 /* Whether the record of a finished scan is as it was written, by size and SHA-256. */
 bool scan_check_record(const site *s, uint32_t number, GError **error);
 /* Develops the panorama of a finished scan again from its record, which is checked first, and
