@@ -87,12 +87,38 @@ static const struct camera_ops odd_ops = {
 	.set_controls = odd_set, .get_controls = odd_get, .queue = odd_queue, .read = odd_read
 };
 
+/* ---- an emergency stop once there are so many photos ---- */
+
+static struct stage_ops pressed_ops;
+static const struct stage_ops *true_ops;
+static bool press;
+
+static gssize pressed_read(
+	stage *s, const struct stage_event **events, int64_t *arrival_ns, GError **error)
+{
+	static struct stage_event pressed = { .kind = STAGE_ESTOP_PRESSED };
+	if (!press)
+		return true_ops->read(s, events, arrival_ns, error);
+	press = false;
+	*events = &pressed;
+	*arrival_ns = head_now_ns(s->head);
+	return 1;
+}
+
+static void make_pressable(head *h)
+{
+	true_ops = h->stage->ops;
+	pressed_ops = *true_ops;
+	pressed_ops.read = pressed_read;
+	h->stage->ops = &pressed_ops;
+}
+
 /* ---- scans ---- */
 
 struct bench {
 	char *folder, *site_path;
 	struct scan_result result;
-	uint32_t partial, stop_after; /* photos; 0: goes on to the end */
+	uint32_t partial, stop_after, press_after; /* photos; 0: never */
 	struct run_progress last;
 	GError *error;
 };
@@ -117,6 +143,7 @@ static bool is_stopped(const struct run_progress *p, gpointer user_data)
 	struct bench *b = user_data;
 	g_assert_cmpuint(p->photos_taken, <=, p->photos_wanted);
 	b->last = *p;
+	press |= b->press_after && p->photos_taken == b->press_after;
 	return b->stop_after && p->photos_taken >= b->stop_after;
 }
 
@@ -133,6 +160,7 @@ static bool scan(struct bench *b, const char *description, struct scan_options o
 	options.device = uri;
 	options.progress = is_stopped;
 	options.user_data = b;
+	make_pressable(options.head);
 	if (odd) {
 		odd->base = (camera){ .ops = &odd_ops, .head = options.head };
 		odd->inner = options.head->camera;
@@ -454,6 +482,19 @@ static void test_resumed(struct bench *b, gconstpointer data)
 	g_assert_cmpmem(before->rgb, 3 * 750 * 198, after->rgb, 3 * 750 * 198);
 }
 
+static void test_emergency_stop(struct bench *b, gconstpointer data)
+{
+	(void)data;
+	b->press_after = 5;
+	g_assert_false(scan(b, HALL, (struct scan_options){ .hdr = true }, NULL));
+	g_assert_error(b->error, PUMP_ERROR, PUMP_ERROR_ESTOP);
+	g_assert_cmpuint(b->partial, ==, 1);
+	b->press_after = 0;
+	press = false;
+	scan_whole(b, HALL, (struct scan_options){ .resume = true }, NULL);
+	g_assert_cmpuint(b->result.merged_photos, ==, STOPS);
+}
+
 /* ---- cameras ---- */
 
 static void test_unplugged(struct bench *b, gconstpointer data)
@@ -537,6 +578,7 @@ int main(int argc, char **argv)
 	ADD("at-rest", test_at_rest);
 	ADD("light", test_light);
 	ADD("resumed", test_resumed);
+	ADD("emergency-stop", test_emergency_stop);
 	ADD("unplugged", test_unplugged);
 	ADD("no-camera", test_no_camera);
 	ADD("misuse", test_misuse);
