@@ -112,17 +112,12 @@ static void tear_down(struct bench *b, gconstpointer data)
 
 /* ---- calls ---- */
 
-static GVariant *no_options(void)
-{
-	return g_variant_new("a{sv}", NULL);
-}
-
 static guint start_scan(struct bench *b)
 {
 	guint number = 0;
 	g_autoptr(GError) error = NULL;
-	bus_acquisition1_call_start_sync(
-		b->service, b->site_path, "draft", no_options(), &number, NULL, &error);
+	bus_acquisition1_call_start_sync(b->service, b->site_path, "draft",
+		g_variant_new("a{sv}", NULL), &number, NULL, &error);
 	g_assert_no_error(error);
 	return number;
 }
@@ -132,7 +127,7 @@ static GError *fails_to_start(struct bench *b, const char *path, const char *pre
 	guint number;
 	GError *error = NULL;
 	g_assert_false(bus_acquisition1_call_start_sync(
-		b->service, path, preset, no_options(), &number, NULL, &error));
+		b->service, path, preset, g_variant_new("a{sv}", NULL), &number, NULL, &error));
 	return error;
 }
 
@@ -199,8 +194,6 @@ static void presets_are_predicted(struct bench *b, gconstpointer data)
 	g_assert_cmpfloat(predicted(b, 0, "points"), >, 10000);
 	g_assert_cmpfloat(predicted(b, 2, "points"), >, predicted(b, 0, "points"));
 	g_assert_cmpfloat(predicted(b, 0, "bytes"), >, 1e6);
-	g_assert_cmpfloat(predicted(b, 0, "hdr_seconds"), >, predicted(b, 0, "seconds") + 15);
-	g_assert_cmpfloat(predicted(b, 0, "hdr_bytes"), >, predicted(b, 0, "bytes"));
 }
 
 /* Sealed: nobody can change it, or make it shorter under who reads it. */
@@ -257,34 +250,6 @@ static void scan_is_followed(struct bench *b, gconstpointer data)
 	g_assert_cmpuint(start_scan(b), ==, 2);
 	WAIT_FOR(b->finished == 2);
 	g_assert_cmpuint(whole_scans(b), ==, 2);
-}
-
-/* Its photos are of three exposures, and so are those of the part that comes after a pause. */
-static void hdr_is_kept(struct bench *b, gconstpointer data)
-{
-	g_autoptr(GError) error = NULL;
-	g_auto(GVariantDict) options = G_VARIANT_DICT_INIT(NULL);
-	guint number, taken = 0, wanted = 0;
-	(void)data;
-	g_variant_dict_insert(&options, "hdr", "b", TRUE);
-	bus_acquisition1_call_start_sync(b->service, b->site_path, "draft",
-		g_variant_dict_end(&options), &number, NULL, &error);
-	g_assert_no_error(error);
-	for (; taken < 3; g_main_context_iteration(NULL, TRUE))
-		if (bus_acquisition1_get_photos(b->service))
-			g_variant_get(
-				bus_acquisition1_get_photos(b->service), "(uu)", &taken, &wanted);
-	g_assert_true(bus_acquisition1_call_pause_sync(b->service, NULL, NULL));
-	WAIT_FOR(is_in(b, "paused"));
-	bus_acquisition1_call_resume_sync(b->service, b->site_path, FALSE, &number, NULL, &error);
-	g_assert_no_error(error);
-	WAIT_FOR(b->finished);
-	g_autofree char *path = g_build_filename(b->site_path, "scans/0001/scan.json", NULL);
-	g_autoptr(manifest) m = manifest_load(path, SCAN_SCHEMA, &error);
-	int64_t merged = 0;
-	g_assert_no_error(error);
-	g_assert_true(manifest_get_int(m, "hdr.photos", 0, 100, &merged, NULL));
-	g_assert_cmpint(merged, ==, 18);
 }
 
 /* ---- pausing ---- */
@@ -485,17 +450,6 @@ static void head_that_is_not_there(struct bench *b, gconstpointer data)
 
 /* ---- what callers may not ---- */
 
-static void options_are_refused(
-	struct bench *b, const char *option, GVariant *value, const char *says)
-{
-	GError *error = NULL;
-	g_auto(GVariantDict) options = G_VARIANT_DICT_INIT(NULL);
-	g_variant_dict_insert_value(&options, option, value);
-	g_assert_false(bus_acquisition1_call_start_sync(b->service, b->site_path, "draft",
-		g_variant_dict_end(&options), NULL, NULL, &error));
-	bus_bench_assert_refused(error, "Invalid", says);
-}
-
 static void refusals(struct bench *b, gconstpointer data)
 {
 	GError *error = NULL;
@@ -503,8 +457,6 @@ static void refusals(struct bench *b, gconstpointer data)
 	(void)data;
 	bus_bench_assert_refused(
 		fails_to_start(b, b->site_path, "best"), "Invalid", "no preset 'best'");
-	options_are_refused(b, "hdr", g_variant_new_string("yes"), "'hdr' is true or false");
-	options_are_refused(b, "hrd", g_variant_new_boolean(TRUE), "has no option 'hrd'");
 	bus_bench_assert_refused(fails_to_start(b, "oak", "draft"), "Invalid", "whole path");
 	bus_acquisition1_call_pause_sync(b->service, NULL, &error);
 	bus_bench_assert_refused(g_steal_pointer(&error), "Busy", "no scan is under way");
@@ -627,7 +579,6 @@ int main(int argc, char **argv)
 	g_test_add("/acquired/" path, struct bench, device, set_up_it, test, tear_down)
 	ADD("presets-are-predicted", set_up_running, NULL, presets_are_predicted);
 	ADD("scan-is-followed", set_up_running, NULL, scan_is_followed);
-	ADD("hdr-is-kept", set_up_running, NULL, hdr_is_kept);
 	ADD("paused-scan-goes-on", set_up_running, NULL, paused_scan_goes_on);
 	ADD("aborted-scan-leaves-nothing", set_up_running, NULL, aborted_scan_leaves_nothing);
 	ADD("scan-outlives-the-daemon", set_up_running, NULL, scan_outlives_the_daemon);
