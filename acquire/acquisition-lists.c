@@ -1,9 +1,11 @@
 #include "acquire/acquisition-lists.h"
 #include "acquire/pump.h"
+#include "acquire/service.h"
 #include "firmware-io/wire.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <gio/gio.h>
+#include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -11,11 +13,17 @@
 
 static void add_prediction(GVariantBuilder *b, const struct preset *p, const struct identity *known)
 {
-	struct prediction says =
-		preset_predict(p, known->driver, &known->lidar, &known->calibration);
+	struct prediction says = preset_predict(
+				  p, false, known->driver, &known->lidar, &known->calibration),
+			  hdr = preset_predict(
+				  p, true, known->driver, &known->lidar, &known->calibration);
 	g_variant_builder_add(b, "{sv}", "seconds", g_variant_new_double(says.seconds));
 	g_variant_builder_add(b, "{sv}", "points", g_variant_new_uint64(says.points));
 	g_variant_builder_add(b, "{sv}", "bytes", g_variant_new_uint64(says.bytes));
+	if (!known->has_camera)
+		return;
+	g_variant_builder_add(b, "{sv}", "hdr_seconds", g_variant_new_double(hdr.seconds));
+	g_variant_builder_add(b, "{sv}", "hdr_bytes", g_variant_new_uint64(hdr.bytes));
 }
 
 GVariant *acquisition_presets(const struct identity *known)
@@ -35,6 +43,29 @@ GVariant *acquisition_presets(const struct identity *known)
 		g_variant_builder_add(&all, "a{sv}", &b);
 	}
 	return g_variant_builder_end(&all);
+}
+
+bool acquisition_read_options(GVariant *options, bool *ret_hdr, GError **error)
+{
+	GVariantIter i;
+	const char *key;
+	GVariant *value;
+	*ret_hdr = false;
+	g_variant_iter_init(&i, options);
+	while (g_variant_iter_loop(&i, "{&sv}", &key, &value)) {
+		bool is_hdr = !strcmp(key, "hdr");
+		if (is_hdr && g_variant_is_of_type(value, G_VARIANT_TYPE_BOOLEAN)) {
+			*ret_hdr = g_variant_get_boolean(value);
+			continue;
+		}
+		g_set_error(error, SERVICE_ERROR, SERVICE_ERROR_INVALID,
+			is_hdr ? "the option '%s' is true or false"
+			       : "a scan has no option '%s': hdr is one",
+			key);
+		g_variant_unref(value);
+		return false;
+	}
+	return true;
 }
 
 /* ---- devices ---- */
@@ -99,6 +130,22 @@ GVariant *acquisition_devices(const struct identity *known, const GError *error)
 }
 
 /* ---- pictures ---- */
+
+bool acquisition_find_plane(const char *name, enum picture *ret, GError **error)
+{
+	if (!strcmp(name, "range"))
+		*ret = PICTURE_RANGE;
+	else if (!strcmp(name, "intensity"))
+		*ret = PICTURE_INTENSITY;
+	else if (!strcmp(name, "colour"))
+		*ret = PICTURE_COLOUR;
+	else {
+		g_set_error(error, SERVICE_ERROR, SERVICE_ERROR_INVALID,
+			"there is no plane '%s': range, intensity or colour", name);
+		return false;
+	}
+	return true;
+}
 
 static bool write_all(int fd, const char *at, size_t length)
 {

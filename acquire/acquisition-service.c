@@ -24,6 +24,7 @@ struct wish {
 	bool resume, salvage;
 	char *site;
 	const struct preset *preset;
+	bool hdr;
 };
 
 struct acquisition_service {
@@ -41,6 +42,7 @@ struct acquisition_service {
 	button *button;  /* while the head is closed; NULL: has none */
 	char *last_site; /* of the last scan that began */
 	const struct preset *last_preset;
+	bool last_hdr;
 	void (*ended)(void); /* once it shall end */
 };
 
@@ -107,8 +109,10 @@ static void button_pressed(gpointer user_data)
 	bool paused = g_str_equal(bus_acquisition1_get_state(s->bus), "paused");
 	if (!s->last_site || (!paused && !s->last_preset) || s->ended)
 		return;
-	s->wish =
-		(struct wish){ NULL, false, paused, false, g_strdup(s->last_site), s->last_preset };
+	s->wish = (struct wish){ .resume = paused,
+		.site = g_strdup(s->last_site),
+		.preset = s->last_preset,
+		.hdr = s->last_hdr };
 	begin_wish(s);
 }
 
@@ -201,7 +205,8 @@ static void begin_wish(acquisition_service *s)
 	w->is_tried = true;
 	g_clear_pointer(&s->button, button_free);
 	bool good = w->resume ? recorder_resume(s->recorder, w->site, w->salvage, &error)
-			      : recorder_start(s->recorder, s->device, w->site, w->preset, &error);
+			      : recorder_start(
+					s->recorder, s->device, w->site, w->preset, w->hdr, &error);
 	if (!good) {
 		refuse_wish(s, error);
 		watch_button(s);
@@ -220,7 +225,10 @@ static void begun(gpointer user_data)
 	bool resume = s->wish.resume;
 	g_free(s->last_site);
 	s->last_site = g_strdup(s->wish.site);
-	s->last_preset = s->wish.preset ? s->wish.preset : s->last_preset;
+	if (s->wish.preset) {
+		s->last_preset = s->wish.preset;
+		s->last_hdr = s->wish.hdr;
+	}
 	wish_clear(&s->wish);
 	show_progress(s);
 	show_devices(s);
@@ -396,14 +404,18 @@ static gboolean set_device(
 }
 
 static gboolean start(BusAcquisition1 *b, GDBusMethodInvocation *call, const char *site_path,
-	const char *preset, gpointer user_data)
+	const char *preset, GVariant *options, gpointer user_data)
 {
 	acquisition_service *s = user_data;
 	const struct preset *p = preset_find(preset);
+	bool hdr;
+	GError *error = NULL;
 	(void)b;
 	if (!allows(s, call, site_path))
 		return TRUE;
-	if (!p)
+	if (!acquisition_read_options(options, &hdr, &error))
+		service_refuse(call, error);
+	else if (!p)
 		g_dbus_method_invocation_return_error(call, SERVICE_ERROR, SERVICE_ERROR_INVALID,
 			"there is no preset '%s': draft, standard or fine", preset);
 	else if (!s->device)
@@ -411,7 +423,10 @@ static gboolean start(BusAcquisition1 *b, GDBusMethodInvocation *call, const cha
 			SERVICE_ERROR_FAILED,
 			"no scanner is set up: /etc/pleinair.conf names it, or --device");
 	else
-		want(s, (struct wish){ .call = call, .site = g_strdup(site_path), .preset = p });
+		want(s, (struct wish){ .call = call,
+				.site = g_strdup(site_path),
+				.preset = p,
+				.hdr = hdr });
 	return TRUE;
 }
 
@@ -472,22 +487,6 @@ static gboolean discard(
 	return answer(s, call, good, error);
 }
 
-static bool find_plane(const char *name, enum picture *ret, GError **error)
-{
-	if (!strcmp(name, "range"))
-		*ret = PICTURE_RANGE;
-	else if (!strcmp(name, "intensity"))
-		*ret = PICTURE_INTENSITY;
-	else if (!strcmp(name, "colour"))
-		*ret = PICTURE_COLOUR;
-	else {
-		g_set_error(error, SERVICE_ERROR, SERVICE_ERROR_INVALID,
-			"there is no plane '%s': range, intensity or colour", name);
-		return false;
-	}
-	return true;
-}
-
 static gboolean preview(BusAcquisition1 *b, GDBusMethodInvocation *call, GUnixFDList *fds,
 	const char *name, gpointer user_data)
 {
@@ -497,7 +496,7 @@ static gboolean preview(BusAcquisition1 *b, GDBusMethodInvocation *call, GUnixFD
 	uint32_t columns, rows;
 	uint64_t serial;
 	(void)fds;
-	if (!find_plane(name, &plane, &error)) {
+	if (!acquisition_find_plane(name, &plane, &error)) {
 		service_refuse(call, error);
 		return TRUE;
 	}

@@ -1,4 +1,5 @@
 #include "acquire/develop.h"
+#include "acquire/brackets.h"
 #include "acquire/colour.h"
 #include "acquire/lidar-delay.h"
 #include "acquire/panorama-means.h"
@@ -16,6 +17,8 @@ struct developing {
 	panorama *panorama;
 	GArray *beams;      /* of struct panorama_beam, in it */
 	GArray *photos;     /* of struct photo, pixels its own */
+	brackets *brackets; /* photos of stops */
+	bool at_stop;
 	lidar_delay *delay; /* NULL once it is known */
 };
 
@@ -37,10 +40,19 @@ static void take_frame(const struct camera_frame_info *info, const uint8_t *pixe
 	double front_rad, bool locked, gpointer user_data)
 {
 	struct developing *d = user_data;
-	if (!locked)
+	if (d->at_stop)
+		brackets_add(d->brackets, info, pixels, front_rad);
+	if (!locked || d->at_stop)
 		return;
 	struct photo photo = { *info, g_memdup2(pixels, camera_frame_bytes(info)), front_rad };
 	g_array_append_val(d->photos, photo);
+}
+
+static void take_stop(const struct exposures *exposures, gpointer user_data)
+{
+	struct developing *d = user_data;
+	brackets_stop(d->brackets, exposures);
+	d->at_stop = exposures->count > 0;
 }
 
 static void free_photo(gpointer data)
@@ -104,6 +116,9 @@ static bool place_all(stream *s, struct developing *d, const char *path,
 {
 	g_array_set_size(d->photos, 0);
 	g_array_set_size(d->beams, 0);
+	g_clear_pointer(&d->brackets, brackets_free);
+	d->brackets = brackets_new();
+	d->at_stop = false;
 	stream_rewind(s);
 	return feed_all(s, path, o, from, FRACTION_PLACE, result, ret_reader, error);
 }
@@ -132,6 +147,7 @@ static void finish(stream *s, struct developing *d, struct develop_result *resul
 	fill_result(s, result);
 	panorama_set_means(d->panorama, d->beams);
 	panorama_fill(d->panorama, FILL_REACH);
+	result->merged_photos = brackets_take(d->brackets, d->photos);
 	if (stream_calibration(s) && stream_calibration(s)->has_camera)
 		colour_panorama(d->panorama, (const struct photo *)(void *)d->photos->data,
 			d->photos->len, stream_calibration(s));
@@ -146,14 +162,20 @@ panorama *develop_record(const char *path, const struct develop_options *o,
 	g_array_set_clear_func(photos, free_photo);
 	g_autoptr(lidar_delay) delay = lidar_delay_new();
 	g_autoptr(GArray) beams = g_array_new(FALSE, FALSE, sizeof(struct panorama_beam));
-	struct developing d = { panorama_new(&o->desc, error), beams, photos, delay };
-	struct stream_sink sink = { .line = take_line, .frame = take_frame, .user_data = &d };
+	struct developing d = { .panorama = panorama_new(&o->desc, error),
+		.beams = beams,
+		.photos = photos,
+		.delay = delay };
+	struct stream_sink sink = {
+		.line = take_line, .frame = take_frame, .stop = take_stop, .user_data = &d
+	};
 	g_autoptr(stream) s = stream_new(STREAM_LEARN_FIRST, &sink);
 	g_autoptr(record_reader) first = NULL, second = NULL;
 	bool good = d.panorama && feed_all(s, path, o, 0, FRACTION_LEARN, &result, &first, error) &&
 		    place_all(s, &d, path, o, FRACTION_LEARN, &result, &second, error) &&
 		    place_on_time(s, &d, path, o, &result, &second, error);
 	g_autoptr(panorama) p = d.panorama;
+	g_autoptr(brackets) stops = d.brackets;
 	if (!good)
 		return NULL;
 	finish(s, &d, &result);

@@ -21,7 +21,8 @@ struct develop_result {
 	struct lidar_identity lidar;
 	char protocol[16];
 	uint32_t photos;
-	bool delay_known; /* delay was measured, and taken off */
+	uint32_t merged_photos; /* of them, those of several exposures */
+	bool delay_known;       /* delay was measured, and taken off */
 	struct lidar_delay_result delay;
 	bool cut; /* the record ends inside an entry */
 };

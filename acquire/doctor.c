@@ -59,7 +59,8 @@ static double fine_scan_bytes(void)
 	struct calibration c = { .stage = { .steps_per_turn = 11886 },
 		.has_camera = true,
 		.camera = { .width = 720, .height = 1280 } };
-	return (double)preset_predict(preset_find("fine"), driver_find("cola"), &lidar, &c).bytes;
+	return (double)preset_predict(preset_find("fine"), false, driver_find("cola"), &lidar, &c)
+		.bytes;
 }
 
 /* Bytes a second that reach the disk; below 0: it cannot be written. */

@@ -1,6 +1,7 @@
 /* Slamtec RPLIDAR A, C and S (DEVICES 2.4): the dialogue. */
 #include "acquire/driver.h"
 #include "acquire/line.h"
+#include "acquire/marks.h"
 #include "acquire/rplidar-frames.h"
 #include "acquire/turn.h"
 #include <stdlib.h>
@@ -231,7 +232,7 @@ static bool stop(struct pump *p, GError **error)
 static bool prepare(struct pump *p, GError **error)
 {
 	static const uint32_t speeds_baud[] = { 115200, 256000, 460800, 1000000, 0 };
-	g_autofree char *pause = stream_pause_text();
+	g_autofree char *pause = mark_pause_text();
 	return line_find(p,
 		       &(struct line_search){ .speeds_baud = speeds_baud, .is_there = answers },
 		       error) &&

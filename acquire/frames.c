@@ -1,6 +1,6 @@
 #include "acquire/frames.h"
+#include "acquire/srgb.h"
 #include "firmware-io/camera-format.h"
-#include <math.h>
 #include <string.h>
 #include <turbojpeg.h>
 
@@ -29,11 +29,8 @@ static const float from_709[3][3] = {
 frames *frames_new(void)
 {
 	frames *f = g_new0(frames, 1);
-	for (int i = 0; i < TEN_BITS; i++) {
-		double v = i / (TEN_BITS - 1.0);
-		v = v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
-		f->srgb[i] = (uint8_t)lrint(255 * v);
-	}
+	for (int i = 0; i < TEN_BITS; i++)
+		f->srgb[i] = (uint8_t)lrint(255 * srgb_of(i / (TEN_BITS - 1.0)));
 	return f;
 }
 

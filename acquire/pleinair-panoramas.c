@@ -80,6 +80,7 @@ static bool draw(struct showing *w, uint32_t number, GError **error)
 	if (!p)
 		return w->passed_over++, true;
 	page_begin_scan(w->html, number, p);
+	bool hdr = scan_hdr_photos(w->site, number) > 0;
 	for (int kind = 0; kind < PICTURES; kind++) {
 		g_autofree char *name = g_strdup_printf("%04u-%s.png", number, picture_names[kind]);
 		g_autofree char *path = g_build_filename(w->folder, name, NULL);
@@ -87,7 +88,8 @@ static bool draw(struct showing *w, uint32_t number, GError **error)
 			continue;
 		if (!picture_save(p, kind, path, error))
 			return false;
-		page_add_picture(w->html, picture_names[kind], name);
+		page_add_picture(w->html,
+			kind == PICTURE_COLOUR && hdr ? "colour, HDR" : picture_names[kind], name);
 	}
 	return true;
 }

@@ -15,7 +15,7 @@
 	"scan, or --resume, resets the stage and moves it"
 
 static char *device, *preset_name, *preview;
-static gboolean resume, salvage, discard, json;
+static gboolean hdr, resume, salvage, discard, json;
 
 static const GOptionEntry entries[] = {
 	{ "device", 'd', 0, G_OPTION_ARG_STRING, &device,
@@ -24,6 +24,8 @@ static const GOptionEntry entries[] = {
 		"URI" },
 	{ "preset", 'p', 0, G_OPTION_ARG_STRING, &preset_name,
 		"draft (750x198), standard (1500x396) or fine (3000x792)", "NAME" },
+	{ "hdr", 0, 0, G_OPTION_ARG_NONE, &hdr,
+		"Stop at each photo angle, and take three exposures there, 2 EV apart", NULL },
 	{ "preview", 0, 0, G_OPTION_ARG_FILENAME, &preview,
 		"Keep a picture of what has been seen so far in this PNG", "FILE" },
 	{ "resume", 0, 0, G_OPTION_ARG_NONE, &resume,
@@ -75,6 +77,17 @@ static void show_prediction(
 			(double)p->points * 1e-6, bytes);
 }
 
+static void print_hdr(const struct scan_result *r)
+{
+	if (r->merged_photos > 0)
+		printf("HDR: %u of the photos are of several exposures\n", r->merged_photos);
+	else
+		printf("no HDR: %s\n",
+			r->photos ? "the camera does not change its exposure, so the photos are "
+				    "plain ones"
+				  : "there are no photos");
+}
+
 static void print_result(const site *s, const struct scan_result *r)
 {
 	double cells = (double)r->columns * r->rows;
@@ -84,6 +97,8 @@ static void print_result(const site *s, const struct scan_result *r)
 		printf("%s: %u x %u, %.1f %% measured, %.1f %% without return, %u photos\n", folder,
 			r->columns, r->rows, 100 * r->counts.measured / cells,
 			100 * r->counts.no_return / cells, r->photos);
+		if (r->hdr)
+			print_hdr(r);
 		if (r->report.lost_revolutions || r->missing_columns)
 			printf("%" G_GUINT64_FORMAT
 			       " revolutions were lost; %u columns are still missing\n",
@@ -100,6 +115,8 @@ static void print_result(const site *s, const struct scan_result *r)
 	json_object_set_int_member(o, "no_return", (int64_t)r->counts.no_return);
 	json_object_set_int_member(o, "empty", (int64_t)r->counts.empty);
 	json_object_set_int_member(o, "photos", r->photos);
+	if (r->hdr)
+		json_object_set_int_member(o, "hdr_photos", r->merged_photos);
 	json_object_set_int_member(o, "sessions", r->report.sessions);
 	json_object_set_int_member(o, "revolutions", (int64_t)r->report.revolutions);
 	json_object_set_int_member(o, "lost_revolutions", (int64_t)r->report.lost_revolutions);
@@ -161,6 +178,7 @@ static int record(site *s, head *h, const struct preset *preset)
 	struct scan_options options = { .device = device,
 		.head = h,
 		.preset = preset,
+		.hdr = hdr,
 		.resume = resume,
 		.salvage = salvage,
 		.progress = show_progress,
@@ -206,8 +224,11 @@ int main(int argc, char **argv)
 		return status;
 	if (argc != 2 || !*argv[1])
 		return cli_misuse(COMMAND, argc <= 2 ? "which site?" : "one site at a time");
-	if (discard && (resume || salvage))
+	if (discard && (resume || salvage || hdr))
 		return cli_misuse(COMMAND, "--discard goes alone");
+	if (hdr && resume)
+		return cli_misuse(COMMAND,
+			"--hdr is for a new scan: one that is resumed goes on as it was begun");
 	if (salvage && !resume)
 		return cli_misuse(COMMAND, "--salvage goes with --resume");
 	const struct preset *preset = preset_find(preset_name ? preset_name : "standard");

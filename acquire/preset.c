@@ -1,4 +1,5 @@
 #include "acquire/preset.h"
+#include "acquire/exposures.h"
 #include <math.h>
 #include <string.h>
 
@@ -15,6 +16,9 @@
 #define COLOUR_BYTES_PER_CELL 1.4
 /* Waking the lidar and comparing clocks. */
 #define PREPARE_SECONDS 1.5
+/* At a stop the stage rings out, and each frame waits for the camera's beat. */
+#define STOP_SECONDS  0.3
+#define FRAME_SECONDS 0.15
 
 const struct preset presets[] = {
 	{ "draft", "Draft: a quick look", 750, 198, 18, 2 },
@@ -85,7 +89,20 @@ static struct itinerary plan(const struct stage_pace *pace, bool photos, bool bo
 		.turned_rad = G_PI + roll + back + pass + (photos ? G_PI : 0) + travel };
 }
 
-static double record_bytes(const struct itinerary *i, const struct preset *preset,
+/* From the end of the pass back to the first stop, then from stop to stop; and home from the last. */
+static struct itinerary plan_stops(const struct stage_pace *pace, const struct preset *preset)
+{
+	double a = pace->acceleration_rad_s2, between = 2 * G_PI / preset->photos;
+	struct itinerary i = plan(pace, true, preset->both_faces);
+	double back = (preset->both_faces ? 2 : 1) * G_PI;
+	i.photos_s = move_seconds(back, pace->travel_rad_s, a) +
+		     preset->photos * (move_seconds(between, pace->travel_rad_s, a) + STOP_SECONDS +
+					      EXPOSURES_MAX * FRAME_SECONDS);
+	i.turned_rad += (preset->both_faces ? 2 * G_PI : 0) + back + G_PI;
+	return i;
+}
+
+static double record_bytes(const struct itinerary *i, const struct preset *preset, bool hdr,
 	const struct driver *driver, const struct lidar_identity *lidar,
 	const struct calibration *c)
 {
@@ -94,17 +111,19 @@ static double record_bytes(const struct itinerary *i, const struct preset *prese
 	       moving_s = i->home_s + i->back_s + i->pass_s + i->photos_s + i->travel_s,
 	       frame = 1.5 * c->camera.width * c->camera.height;
 	/* While the stage goes home a frame each second is for metering. */
-	double frames = c->has_camera ? preset->photos + i->home_s : 0;
+	double frames = c->has_camera ? preset->photos * (hdr ? EXPOSURES_MAX : 1) + i->home_s : 0;
 	return turns * (lidar->beams * driver->bytes_per_beam + ENTRY_BYTES) +
 	       steps * STAGE_BYTES_PER_STEP + moving_s * STAGE_ENTRIES_PER_S * ENTRY_BYTES +
 	       frames * frame;
 }
 
-struct prediction preset_predict(const struct preset *preset, const struct driver *driver,
+struct prediction preset_predict(const struct preset *preset, bool hdr, const struct driver *driver,
 	const struct lidar_identity *lidar, const struct calibration *calibration)
 {
 	struct stage_pace pace = preset_pace(preset, lidar->scan_rate_hz);
-	struct itinerary i = plan(&pace, calibration->has_camera, preset->both_faces);
+	struct itinerary i = hdr && calibration->has_camera
+				     ? plan_stops(&pace, preset)
+				     : plan(&pace, calibration->has_camera, preset->both_faces);
 	double cells = (double)preset->columns * preset->rows,
 	       cell_bytes =
 		       PLANE_BYTES_PER_CELL + (calibration->has_camera ? COLOUR_BYTES_PER_CELL : 0);
@@ -112,6 +131,6 @@ struct prediction preset_predict(const struct preset *preset, const struct drive
 	return (struct prediction){ .seconds = PREPARE_SECONDS + i.home_s + i.back_s + i.pass_s +
 					       i.photos_s + i.travel_s,
 		.points = (uint64_t)(row_beams * preset->columns),
-		.bytes = (uint64_t)(record_bytes(&i, preset, driver, lidar, calibration) +
+		.bytes = (uint64_t)(record_bytes(&i, preset, hdr, driver, lidar, calibration) +
 				    cells * cell_bytes) };
 }

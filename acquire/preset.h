@@ -40,8 +40,8 @@ struct prediction {
 	uint64_t points; /* of the panorama that a beam can reach, at most */
 	uint64_t bytes;  /* record and planes */
 };
-/* The half turn of the lidar pass, the photo half, homing and travel; no losses. */
-struct prediction preset_predict(const struct preset *preset, const struct driver *driver,
+/* The half turn of the lidar pass, the photo half, homing and travel; no losses. hdr: photos at stops, with several exposures. */
+struct prediction preset_predict(const struct preset *preset, bool hdr, const struct driver *driver,
 	const struct lidar_identity *lidar, const struct calibration *calibration);
 
 #endif

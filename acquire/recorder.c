@@ -20,7 +20,7 @@ struct recorder {
 	/* What the thread is to do; not changed while it runs. */
 	char *device, *site_path;
 	const struct preset *preset;
-	bool resume, salvage, only_check, reset;
+	bool hdr, resume, salvage, only_check, reset;
 
 	GMutex lock; /* of all below */
 	struct recorder_progress now;
@@ -232,6 +232,7 @@ static bool record(recorder *r, site *s, uint32_t *ret_scan, uint32_t *ret_parti
 		r->resume ? scan_partial_device(s, error) : device_for(r->device, number, error);
 	struct scan_options o = { .device = device,
 		.preset = r->preset,
+		.hdr = r->hdr,
 		.resume = r->resume,
 		.salvage = r->salvage,
 		.progress = goes_on,
@@ -356,7 +357,7 @@ static void set_task(recorder *r, const char *device, const char *site_path)
 	r->site_path = g_strdup(site_path);
 	g_free(old_device);
 	g_free(old_site);
-	r->resume = r->salvage = r->only_check = r->reset = false;
+	r->hdr = r->resume = r->salvage = r->only_check = r->reset = false;
 	r->stop = false;
 	r->keep = true;
 	r->scanning_us = 0;
@@ -375,12 +376,13 @@ static void begin(recorder *r)
 }
 
 bool recorder_start(recorder *r, const char *device, const char *site_path,
-	const struct preset *preset, GError **error)
+	const struct preset *preset, bool hdr, GError **error)
 {
 	if (!may_scan(r, error))
 		return false;
 	set_task(r, device, site_path);
 	r->preset = preset;
+	r->hdr = hdr;
 	begin(r);
 	return true;
 }

@@ -49,7 +49,7 @@ void recorder_free(recorder *r);
 /* One of these at a time: SERVICE_ERROR_BUSY. A scan tells by begun, when it comes so far, and by ended; a check by checked. device: a URI; %n in it is the number
  * that the scan will have. */
 bool recorder_start(recorder *r, const char *device, const char *site_path,
-	const struct preset *preset, GError **error);
+	const struct preset *preset, bool hdr, GError **error);
 bool recorder_resume(recorder *r, const char *site_path, bool salvage, GError **error);
 /* Opens the head and identifies its lidar. */
 bool recorder_check(recorder *r, const char *device, GError **error);

@@ -1,8 +1,7 @@
-#include "acquire/run.h"
-#include "acquire/colour.h"
 #include "acquire/driver.h"
+#include "acquire/marks.h"
+#include "acquire/run-private.h"
 #include <math.h>
-#include <string.h>
 
 #define SECOND_NS INT64_C(1000000000)
 #define DEGREE    (G_PI / 180)
@@ -12,23 +11,6 @@
 #define RECOVERIES_MAX 25
 /* Revolutions with the device's own error mark before it is restarted. */
 #define DEVICE_ERRORS_MAX 3
-
-struct run {
-	struct pump pump;
-	struct run_options options;
-	struct stage_pace pace;
-	/* Of the directions seen by half turns of the stage: the second counts where both faces are wanted. */
-	coverage *coverage[2];
-	uint32_t faces;
-	panorama *preview;
-	photos *photos;
-	bool scanning, streaming, metering, recalling, controls_known;
-	bool steady; /* the stage goes slowly enough for a photo to tell where it was taken */
-	uint64_t device_errors; /* up to the last start */
-	uint32_t suspects, recoveries;
-	char *doing;
-	double seen_fraction; /* never falls, whatever is cleared */
-};
 
 /* Just before home is the end of the second half. */
 static coverage *face_coverage(run *r, const struct placed_line *placed)
@@ -58,38 +40,6 @@ static void take_line(
 		placed->intensity, placed->beams);
 }
 
-/* The photo's part of the preview: each cell that it shows, the last one counts. */
-static void colour_preview(
-	run *r, const struct camera_frame_info *info, const uint8_t *pixels, double front_rad)
-{
-	const struct calibration *calibration = run_calibration(r);
-	struct photo p = { *info, pixels, front_rad };
-	panorama one = *r->preview;
-	size_t n = (size_t)one.desc.columns * one.desc.rows;
-	if (!calibration || !calibration->has_camera)
-		return;
-	one.rgb = NULL;
-	colour_panorama(&one, &p, 1, calibration);
-	if (!r->preview->rgb)
-		r->preview->rgb = g_malloc0(3 * n);
-	for (size_t i = 0; i < n; i++)
-		if (one.rgb[3 * i] | one.rgb[3 * i + 1] | one.rgb[3 * i + 2])
-			memcpy(r->preview->rgb + 3 * i, one.rgb + 3 * i, 3);
-	g_free(one.rgb);
-}
-
-static void take_frame(const struct camera_frame_info *info, const uint8_t *pixels,
-	double front_rad, bool locked, gpointer user_data)
-{
-	run *r = user_data;
-	photos_take(r->photos, info, pixels, front_rad, locked);
-	if (locked)
-		colour_preview(r, info, pixels, front_rad);
-	/* Photos of a scan that is resumed tell the exposure that it was made with. */
-	if (r->recalling && locked)
-		r->controls_known = photos_use_controls(r->photos, &info->controls, NULL);
-}
-
 static void take_reply(const struct lidar_reply *reply, gpointer user_data)
 {
 	run *r = user_data;
@@ -97,19 +47,21 @@ static void take_reply(const struct lidar_reply *reply, gpointer user_data)
 		pump_take_reply(&r->pump, reply);
 }
 
-static void doing(run *r, const char *what)
+void run_say(run *r, const char *what)
 {
 	g_free(r->doing);
 	r->doing = g_strdup(what);
 }
 
-/* Homing, the pass and the photos take about these shares of the time. */
+/* Homing, the pass and the photos take about these shares of the time: at stops they take more. */
 static double fraction_done(run *r)
 {
 	double columns = columns_done(r);
 	uint32_t wanted = photos_wanted(r->photos);
 	double photos_done = wanted ? (double)photos_taken(r->photos) / wanted : columns;
-	double f = 0.05 * (columns > 0 || r->streaming) + 0.70 * columns + 0.25 * photos_done;
+	double share = r->options.hdr ? 0.5 : 0.25;
+	double f = 0.05 * (columns > 0 || r->streaming) + (0.95 - share) * columns +
+		   share * photos_done;
 	return r->seen_fraction = fmax(r->seen_fraction, fmin(f, 1));
 }
 
@@ -187,21 +139,23 @@ run *run_new(head *h, const struct run_options *options)
 	struct panorama_desc fine = panorama_desc_for(preset->columns, preset->rows);
 	struct panorama_desc coarse =
 		panorama_desc_for(MIN(preset->columns, 1000), MIN(preset->rows, 264));
-	struct stream_sink sink = {
-		.line = take_line, .frame = take_frame, .reply = take_reply, .user_data = r
-	};
+	struct stream_sink sink = { .line = take_line,
+		.frame = run_take_frame,
+		.reply = take_reply,
+		.stop = run_take_stop,
+		.user_data = r };
 	r->options = *options;
 	r->faces = preset->both_faces ? 2 : 1;
 	for (uint32_t i = 0; i < r->faces; i++)
 		r->coverage[i] = coverage_new(&fine);
 	r->preview = panorama_new(&coarse, NULL);
-	r->photos = photos_new(h->camera, preset->photos);
+	r->photos = photos_new(h->camera, preset->photos, options->hdr);
 	r->pump = (struct pump){ .head = h,
 		.stream = stream_new(STREAM_LIVE, &sink),
 		.driver = driver_find(h->lidar_protocol),
 		.each_turn = each_turn,
 		.user_data = r };
-	doing(r, "starting");
+	run_say(r, "starting");
 	return r;
 }
 
@@ -251,7 +205,8 @@ const struct calibration *run_calibration(const run *r)
 
 struct prediction run_predict(const run *r)
 {
-	return preset_predict(r->options.preset, r->pump.driver, run_lidar(r), run_calibration(r));
+	return preset_predict(r->options.preset, r->options.hdr, r->pump.driver, run_lidar(r),
+		run_calibration(r));
 }
 
 const struct lidar_identity *run_lidar(const run *r)
@@ -274,23 +229,11 @@ static struct stage_move move_to(const run *r, double angle_rad, double rate_rad
 		.acceleration_steps_s2 = r->pace.acceleration_rad_s2 * steps_per_rad(r) };
 }
 
-static bool go(run *r, double angle_rad, double rate_rad_s, GError **error)
+bool run_go(run *r, double angle_rad, double rate_rad_s, GError **error)
 {
 	struct stage_move move = move_to(r, angle_rad, rate_rad_s);
 	r->steady = rate_rad_s <= fmax(r->pace.photo_rad_s, r->pace.scan_rad_s);
 	return pump_move(&r->pump, &move, error);
-}
-
-static bool lock_exposure(run *r, GError **error)
-{
-	r->metering = false;
-	struct camera_controls controls = photos_controls(r->photos);
-	if (!(r->controls_known ? photos_use_controls(r->photos, &controls, error)
-				: photos_settle_exposure(r->photos, error)))
-		return false;
-	controls = photos_controls(r->photos);
-	g_autofree char *text = stream_lock_text(&controls);
-	return pump_mark(&r->pump, text, error);
 }
 
 /* Always clockwise, so that slack in the gear lies on the same side each time. The camera meters on
@@ -299,7 +242,7 @@ static bool home(run *r, GError **error)
 {
 	struct stage_move move = move_to(r, 2.2 * G_PI, r->pace.home_rad_s);
 	stage_track *track = stream_stage(r->pump.stream);
-	doing(r, "finding the home position");
+	run_say(r, "finding the home position");
 	r->metering = true;
 	if (!pump_start_move(&r->pump, &move, error))
 		return false;
@@ -316,7 +259,7 @@ static bool home(run *r, GError **error)
 	while (!r->pump.stage_stopped)
 		if (!pump_turn(&r->pump, head_now_ns(r->pump.head) + SECOND_NS / 4, error))
 			return false;
-	return lock_exposure(r, error);
+	return run_lock_exposure(r, error);
 }
 
 /* ---- passes ---- */
@@ -338,8 +281,8 @@ static bool pass(run *r, uint32_t face, const struct front_interval *f, GError *
 	double ahead = f->from_rad - zero - r->pace.run_up_rad;
 	double beyond = f->to_rad - zero + r->pace.run_up_rad;
 	/* From behind, so that the gear's slack is taken up before the first column. */
-	return go(r, ahead, r->pace.travel_rad_s, error) &&
-	       go(r, beyond, r->pace.scan_rad_s, error);
+	return run_go(r, ahead, r->pace.travel_rad_s, error) &&
+	       run_go(r, beyond, r->pace.scan_rad_s, error);
 }
 
 /* The beams of an interval in which the stage slipped lie in wrong places: they do not count. */
@@ -412,7 +355,7 @@ static bool recover(run *r, const GError *cause, GError **error)
 	double patience_s = r->options.wait_for_lidar_s > 0 ? r->options.wait_for_lidar_s : 60;
 	int64_t deadline_ns = head_now_ns(r->pump.head) + (int64_t)(patience_s * SECOND_NS);
 	g_autofree char *words = g_strdup_printf("waiting: %s", cause->message);
-	doing(r, words);
+	run_say(r, words);
 	r->streaming = false;
 	if (++r->recoveries > RECOVERIES_MAX) {
 		g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "%s, time and again",
@@ -441,7 +384,7 @@ static void say_pass(run *r, uint32_t turn)
 {
 	g_autofree char *words =
 		g_strdup_printf("going back for %u columns", run_missing_columns(r));
-	doing(r, turn ? words : "scanning");
+	run_say(r, turn ? words : "scanning");
 }
 
 /* The scan is whole by then: what the lidar may come back from costs nothing any more. Takes the
@@ -493,36 +436,17 @@ static bool scan_columns(run *r, GError **error)
 	return quieten_lidar(r, error);
 }
 
-/* Those that the pass did not bring: first on from where the stage stands, then from the start. */
-static bool take_photos(run *r, GError **error)
-{
-	doing(r, "taking photos");
-	for (int tries = 0; tries < 3 && !r->pump.camera_gone; tries++) {
-		stage_track *track = stream_stage(r->pump.stream);
-		double now = stage_track_angle_rad(track, head_now_ns(r->pump.head)), first, next,
-		       reach = 6 * DEGREE;
-		if (!photos_next(r->photos, 0, &first))
-			return true;
-		if (tries == 0 && photos_next(r->photos, now + reach, &next))
-			first = next;
-		if (!go(r, first - reach, r->pace.travel_rad_s, error) ||
-			!go(r, 2 * G_PI, r->pace.photo_rad_s, error))
-			return false;
-	}
-	return true;
-}
-
 static bool look_back(run *r, GError **error)
 {
 	GError *failed = NULL;
 	stage_track *track = stream_stage(r->pump.stream);
 	double here = stage_track_angle_rad(track, stage_track_known_until_ns(track));
-	g_autofree char *pause = stream_pause_text();
+	g_autofree char *pause = mark_pause_text();
 	if (!pump_mark(&r->pump, pause, error))
 		return false;
 	if (start_lidar(r, &failed) &&
-		go(r, fmax(here - r->pace.look_rad, 0), r->pace.look_rad_s, &failed) &&
-		go(r, 0, r->pace.travel_rad_s, &failed))
+		run_go(r, fmax(here - r->pace.look_rad, 0), r->pace.look_rad_s, &failed) &&
+		run_go(r, 0, r->pace.travel_rad_s, &failed))
 		pump_stop_lidar(&r->pump, &failed);
 	r->streaming = false;
 	return forgive(failed, error);
@@ -532,9 +456,9 @@ static bool look_back(run *r, GError **error)
  * its stamps are (lidar-delay.h). */
 static bool go_home(run *r, GError **error)
 {
-	doing(r, "going home");
+	run_say(r, "going home");
 	return (!r->pump.lidar_open || look_back(r, error)) &&
-	       go(r, 0, r->pace.travel_rad_s, error);
+	       run_go(r, 0, r->pace.travel_rad_s, error);
 }
 
 /* Whatever ended it: the stage comes to rest, and the laser is told to stop, as far as they still listen. */
@@ -551,7 +475,7 @@ bool run_scan(run *r, GError **error)
 {
 	r->pump.button = false;
 	r->scanning = true;
-	bool good = home(r, error) && scan_columns(r, error) && take_photos(r, error) &&
+	bool good = home(r, error) && scan_columns(r, error) && run_take_photos(r, error) &&
 		    go_home(r, error);
 	r->scanning = false;
 	if (!good)

@@ -19,6 +19,7 @@ struct run_progress {
 
 struct run_options {
 	const struct preset *preset;
+	bool hdr; /* photos at stops, with several exposures each, when all columns are there; none in passing */
 	double wait_for_lidar_s; /* after it was unplugged; 0 means 60 */
 	/* Called each turn; true stops the scan, which can be resumed later. May be NULL. */
 	bool (*progress)(const struct run_progress *progress, gpointer user_data);

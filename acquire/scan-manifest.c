@@ -31,7 +31,7 @@ static char *now_text(void)
 	return g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
 }
 
-manifest *scan_manifest_begin(const struct preset *preset, const char *device)
+manifest *scan_manifest_begin(const struct preset *preset, bool hdr, const char *device)
 {
 	g_autofree char *started = now_text();
 	struct panorama_desc grid = panorama_desc_for(preset->columns, preset->rows);
@@ -39,6 +39,8 @@ manifest *scan_manifest_begin(const struct preset *preset, const char *device)
 	manifest_set_int(m, "schema", SCAN_SCHEMA);
 	manifest_set_string(m, "state", "partial");
 	manifest_set_string(m, "preset", preset->name);
+	if (hdr)
+		manifest_set_int(m, "hdr.exposures", EXPOSURES_MAX);
 	manifest_set_string(m, "device", device);
 	manifest_set_string(m, "started", started);
 	manifest_set_int(m, "panorama.columns", grid.columns);
@@ -79,6 +81,8 @@ static void set_report(manifest *m, const struct develop_result *d)
 {
 	manifest_set_int(m, "sessions", d->report.sessions);
 	manifest_set_int(m, "photos", d->photos);
+	if (scan_manifest_is_hdr(m))
+		manifest_set_int(m, "hdr.photos", d->merged_photos);
 	manifest_set_int(m, "revolutions.recorded", d->report.revolutions);
 	manifest_set_int(m, "revolutions.lost", d->report.lost_revolutions);
 	manifest_set_int(m, "revolutions.distrusted", d->report.device_errors);
@@ -190,6 +194,11 @@ const struct preset *scan_manifest_preset(const manifest *m, GError **error)
 	if (name && !p)
 		refuse(error, m, "there is no preset '%s'", name);
 	return p;
+}
+
+bool scan_manifest_is_hdr(const manifest *m)
+{
+	return manifest_has(m, "hdr.exposures");
 }
 
 /* Nothing sums up scan.json itself, but the preset says what its grid must be. */

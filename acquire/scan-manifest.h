@@ -8,7 +8,7 @@
 #include "firmware-io/head.h"
 
 /* Of a scan about to begin. */
-manifest *scan_manifest_begin(const struct preset *preset, const char *device);
+manifest *scan_manifest_begin(const struct preset *preset, bool hdr, const char *device);
 /* Adds all that is known when the panorama has been developed and its planes lie in folder. */
 bool scan_manifest_finish(manifest *scan, const char *folder, const panorama *p,
 	const struct develop_result *d, GError **error);
@@ -17,6 +17,8 @@ bool scan_manifest_finish(manifest *scan, const char *folder, const panorama *p,
 char *scan_session_text(const char *device, const head *h);
 
 const struct preset *scan_manifest_preset(const manifest *scan, GError **error);
+/* Photos at stops, of several exposures each, were asked for. */
+bool scan_manifest_is_hdr(const manifest *scan);
 /* The grid, checked: also against the preset, where this program knows it. */
 bool scan_manifest_grid(const manifest *scan, struct panorama_desc *ret, GError **error);
 /* Size and SHA-256 of one file in folder against what is written. */

@@ -16,6 +16,7 @@ struct recording {
 	site *site;
 	const struct scan_options *options;
 	const struct preset *preset;
+	bool hdr;
 	head *head;
 	run *run;
 	record_writer *record;
@@ -91,8 +92,14 @@ static bool begin_new(struct recording *r, GError **error)
 			site_path(r->site), partial);
 		return false;
 	}
+	if (r->options->hdr && !r->head->camera) {
+		g_set_error_literal(error, G_FILE_ERROR, G_FILE_ERROR_INVAL,
+			"the head has no camera that is calibrated to it: HDR is not for it");
+		return false;
+	}
 	r->preset = r->options->preset;
-	r->scan = scan_manifest_begin(r->preset, r->options->device);
+	r->hdr = r->options->hdr;
+	r->scan = scan_manifest_begin(r->preset, r->hdr, r->options->device);
 	return site_begin_scan(r->site, r->scan, &r->number, error) && name_paths(r) &&
 	       load_manifest(r, error);
 }
@@ -112,6 +119,7 @@ static bool begin_resumed(struct recording *r, GError **error)
 	r->preset = load_manifest(r, error) && scan_manifest_grid(r->scan, &grid, error)
 			    ? scan_manifest_preset(r->scan, error)
 			    : NULL;
+	r->hdr = r->preset && scan_manifest_is_hdr(r->scan);
 	return r->preset != NULL;
 }
 
@@ -282,7 +290,9 @@ static bool develop_into(
 			.rows = p->desc.rows,
 			.counts = panorama_count(p),
 			.report = d.report,
-			.photos = d.photos };
+			.photos = d.photos,
+			.hdr = scan_manifest_is_hdr(scan),
+			.merged_photos = d.merged_photos };
 	develop_result_clear(&d);
 	return good && manifest_save(scan, error);
 }
@@ -309,6 +319,7 @@ static bool is_worth_keeping(struct recording *r)
 static bool record_into(struct recording *r, struct scan_result *result, GError **error)
 {
 	struct run_options o = { .preset = r->preset,
+		.hdr = r->hdr,
 		.wait_for_lidar_s = r->options->wait_for_lidar_s,
 		.progress = r->options->progress,
 		.user_data = r->options->user_data };
@@ -368,6 +379,17 @@ panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error)
 			      : scan_manifest_verify_planes(scan, folder, error)))
 		return NULL;
 	return planes_load(folder, &desc, error);
+}
+
+uint32_t scan_hdr_photos(const site *s, uint32_t number)
+{
+	g_autofree char *folder = NULL;
+	struct panorama_desc desc;
+	int64_t merged = 0;
+	g_autoptr(manifest) scan = load_finished(s, number, &folder, &desc, NULL);
+	if (scan)
+		manifest_get_int(scan, "hdr.photos", 0, UINT32_MAX, &merged, NULL);
+	return (uint32_t)merged;
 }
 
 bool scan_check_record(const site *s, uint32_t number, GError **error)

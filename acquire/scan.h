@@ -13,7 +13,8 @@ struct scan_options {
 	const char *device; /* URI */
 	head *head; /* instead of opening device: taken over; device is then only its name */
 	const struct preset *preset; /* of a resumed scan: NULL, it keeps its own */
-	bool resume;                 /* go on with the partial scan */
+	bool hdr; /* photos at stops, of several exposures each; a resumed scan has its own way here, too */
+	bool resume; /* go on with the partial scan */
 	/* Resume although entries in the middle of the record are damaged: without them. The
 	 * record as it was stays beside it as raw.rec.damaged. */
 	bool salvage;
@@ -34,6 +35,8 @@ struct scan_result {
 	struct panorama_counts counts;
 	struct stream_report report;
 	uint32_t missing_columns, photos;
+	bool hdr;               /* was asked for */
+	uint32_t merged_photos; /* of several exposures */
 	uint64_t record_bytes;
 	double seconds; /* of the head's time, over all sessions */
 };
@@ -57,6 +60,8 @@ bool scan_check_space(const char *folder, uint64_t need_bytes, GError **error);
  * bit does not always hinder the decoder). With verify, all its files are checked, also the record.
  */
 panorama *scan_load(const site *s, uint32_t number, bool verify, GError **error);
+/* How many photos of a finished scan are of several exposures; 0: it is no HDR scan. */
+uint32_t scan_hdr_photos(const site *s, uint32_t number);
 /* Whether the record of a finished scan is as it was written, by size and SHA-256. */
 bool scan_check_record(const site *s, uint32_t number, GError **error);
 /* Develops the panorama of a finished scan again from its record, which is checked first, and

@@ -3,6 +3,7 @@
 #include "acquire/driver.h"
 #include "acquire/frames.h"
 #include "acquire/manifest.h"
+#include "acquire/marks.h"
 #include <math.h>
 #include <string.h>
 
@@ -47,6 +48,8 @@ struct stream {
 	device_clock *lidar_clock;
 	decoder *decode;
 	frames *frames;
+	struct exposures stop; /* at which the stage stands; count 0: at none */
+	bool has_stops;
 	GQueue pending;
 	int64_t asked_clock_ns; /* 0: not asked */
 	int64_t lidar_delay_ns; /* what its stamps are late beyond what its clock knows */
@@ -298,10 +301,21 @@ static struct session *session_new(const struct record_entry *e, GError **error)
 	return g_memdup2(&s, sizeof s);
 }
 
+static void set_stop(stream *s, const struct exposures *stop)
+{
+	if (s->stop.count == 0 && stop->count == 0)
+		return;
+	s->stop = *stop;
+	s->has_stops = true;
+	if (!s->learning && s->sink.stop)
+		s->sink.stop(stop, s->sink.user_data);
+}
+
 static bool begin_session(stream *s, const struct record_entry *e, GError **error)
 {
 	place_pending(s);
 	drop_pending(s);
+	set_stop(s, &(struct exposures){ 0 });
 	if (s->learning || s->mode == STREAM_LIVE) {
 		struct session *fresh = session_new(e, error);
 		if (!fresh)
@@ -434,34 +448,21 @@ static void take_frame(stream *s, const struct record_entry *e)
 	double front = stage_track_angle_rad(
 		s->session->track, stamp_ns + frames_middle_ns(&info, c->readout_us));
 	bool locked = memcmp(&info.controls, &s->session->locked, sizeof info.controls) == 0;
+	if (s->has_stops && s->mode == STREAM_LEARN_FIRST && s->stop.count == 0)
+		locked = false; /* came too late, while the stage went on */
 	if (s->sink.frame)
 		s->sink.frame(&made, pixels, front, locked, s->sink.user_data);
 }
 
-char *stream_lock_text(const struct camera_controls *c)
-{
-	return g_strdup_printf("{\"camera\": {\"exposure_100us\": %u, \"gain_percent\": %u, "
-			       "\"white_balance_k\": %u}}",
-		c->exposure_100us, c->gain_percent, c->white_balance_k);
-}
-
-char *stream_pause_text(void)
-{
-	return g_strdup("{\"lidar\": \"paused\"}");
-}
-
-/* Marks are for people; only those that lock the exposure and that pause the lidar are for us. */
 static void take_mark(stream *s, const struct record_entry *e)
 {
-	int64_t exposure, gain, balance;
-	g_autoptr(manifest) m = manifest_parse(e->payload, e->length, "mark", 0, NULL);
-	if (m && manifest_has(m, "lidar") &&
-		g_strcmp0(manifest_get_string(m, "lidar", NULL), "paused") == 0)
+	struct mark mark = mark_read(e->payload, e->length);
+	if (mark.pauses)
 		s->follows = false;
-	if (m && manifest_get_int(m, "camera.exposure_100us", 0, UINT32_MAX, &exposure, NULL) &&
-		manifest_get_int(m, "camera.gain_percent", 0, UINT32_MAX, &gain, NULL) &&
-		manifest_get_int(m, "camera.white_balance_k", 0, UINT32_MAX, &balance, NULL))
-		s->session->locked = (struct camera_controls){ exposure, gain, balance };
+	if (mark.locks)
+		s->session->locked = mark.locked;
+	if (mark.stops)
+		set_stop(s, &mark.stop);
 }
 
 static void take_output(stream *s, const struct record_entry *e)
@@ -503,6 +504,7 @@ void stream_rewind(stream *s)
 	for (guint i = 0; i < s->sessions->len; i++)
 		feed_track(s->sessions->pdata[i]);
 	s->learning = false;
+	s->stop = (struct exposures){ 0 };
 	s->session = NULL;
 	s->session_at = 0;
 	/* Or what it refused would be counted once more. */

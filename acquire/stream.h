@@ -10,6 +10,7 @@
  *
  * One owner; not thread-safe. Callbacks may not feed. */
 #include "acquire/decoder.h"
+#include "acquire/exposures.h"
 #include "acquire/placement.h"
 #include "firmware-io/camera.h"
 #include "firmware-io/record.h"
@@ -25,10 +26,12 @@ struct stream_sink {
 	/* front_rad: stage angle in the middle of the exposure. Frames are NV12 here, whatever the
 	 * camera makes (frames.h); pixels have the length that info says, checked, and live until
 	 * the callback returns. locked: taken with the exposure that the scan settled on
-	 * (stream_lock_text); others were for metering. */
+	 * (mark_lock_text); others were for metering, or are of a stop. */
 	void (*frame)(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad,
 		bool locked, gpointer user_data);
 	void (*reply)(const struct lidar_reply *reply, gpointer user_data);
+	/* The frames from here to the next call are of one photo stop (mark_stop_text); count 0: they are of none. */
+	void (*stop)(const struct exposures *exposures, gpointer user_data);
 	gpointer user_data;
 };
 
@@ -61,13 +64,6 @@ void stream_rewind(stream *s);
 
 /* Takes so much off the lidar's stamps, from the next line on: what lidar-delay.h found. */
 void stream_advance_lidar(stream *s, int64_t delay_ns);
-
-/* Text of the RECORD_MARK that says which exposure the photos have; caller frees. */
-char *stream_lock_text(const struct camera_controls *controls);
-
-/* Of the RECORD_MARK that says that the lidar was told to stop for a while: the turns until it
- * streams again are not lost. Caller frees. */
-char *stream_pause_text(void);
 
 struct stream_report stream_get_report(const stream *s);
 /* Of struct stream_loss; caller frees. */

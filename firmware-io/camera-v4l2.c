@@ -87,6 +87,14 @@ static void v4l2_get_controls(camera *base, struct camera_controls *ret)
 		*ret = c->in_force;
 }
 
+/* Frames keep their beat, however long an exposure is asked for (video-controls.c). */
+static uint32_t v4l2_longest_exposure_100us(camera *base)
+{
+	const struct v4l2_camera *c = (struct v4l2_camera *)base;
+	int64_t room_ns = c->device.format.interval_ns - c->readout_ns;
+	return (uint32_t)CLAMP(room_ns / 100000, 0, INT32_MAX);
+}
+
 /* ---- opening, and what fails ---- */
 
 static void close_device(struct v4l2_camera *c)
@@ -397,6 +405,7 @@ static void v4l2_close(camera *base)
 
 static const struct camera_ops v4l2_ops = { .set_controls = v4l2_set_controls,
 	.get_controls = v4l2_get_controls,
+	.longest_exposure_100us = v4l2_longest_exposure_100us,
 	.queue = v4l2_queue,
 	.read = v4l2_read,
 	.wait_fd = v4l2_wait_fd,

@@ -46,6 +46,8 @@ struct camera_ops {
 	bool (*set_controls)(camera *c, const struct camera_controls *controls, GError **error);
 	/* What the camera made of them, as far as it is known; NULL where it takes them as they are. */
 	void (*get_controls)(camera *c, struct camera_controls *ret);
+	/* See camera_longest_exposure_100us; NULL where nothing is known of the beat of its frames. */
+	uint32_t (*longest_exposure_100us)(camera *c);
 	bool (*queue)(camera *c, GError **error);
 	/* 1 with a frame (its pixels are the camera's own until the next call), 0 for none, -1 with
 	 * an error (WIRE_ERROR). */
@@ -72,6 +74,9 @@ static inline size_t camera_frame_bytes(const struct camera_frame_info *info)
 bool camera_set_controls(camera *c, const struct camera_controls *controls, GError **error);
 /* Those in force, which can differ a little from what was set; leaves them where the camera says nothing. */
 void camera_get_controls(camera *c, struct camera_controls *controls);
+/* What fits between two frames: at least a thirtieth of a second is taken to. */
+#define CAMERA_THIRTIETH_100US 330u
+uint32_t camera_longest_exposure_100us(camera *c);
 bool camera_queue(camera *c, GError **error);
 /* After WIRE_ERROR_GONE it may be called again, as often as one likes: a camera can come back. */
 int camera_read(camera *c, struct camera_frame_info *ret_info, const uint8_t **ret_pixels,

@@ -154,6 +154,12 @@ void camera_get_controls(camera *c, struct camera_controls *controls)
 		c->ops->get_controls(c, controls);
 }
 
+uint32_t camera_longest_exposure_100us(camera *c)
+{
+	uint32_t longest = c->ops->longest_exposure_100us ? c->ops->longest_exposure_100us(c) : 0;
+	return MAX(longest, CAMERA_THIRTIETH_100US);
+}
+
 bool camera_queue(camera *c, GError **error)
 {
 	return c->ops->queue(c, error);

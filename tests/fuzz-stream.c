@@ -2,7 +2,7 @@
  * All that says where a beam went has to come out finite, and the panorama as planes_load would
  * take it. Marks, lengths, sequence and checksums are mended first: fuzz-record looks after those.
  */
-#include "acquire/colour.h"
+#include "acquire/brackets.h"
 #include "acquire/stream.h"
 #include "firmware-io/record-format.h"
 #include <math.h>
@@ -17,7 +17,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 struct sink {
 	panorama *panorama;
 	GArray *photos; /* of struct photo */
-	uint64_t sum;   /* so that all that is lent is read */
+	brackets *stops;
+	uint64_t sum; /* so that all that is lent is read */
 };
 
 static void mend_entry(uint8_t *at, size_t room, uint32_t sequence)
@@ -72,10 +73,17 @@ static void take_frame(const struct camera_frame_info *info, const uint8_t *pixe
 		s->sum += pixels[i];
 	g_assert_true(isfinite(front_rad));
 	s->sum += locked;
+	brackets_add(s->stops, info, pixels, front_rad);
 	if (s->photos->len >= PHOTOS_MAX)
 		return;
 	struct photo photo = { *info, g_memdup2(pixels, camera_frame_bytes(info)), front_rad };
 	g_array_append_val(s->photos, photo);
+}
+
+static void take_stop(const struct exposures *exposures, gpointer data)
+{
+	struct sink *s = data;
+	brackets_stop(s->stops, exposures);
 }
 
 static void free_photo(gpointer data)
@@ -117,8 +125,13 @@ static void develop(GBytes *bytes, enum stream_mode mode)
 	g_autoptr(panorama) p = panorama_new(&desc, NULL);
 	g_autoptr(GArray) photos = g_array_new(FALSE, FALSE, sizeof(struct photo));
 	g_array_set_clear_func(photos, free_photo);
-	struct sink sink = { p, photos, 0 };
-	struct stream_sink calls = { take_line, take_frame, take_reply, &sink };
+	g_autoptr(brackets) stops = brackets_new();
+	struct sink sink = { p, photos, stops, 0 };
+	struct stream_sink calls = { .line = take_line,
+		.frame = take_frame,
+		.reply = take_reply,
+		.stop = take_stop,
+		.user_data = &sink };
 	g_autoptr(stream) s = stream_new(mode, &calls);
 	feed_all(s, bytes);
 	if (mode == STREAM_LEARN_FIRST) {
@@ -129,6 +142,7 @@ static void develop(GBytes *bytes, enum stream_mode mode)
 	g_autoptr(GArray) losses = stream_losses(s);
 	g_assert_true(isfinite(report.drift_ppm));
 	panorama_fill(p, 4);
+	brackets_take(stops, photos);
 	if (stream_calibration(s) && stream_calibration(s)->has_camera)
 		colour_panorama(p, (const struct photo *)(void *)photos->data, photos->len,
 			stream_calibration(s));

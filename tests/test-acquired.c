@@ -116,7 +116,8 @@ static guint start_scan(struct bench *b)
 {
 	guint number = 0;
 	g_autoptr(GError) error = NULL;
-	bus_acquisition1_call_start_sync(b->service, b->site_path, "draft", &number, NULL, &error);
+	bus_acquisition1_call_start_sync(b->service, b->site_path, "draft",
+		g_variant_new("a{sv}", NULL), &number, NULL, &error);
 	g_assert_no_error(error);
 	return number;
 }
@@ -125,8 +126,8 @@ static GError *fails_to_start(struct bench *b, const char *path, const char *pre
 {
 	guint number;
 	GError *error = NULL;
-	g_assert_false(
-		bus_acquisition1_call_start_sync(b->service, path, preset, &number, NULL, &error));
+	g_assert_false(bus_acquisition1_call_start_sync(
+		b->service, path, preset, g_variant_new("a{sv}", NULL), &number, NULL, &error));
 	return error;
 }
 

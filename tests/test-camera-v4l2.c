@@ -199,6 +199,8 @@ static void test_controls(void)
 	g_assert_cmpint(made_control(V4L2_CID_GAIN)->value, ==, 128);
 	g_assert_cmpuint(in_force.gain_percent, ==, 853);
 	g_assert_null(camera_v4l2_remark(c));
+	/* As long as from one frame to the next: its beat stays. */
+	g_assert_cmpuint(camera_longest_exposure_100us(c), ==, 500);
 	wait_for(c, 600 * MS);
 	struct got g = lend_and_wait(c);
 	g_assert_cmpint(memcmp(&g.info.controls, &in_force, sizeof in_force), ==, 0);

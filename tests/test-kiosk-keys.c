@@ -138,15 +138,22 @@ static void press(rig *r, const char *name)
 	rig_key(r, KEY_ENTER);
 }
 
-static void scan(rig *r, const char *folder, int number)
+static void scan(rig *r, const char *folder, int number, bool hdr)
 {
-	g_autofree char *path = g_strdup_printf("%s/Keys/scans/%04d", folder, number);
+	g_autofree char *path = g_strdup_printf("%s/Keys/scans/%04d", folder, number),
+			*json = g_build_filename(path, "scan.json", NULL), *said = NULL;
 	press(r, "preset-draft");
+	if (hdr) {
+		press(r, "preset-hdr");
+		rig_keep_shot(r, "keys-hdr");
+	}
 	press(r, "scan-start");
 	for (int i = 0; i < 1200 && !g_file_test(path, G_FILE_TEST_IS_DIR); i++)
 		g_usleep(100000);
 	g_assert_true(g_file_test(path, G_FILE_TEST_IS_DIR));
 	rig_wait_gone(r, "scan-panorama", limit_s);
+	g_assert_true(g_file_get_contents(json, &said, NULL, NULL));
+	g_assert_cmpint(strstr(said, "\"hdr\"") != NULL, ==, hdr);
 }
 
 /* A key changes what the kiosk tells of that. */
@@ -223,8 +230,8 @@ static void whole_way(void)
 	press(r, "new-site-yes");
 	rig_wait_for(r, "scan-start", limit_s);
 	check_screen(r, "an empty site");
-	scan(r, folder, 1);
-	scan(r, folder, 2);
+	scan(r, folder, 1, false);
+	scan(r, folder, 2, true);
 	rig_wait_for(r, "site-draw", limit_s);
 	check_screen(r, "a site");
 	press(r, "site-bring");

@@ -44,6 +44,7 @@ static double seconds_of(const char *folder)
 static const struct scene {
 	const char *path, *preset, *description;
 	double bytes_slack; /* 0: a quarter */
+	bool hdr;
 } scenes[] = {
 	{ "/preset/draft", "draft", "hall?seed=4&ares=1584&camera=48x80&home_deg=180" },
 	{ "/preset/standard", "standard", "hall?seed=4&ares=1584&camera=48x80&home_deg=180" },
@@ -57,6 +58,10 @@ static const struct scene {
 	{ "/preset/draft-near-home", "draft", "hall?seed=4&ares=800&camera=48x80&home_deg=20" },
 	{ "/preset/draft-far-from-home", "draft",
 		"hall?seed=4&ares=800&camera=48x80&home_deg=340" },
+	{ "/preset/draft-hdr", "draft", "hall?seed=4&ares=800&camera=120x160&home_deg=180",
+		.hdr = true },
+	{ "/preset/standard-hdr", "standard",
+		"hall?seed=4&ares=1584&camera=48x80&home_deg=180&fps=30", .hdr = true },
 	{ "/preset/draft-large-photos", "draft",
 		"hall?seed=4&ares=800&camera=120x160&home_deg=180" },
 };
@@ -66,9 +71,10 @@ static void scan(const struct scene *s, struct taken *ret)
 	g_autofree char *folder = simulated_folder(),
 			*path = g_build_filename(folder, "site", NULL),
 			*made = g_build_filename(path, "scans", "0001", NULL);
-	struct scan_options options = {
-		.preset = preset_find(s->preset), .predicted = keep_prediction, .user_data = ret
-	};
+	struct scan_options options = { .preset = preset_find(s->preset),
+		.hdr = s->hdr,
+		.predicted = keep_prediction,
+		.user_data = ret };
 	struct scan_result result;
 	uint32_t partial;
 	g_autoptr(GError) error = NULL;

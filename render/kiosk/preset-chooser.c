@@ -6,7 +6,7 @@
 
 struct chooser {
 	services *services;
-	GtkWidget *box, *words;
+	GtkWidget *box, *words, *hdr;
 	GCancellable *gone;
 	char *preset;
 	GVariant *presets; /* NULL: not known */
@@ -24,17 +24,23 @@ static GVariant *find(struct chooser *c, const char *name)
 	return NULL;
 }
 
+static bool is_hdr(const struct chooser *c)
+{
+	return gtk_widget_get_visible(c->hdr) &&
+	       gtk_toggle_button_get_active(GTK_TOGGLE_BUTTON(c->hdr));
+}
+
 /* What is known of it: without a scanner only the grid. */
-static char *words_of(GVariant *p)
+static char *words_of(GVariant *p, bool hdr)
 {
 	double seconds = -1;
 	guint64 points = 0, bytes = 0;
 	guint32 columns = 0, rows = 0;
 	g_variant_lookup(p, "columns", "u", &columns);
 	g_variant_lookup(p, "rows", "u", &rows);
-	g_variant_lookup(p, "bytes", "t", &bytes);
+	g_variant_lookup(p, hdr ? "hdr_bytes" : "bytes", "t", &bytes);
 	g_variant_lookup(p, "points", "t", &points);
-	if (!g_variant_lookup(p, "seconds", "d", &seconds))
+	if (!g_variant_lookup(p, hdr ? "hdr_seconds" : "seconds", "d", &seconds))
 		return g_strdup_printf("%u × %u", columns, rows);
 	g_autofree char *time = words_duration(seconds), *many = words_points((double)points),
 			*size = box_size_text((double)bytes);
@@ -44,8 +50,16 @@ static char *words_of(GVariant *p)
 static void show_words(struct chooser *c)
 {
 	g_autoptr(GVariant) p = c->preset ? find(c, c->preset) : NULL;
-	g_autofree char *words = p ? words_of(p) : g_strdup("");
+	/* A head without a camera has nothing to say of it. */
+	gtk_widget_set_visible(c->hdr, p && g_variant_lookup(p, "hdr_seconds", "d", NULL));
+	g_autofree char *words = p ? words_of(p, is_hdr(c)) : g_strdup("");
 	kit_set_text(c->words, words);
+}
+
+static void hdr_toggled(GtkToggleButton *b, gpointer user_data)
+{
+	(void)b;
+	show_words(user_data);
 }
 
 static void toggled(GtkToggleButton *b, gpointer user_data)
@@ -129,7 +143,12 @@ GtkWidget *preset_chooser_new(services *s)
 	c->services = s;
 	c->gone = g_cancellable_new();
 	c->words = kit_named_text("preset-words", "", "small soft number");
-	c->box = kit_column(6, kit_row(8, NULL), c->words, NULL);
+	c->hdr = gtk_toggle_button_new_with_label(_("HDR photos"));
+	gtk_widget_set_name(c->hdr, "preset-hdr");
+	gtk_widget_set_visible(c->hdr, FALSE);
+	g_signal_connect(c->hdr, "toggled", G_CALLBACK(hdr_toggled), c);
+	c->box = kit_column(6, kit_row(8, NULL),
+		kit_row(8, kit_grow(c->words, true, false), c->hdr, NULL), NULL);
 	/* Predictions come with the first lidar that was seen. */
 	g_signal_connect_swapped(
 		services_acquisition(s), "notify::g-name-owner", G_CALLBACK(ask), c);
@@ -144,4 +163,9 @@ const char *preset_chooser_preset(GtkWidget *chooser)
 {
 	struct chooser *c = g_object_get_data(G_OBJECT(chooser), "chooser");
 	return c->preset;
+}
+
+bool preset_chooser_hdr(GtkWidget *chooser)
+{
+	return is_hdr(g_object_get_data(G_OBJECT(chooser), "chooser"));
 }

@@ -275,10 +275,12 @@ static void resumed(GObject *source, GAsyncResult *result, gpointer user_data)
 static void start_scan(struct site_screen *s)
 {
 	const char *preset = preset_chooser_preset(s->chooser);
+	g_auto(GVariantDict) options = G_VARIANT_DICT_INIT(NULL);
+	g_variant_dict_insert(&options, "hdr", "b", preset_chooser_hdr(s->chooser));
 	s->scan_waits = false;
 	s->scan_starts = true;
 	bus_acquisition1_call_start(services_acquisition(kiosk_services(s->kiosk)), s->folder,
-		preset, s->gone, started, s);
+		preset, g_variant_dict_end(&options), s->gone, started, s);
 }
 
 static void scan_pressed(GtkButton *b, gpointer user_data)

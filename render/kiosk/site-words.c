@@ -62,6 +62,7 @@ const char *words_doing(const char *doing)
 		{ "finding the home position", N_("Finding the home position") },
 		{ "scanning", N_("Scanning") },
 		{ "going back for", N_("Going back for columns that were missed") },
+		{ "taking photos in several exposures", N_("Taking HDR photos") },
 		{ "taking photos", N_("Taking photos") },
 		{ "going home", N_("Going home") },
 	};

@@ -95,7 +95,7 @@ as passerby ls $sites > /dev/null 2>&1
 result $? "and nobody else's"
 
 # A scan, which nothing but the scanner's own end may end.
-said=$(as surveyor busctl --timeout=100 call org.pleinair.Acquisition1 /org/pleinair/Acquisition1 org.pleinair.Acquisition1 Start ss $sites/oak draft 2>&1)
+said=$(as surveyor busctl --timeout=100 call org.pleinair.Acquisition1 /org/pleinair/Acquisition1 org.pleinair.Acquisition1 Start 'ssa{sv}' $sites/oak draft 0 2>&1)
 result $? "a member of the group starts a scan of the simulated head"
 comment "$said"
 wait_for 60 state_is scanning
