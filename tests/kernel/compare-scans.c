@@ -10,11 +10,11 @@
 #include <math.h>
 #include <stdio.h>
 
-#define TOLERANCE_M   0.01
-#define TURN_MAX      (3.0 * G_PI / 180)
-#define TURN_STEP     (0.01 * G_PI / 180)
-#define EDGE          0.1 /* of the range, within two cells around */
-#define SPARSE        17  /* every so manieth cell finds the angle */
+#define TOLERANCE_M 0.01
+#define TURN_MAX    (3.0 * G_PI / 180)
+#define TURN_STEP   (0.01 * G_PI / 180)
+#define EDGE        0.1 /* of the range, within two cells around */
+#define SPARSE      17  /* every so manieth cell finds the angle */
 
 struct tally {
 	uint64_t cells, within, equal, missing, inner, inner_equal;
