@@ -35,7 +35,7 @@ struct stage {
 	bool pulsed; /* driven by pulses: the last of them, and the time since the one before */
 	int64_t pulse_ns, period_ns;
 	int pulse_direction;
-	double pulse_head; /* where it was then */
+	double pulse_head;                       /* where it was then */
 	int64_t pressed_until_ns, open_until_ns; /* INT64_MAX: is neither pressed nor open */
 	bool latched;                            /* until a reset */
 	GByteArray *pending;

@@ -1,9 +1,9 @@
 #!/bin/sh
 # cuts.sh BUILD: while the real programs scan in QEMU (as in scan.sh) onto an ext4 disk, the power is cut: QEMU is killed, at a random moment of the
-# scan, CUTS times (3; 20 are what a release is tried with). What the guest had not written is lost then, as it is with a real cut. After each, the next
+# scan, CUTS times (2; 20 are what a release is tried with). What the guest had not written is lost then, as it is with a real cut. After each, the next
 # boot must find every finished scan whole and go on with the partial one. Prints TAP, or skips it all with a reason. SEED makes the moments the same.
 build=$1
-cuts=${CUTS:-3}
+cuts=${CUTS:-2}
 seed=${SEED:-$(date +%s)}
 . tests/kernel/kernel.sh
 needs mke2fs
@@ -34,7 +34,7 @@ await() { # WORD: told by the guest, or the end of it
 }
 
 echo "1..$((cuts + 1))"
-echo "# seed $seed: the power is cut up to ${SCAN_SECONDS:=45} s after the scan begins"
+echo "# seed $seed: the power is cut up to ${SCAN_SECONDS:=35} s after the scan begins"
 finished=0
 resumed=0
 for n in $(seq $((cuts + 1))); do

@@ -72,7 +72,7 @@ boot() { # NAME KERNEL-ARGUMENTS QEMU-ARGUMENTS...
 	shift 2
 	said=$cache/$name.tap
 	: > "$said"
-	timeout --kill-after=5 "${KERNEL_TEST_SECONDS:-350}" qemu-system-x86_64 -M q35 -accel tcg,tb-size=1024 -icount shift=2 -cpu Nehalem -smp 1 -m 3072 \
+	timeout --kill-after=5 "${KERNEL_TEST_SECONDS:-900}" qemu-system-x86_64 -M q35 -accel tcg,tb-size=1024 -icount shift=2 -cpu Nehalem -smp 1 -m 3072 \
 		-nodefaults -no-user-config -no-reboot -display none -vga none -serial "file:$cache/$name.console.log" -serial "file:$said" \
 		-kernel "$kernel/vmlinux" -initrd "$cache/first.gz" -append "console=ttyS0 quiet panic=-1 tsc=reliable no_timer_check norandmaps \
 nokaslr modules=$kernel/lib/modules $arguments $KERNEL_TEST_ARGUMENTS" \

@@ -104,33 +104,29 @@ rplidar() {
 }
 
 # Stopped for safety in the middle of a pass: the scan ends partial with a sentence, nothing moves until it is gone on with, and then it becomes whole.
-stop_by() { # LINE SECONDS SENTENCE ARGUMENTS...
-	contact=$1
-	seconds=$2
-	sentence=$3
-	shift 3
+stopped_by() { # NAME LINE SENTENCE
+	name=$1
+	contact=$2
+	plug_in "$name" 10c4
 	(
-		sleep "$seconds"
+		sleep 12
 		line "$contact" 0
 		sleep 1
 		line "$contact" 1
 	) &
-	! scan ld --preset draft --device ld:/dev/ttyUSB0 "$@" && grep -q "$sentence" /run/complaint
-	result $? "ld: $contact stops the scan, and it says so"
+	! scan "$name" --preset draft --device ld:/dev/ttyUSB0 && grep -q "$3" /run/complaint
+	result $? "$name: $contact stops the scan, and it says so"
 	comment "$(cat /run/complaint)"
 	wait $!
-}
-ld() {
-	plug_in ld 10c4
-	stop_by estop 12 'emergency stop is pressed'
-	stop_by interlock 12 'interlock is open' --resume
-	scan ld --device ld:/dev/ttyUSB0 --resume
-	result $? "ld: it is gone on with and comes to its end"
-	[ "$(number missing_columns)" = 0 ] && [ "$(number sessions)" = 3 ]
-	result $? "ld: nothing is missing"
+	scan "$name" --resume
+	result $? "$name: it is gone on with and comes to its end"
+	[ "$(number missing_columns)" = 0 ] && [ "$(number sessions)" = 2 ]
+	result $? "$name: nothing is missing"
 	tell_scan
 	pull_out
 }
+ld() { stopped_by ld estop 'emergency stop is pressed'; }
+interlock() { stopped_by interlock interlock 'interlock is open'; }
 
 rate() { # NAME VENDOR DEVICE
 	plug_in "$1" "$2"
@@ -140,8 +136,8 @@ rate() { # NAME VENDOR DEVICE
 	pull_out
 }
 
-for name in exact tim acm ld hokuyo rplidar; do
-	! wanted $name || $name
+for test_of in exact tim acm ld interlock hokuyo rplidar; do
+	! wanted $test_of || $test_of
 done
 ! wanted rates-tim || rate rates-tim 19a2 tim:
 ! wanted rates-hokuyo || rate rates-hokuyo 15d1 scip:
