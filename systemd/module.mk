@@ -1,7 +1,7 @@
 # The appliance: its units, who may what, and where `make install` puts them. Files here name /usr/bin; installing writes PREFIX there.
 packages += systemd libxml2-utils
 # What `make check-kernel` needs besides: a machine, and what its first program is made of.
-kernel_packages := qemu-system-x86 busybox-static kmod cpio udev dbus libpam-systemd iproute2 weston \
+kernel_packages := qemu-system-x86 busybox-static e2fsprogs kmod cpio udev dbus libpam-systemd iproute2 weston \
 	usbutils usbip v4l-utils gpiod libgpiod-dev libusb-1.0-0-dev linux-headers-amd64 xz-utils
 sysconfdir ?= /etc
 systemdsystemunitdir ?= $(PREFIX)/lib/systemd/system
