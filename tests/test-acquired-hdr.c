@@ -1,12 +1,9 @@
 /* HDR scans by pleinair-acquired: what it predicts of them and refuses, and that a pause keeps what was asked for. */
-#include "acquire/acquisition-bus.h"
 #include "acquire/scan.h"
-#include "tests/bus-bench.h"
+#include "tests/acquisition-bench.h"
 #include "tests/simulated.h"
 
-#define NAME        "org.pleinair.Acquisition1"
-#define OBJECT_PATH "/org/pleinair/Acquisition1"
-#define SCENE       "sim:hall?seed=3&ares=360&camera=120x200&divergence_mrad=0&station=%n"
+#define SCENE "sim:hall?seed=3&ares=360&camera=120x200&divergence_mrad=0&station=%n"
 
 struct bench {
 	struct bus_bench bus;
@@ -24,28 +21,18 @@ static void has_finished(BusAcquisition1 *a, const char *path, guint scan, gpoin
 	b->finished++;
 }
 
-static bool is_owned(struct bench *b)
-{
-	g_autofree char *owner = g_dbus_proxy_get_name_owner(G_DBUS_PROXY(b->service));
-	return owner && bus_acquisition1_get_state(b->service);
-}
-
 static void set_up(struct bench *b, gconstpointer data)
 {
-	g_autoptr(GError) error = NULL;
 	(void)data;
 	b->folder = simulated_folder();
 	b->site_path = g_build_filename(b->folder, "oak", NULL);
 	bus_bench_begin(&b->bus);
-	b->service = bus_acquisition1_proxy_new_sync(b->bus.connection,
-		G_DBUS_PROXY_FLAGS_DO_NOT_AUTO_START, NAME, OBJECT_PATH, NULL, &error);
-	g_assert_no_error(error);
-	g_dbus_proxy_set_default_timeout(G_DBUS_PROXY(b->service), BUS_PATIENCE_S * 1000);
+	b->service = acquisition_reach(&b->bus);
 	g_signal_connect(b->service, "finished", G_CALLBACK(has_finished), b);
 	char *argv[] = { NULL, (char *)"--sites", b->folder, (char *)"--device", (char *)SCENE,
 		NULL };
 	bus_bench_start(&b->bus, "pleinair-acquired", argv);
-	WAIT_FOR(is_owned(b));
+	WAIT_FOR(acquisition_is_there(b->service));
 }
 
 static void tear_down(struct bench *b, gconstpointer data)

@@ -1,14 +1,11 @@
 /* pleinair-acquired on a bus of the test's own: what callers get, what they may not, and that a kill costs no scan. */
-#include "acquire/acquisition-bus.h"
 #include "acquire/scan.h"
-#include "tests/bus-bench.h"
+#include "tests/acquisition-bench.h"
 #include "tests/simulated.h"
 #include <fcntl.h>
 #include <gio/gunixfdlist.h>
 #include <sys/mman.h>
 
-#define NAME        "org.pleinair.Acquisition1"
-#define OBJECT_PATH "/org/pleinair/Acquisition1"
 /* A draft of it takes some seconds, so that it can be met amid its work. */
 #define SLOW_SCENE "hall?seed=3&ares=1584&camera=180x320&divergence_mrad=0"
 
@@ -37,12 +34,6 @@ static const char *state_of(struct bench *b)
 {
 	const char *state = bus_acquisition1_get_state(b->service);
 	return state ? state : "";
-}
-
-static bool is_owned(struct bench *b)
-{
-	g_autofree char *owner = g_dbus_proxy_get_name_owner(G_DBUS_PROXY(b->service));
-	return owner && bus_acquisition1_get_state(b->service);
 }
 
 static bool is_in(struct bench *b, const char *state)
@@ -76,17 +67,13 @@ static void has_stopped(BusAcquisition1 *a, const char *path, guint scan, gboole
 
 static void set_up(struct bench *b, gconstpointer data)
 {
-	g_autoptr(GError) error = NULL;
 	const char *device = data;
 	b->folder = simulated_folder();
 	b->elsewhere = simulated_folder();
 	b->site_path = g_build_filename(b->folder, "oak", NULL);
 	b->device = device ? device : "sim:" SLOW_SCENE "&station=%n";
 	bus_bench_begin(&b->bus);
-	b->service = bus_acquisition1_proxy_new_sync(b->bus.connection,
-		G_DBUS_PROXY_FLAGS_DO_NOT_AUTO_START, NAME, OBJECT_PATH, NULL, &error);
-	g_assert_no_error(error);
-	g_dbus_proxy_set_default_timeout(G_DBUS_PROXY(b->service), BUS_PATIENCE_S * 1000);
+	b->service = acquisition_reach(&b->bus);
 	g_signal_connect(b->service, "finished", G_CALLBACK(has_finished), b);
 	g_signal_connect(b->service, "stopped", G_CALLBACK(has_stopped), b);
 }
@@ -95,7 +82,7 @@ static void set_up_running(struct bench *b, gconstpointer data)
 {
 	set_up(b, data);
 	daemon_start(b);
-	WAIT_FOR(is_owned(b));
+	WAIT_FOR(acquisition_is_there(b->service));
 }
 
 static void tear_down(struct bench *b, gconstpointer data)
@@ -339,10 +326,10 @@ static void scan_outlives_the_daemon(struct bench *b, gconstpointer data)
 	start_scan(b);
 	wait_for_columns(b);
 	g_assert_cmpint(end_impatiently(b), ==, 0);
-	WAIT_FOR(!is_owned(b));
+	WAIT_FOR(!acquisition_is_there(b->service));
 	g_assert_cmpuint(partial_scan(b), ==, 1);
 	daemon_start(b);
-	WAIT_FOR(is_owned(b));
+	WAIT_FOR(acquisition_is_there(b->service));
 	go_on_to_the_end(b, FALSE);
 }
 
@@ -490,7 +477,7 @@ static void only_its_own_sites(struct bench *b, gconstpointer data)
 	(void)data;
 	b->on_system = true;
 	daemon_start(b);
-	WAIT_FOR(is_owned(b));
+	WAIT_FOR(acquisition_is_there(b->service));
 	g_autofree char *other = g_build_filename(b->elsewhere, "elm", NULL);
 	g_autofree char *through = g_build_filename(b->folder, "..", "elm", NULL);
 	g_autofree char *link = g_build_filename(b->folder, "link", NULL);
@@ -523,7 +510,7 @@ static void second_one_is_refused(struct bench *b, gconstpointer data)
 		NULL, argv, NULL, G_SPAWN_DEFAULT, NULL, NULL, NULL, &err, &status, NULL));
 	g_assert_cmpint(WEXITSTATUS(status), ==, 1);
 	g_assert_nonnull(strstr(err, "another program has this name"));
-	g_assert_true(is_owned(b));
+	g_assert_true(acquisition_is_there(b->service));
 }
 
 /* ---- kills ---- */
@@ -547,18 +534,18 @@ static void kills_cost_no_scan(struct bench *b, gconstpointer data)
 	(void)data;
 	daemon_start(b);
 	for (guint i = 0; i < bus_bench_kills(); i++) {
-		WAIT_FOR(is_owned(b));
+		WAIT_FOR(acquisition_is_there(b->service));
 		go_on(b);
 		bus_bench_live_for((guint)g_test_rand_int_range(0, 3000));
 		killed_while_scanning += !is_in(b, "idle");
 		bus_bench_kill(&b->bus, SIGKILL);
-		WAIT_FOR(!is_owned(b));
+		WAIT_FOR(!acquisition_is_there(b->service));
 		guint now = whole_scans(b);
 		g_assert_cmpuint(now, >=, before);
 		before = now;
 		int64_t since_us = g_get_monotonic_time();
 		daemon_start(b);
-		WAIT_FOR(is_owned(b));
+		WAIT_FOR(acquisition_is_there(b->service));
 		double back_s = (double)(g_get_monotonic_time() - since_us) * 1e-6;
 		g_test_message("back after %.2f s, %u scans whole", back_s, now);
 	}
