@@ -6,6 +6,9 @@
  * second; the two lie evenly about the middle. */
 #define FULL_SHARE 0.35
 #define NONE_SHARE 0.65
+#define DEGREE     (G_PI / 180)
+/* What is nearer is seen from beside: it may be in the picture wherever it is. */
+#define NEAR_M 0.5
 
 /* Beyond some angle a distortion may fold back, so that a point far outside falls into the picture.
  * Up to there the distorted radius grows. */
@@ -123,15 +126,29 @@ static struct neighbours find_neighbours(
 	return n;
 }
 
+static void find_point(const panorama *p, uint32_t row, uint32_t column, double ret_m[3])
+{
+	float measured = p->range_m[panorama_index(p, row, column)];
+	double azimuth = panorama_azimuth_rad(p, row, column),
+	       elevation = panorama_elevation_rad(p, row, column),
+	       range = measured > 0 ? measured : SKY_RANGE_M;
+	ret_m[0] = range * cos(elevation) * sin(azimuth);
+	ret_m[1] = range * cos(elevation) * cos(azimuth);
+	ret_m[2] = range * sin(elevation);
+}
+
+static void set_rgb(panorama *p, uint32_t row, uint32_t column, const float sum[3], double total)
+{
+	uint8_t *rgb = p->rgb + 3 * panorama_index(p, row, column);
+	for (int k = 0; k < 3 && total > 0; k++)
+		rgb[k] = (uint8_t)CLAMP(lrintf(sum[k] / (float)total), 0, 255);
+}
+
 static void colour_cell(panorama *p, uint32_t row, uint32_t column, const struct photo *photos,
 	uint32_t count, const struct calibration *c)
 {
-	double azimuth = panorama_azimuth_rad(p, row, column),
-	       elevation = panorama_elevation_rad(p, row, column);
-	size_t i = panorama_index(p, row, column);
-	double range = p->range_m[i] > 0 ? p->range_m[i] : SKY_RANGE_M;
-	double point[3] = { range * cos(elevation) * sin(azimuth),
-		range * cos(elevation) * cos(azimuth), range * sin(elevation) };
+	double azimuth = panorama_azimuth_rad(p, row, column), point[3];
+	find_point(p, row, column, point);
 	struct neighbours n = find_neighbours(azimuth - c->stage.azimuth_zero_rad, photos, count);
 	double gap = n.before_rad + n.after_rad, before = weight_at(n.before_rad / gap), total = 0;
 	float sum[3] = { 0 };
@@ -142,8 +159,7 @@ static void colour_cell(panorama *p, uint32_t row, uint32_t column, const struct
 	/* The one that has no weight here may yet see what the other does not. */
 	if (total == 0)
 		total = add_photo(before > 0.5 ? n.after : n.before, c, point, 1, sum);
-	for (int k = 0; k < 3 && total > 0; k++)
-		p->rgb[3 * i + k] = (uint8_t)CLAMP(lrintf(sum[k] / (float)total), 0, 255);
+	set_rgb(p, row, column, sum, total);
 }
 
 void colour_panorama(panorama *p, const struct photo *photos, uint32_t count,
@@ -157,4 +173,60 @@ void colour_panorama(panorama *p, const struct photo *photos, uint32_t count,
 	for (uint32_t row = 0; row < p->desc.rows; row++)
 		for (uint32_t column = 0; column < p->desc.columns; column++)
 			colour_cell(p, row, column, photos, count, calibration);
+}
+
+/* ---- one photo ---- */
+
+/* How far off the axis of view anything is in the picture; a step more, for what lies between. */
+static double find_reach_rad(const struct camera_calibration *c)
+{
+	for (int off = 0; off <= 90; off++) {
+		bool seen = off == 0;
+		for (int around = 0; around < 360 && !seen; around += 5) {
+			double s = sin(off * DEGREE), point[3], u, v,
+			       view[3] = { s * cos(around * DEGREE), s * sin(around * DEGREE),
+				       cos(off * DEGREE) };
+			for (int k = 0; k < 3; k++)
+				point[k] = c->translation_m[k] + view[0] * c->rotation[0][k] +
+					   view[1] * c->rotation[1][k] +
+					   view[2] * c->rotation[2][k];
+			seen = colour_project(c, point, &u, &v);
+		}
+		if (!seen)
+			return (off + 1) * DEGREE;
+	}
+	return G_PI;
+}
+
+/* Up to which angle beside the azimuth of the axis of view something that is not near can be within
+ * its reach. */
+static double find_azimuth_reach_rad(const struct camera_calibration *c)
+{
+	const double *axis = c->rotation[2], *t = c->translation_m;
+	double reach = find_reach_rad(c) + asin(fmin(hypot(hypot(t[0], t[1]), t[2]) / NEAR_M, 1)),
+	       level = hypot(axis[0], axis[1]);
+	/* A cone that does not reach the zenith or the nadir. */
+	return reach < G_PI / 2 && sin(reach) < level ? asin(sin(reach) / level) : G_PI;
+}
+
+void colour_one_photo(panorama *p, const struct photo *photo, const struct calibration *c)
+{
+	const double *axis = c->camera.rotation[2];
+	double middle = photo->front_rad + c->stage.azimuth_zero_rad + atan2(axis[0], axis[1]),
+	       reach = find_azimuth_reach_rad(&c->camera);
+	if (!p->rgb)
+		p->rgb = g_malloc0((size_t)p->desc.columns * p->desc.rows * 3);
+#pragma omp parallel for schedule(dynamic, 8)
+	for (uint32_t row = 0; row < p->desc.rows; row++)
+		for (uint32_t column = 0; column < p->desc.columns; column++) {
+			double point[3];
+			float sum[3] = { 0 };
+			float range = p->range_m[panorama_index(p, row, column)];
+			double off = panorama_azimuth_rad(p, row, column) - middle;
+			if (fabs(remainder(off, 2 * G_PI)) > reach &&
+				!(range > 0 && range < NEAR_M))
+				continue;
+			find_point(p, row, column, point);
+			set_rgb(p, row, column, sum, add_photo(photo, c, point, 1, sum));
+		}
 }

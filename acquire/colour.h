@@ -22,4 +22,9 @@ bool colour_project(const struct camera_calibration *camera, const double head_m
 void colour_panorama(panorama *p, const struct photo *photos, uint32_t count,
 	const struct calibration *calibration);
 
+/* Colours the cells that this photo shows, whatever colour they had, and no other: for a preview
+ * while photos come in. Makes p->rgb, black, when there is none. Uses all cores. */
+void colour_one_photo(
+	panorama *p, const struct photo *photo, const struct calibration *calibration);
+
 #endif

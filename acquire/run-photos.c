@@ -2,7 +2,6 @@
 #include "acquire/marks.h"
 #include "acquire/run-private.h"
 #include <math.h>
-#include <string.h>
 
 #define SECOND_NS INT64_C(1000000000)
 #define DEGREE    (G_PI / 180)
@@ -18,24 +17,14 @@
 
 /* ---- frames ---- */
 
-/* The photo's part of the preview: each cell that it shows, the last one counts. */
+/* The last one counts. */
 static void colour_preview(
 	run *r, const struct camera_frame_info *info, const uint8_t *pixels, double front_rad)
 {
 	const struct calibration *calibration = run_calibration(r);
-	struct photo p = { *info, pixels, front_rad };
-	panorama one = *r->preview;
-	size_t n = (size_t)one.desc.columns * one.desc.rows;
-	if (!calibration || !calibration->has_camera)
-		return;
-	one.rgb = NULL;
-	colour_panorama(&one, &p, 1, calibration);
-	if (!r->preview->rgb)
-		r->preview->rgb = g_malloc0(3 * n);
-	for (size_t i = 0; i < n; i++)
-		if (one.rgb[3 * i] | one.rgb[3 * i + 1] | one.rgb[3 * i + 2])
-			memcpy(r->preview->rgb + 3 * i, one.rgb + 3 * i, 3);
-	g_free(one.rgb);
+	if (calibration && calibration->has_camera)
+		colour_one_photo(
+			r->preview, &(struct photo){ *info, pixels, front_rad }, calibration);
 }
 
 void run_take_frame(const struct camera_frame_info *info, const uint8_t *pixels, double front_rad,

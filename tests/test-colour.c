@@ -282,6 +282,45 @@ static void test_sky(void)
 	}
 }
 
+/* For the preview: what one photo shows, and nothing else, is the same as if it were the only one. */
+static void test_one_photo(void)
+{
+	static const double turned[][3] = { { 0, 0, 0 }, { 30, 0, 15 }, { -75, 0, 0 },
+		{ 0, 40, -100 } };
+	static const float ranges_m[] = { 0, 0.1f, 0.4f, 0.6f, 20 };
+	g_autofree uint8_t *pixels = frame_of((struct rgb){ 200, 120, 40 });
+	int pictures = 0;
+	for (size_t i = 0; i < G_N_ELEMENTS(turned) * G_N_ELEMENTS(ranges_m); i++) {
+		struct calibration c = made_calibration();
+		double straight[3][3], by[3][3];
+		memcpy(straight, c.camera.rotation, sizeof straight);
+		calibration_rotation(turned[i / G_N_ELEMENTS(ranges_m)], by);
+		for (int k = 0; k < 9; k++)
+			c.camera.rotation[k / 3][k % 3] = straight[k / 3][0] * by[0][k % 3] +
+							  straight[k / 3][1] * by[1][k % 3] +
+							  straight[k / 3][2] * by[2][k % 3];
+		c.camera.translation_m[0] = 0.05;
+		c.camera.translation_m[2] = 0.12;
+		c.stage.azimuth_zero_rad = 20 * DEGREE;
+		g_autoptr(panorama) p = grid(ranges_m[i % G_N_ELEMENTS(ranges_m)]);
+		g_autoptr(panorama) wanted = grid(ranges_m[i % G_N_ELEMENTS(ranges_m)]);
+		struct photo photo = photo_of(pixels, 350);
+		colour_panorama(wanted, &photo, 1, &c);
+		colour_one_photo(p, &photo, &c);
+		g_assert_cmpmem(p->rgb, 3 * 360 * 90, wanted->rgb, 3 * 360 * 90);
+		/* What is there and is not shown stays. */
+		photo.front_rad += G_PI;
+		colour_one_photo(p, &photo, &c);
+		size_t shown = 0;
+		for (size_t k = 0; k < 360 * 90; k++) {
+			shown += wanted->rgb[3 * k] > 0;
+			g_assert_cmpuint(p->rgb[3 * k], >=, wanted->rgb[3 * k]);
+		}
+		pictures += shown > 100;
+	}
+	g_assert_cmpint(pictures, >=, 12);
+}
+
 static void test_no_photos(void)
 {
 	struct calibration c = made_calibration();
@@ -301,6 +340,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/colour/blend", test_blend);
 	g_test_add_func("/colour/repeated-photos", test_repeated_photos);
 	g_test_add_func("/colour/sky", test_sky);
+	g_test_add_func("/colour/one-photo", test_one_photo);
 	g_test_add_func("/colour/no-photos", test_no_photos);
 	return g_test_run();
 }
