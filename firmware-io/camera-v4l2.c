@@ -222,10 +222,24 @@ static int recover(struct v4l2_camera *c, GError **error, const char *why)
 	return look_again(c, error);
 }
 
+/* No failure of its own: what it gets has another size from here on. */
+static int follow_change(struct v4l2_camera *c, GError **error)
+{
+	c->counts.changes++;
+	close_device(c);
+	c->again_ns = 0;
+	if (look_again(c, error) < 0)
+		return -1;
+	g_message("the camera %s brings pictures of %u x %u from now on", c->path,
+		c->device.format.width, c->device.format.height);
+	return 0;
+}
+
 static int react(struct v4l2_camera *c, enum video_result result, GError **error)
 {
 	switch (result) {
 	case VIDEO_GONE: return lose(c, error, "was unplugged");
+	case VIDEO_CHANGED: return follow_change(c, error);
 	case VIDEO_BROKEN: return recover(c, error, "fails again and again");
 	default: return 0;
 	}

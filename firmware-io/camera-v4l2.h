@@ -20,6 +20,7 @@ struct camera_v4l2_counts {
 	uint64_t lost;     /* by gaps in the sequence */
 	uint64_t silences; /* times that no frame came for too long */
 	uint64_t restarts, openings;
+	uint64_t changes; /* of the picture that its cable brings */
 	bool host_stamps; /* the last frame's stamp was the driver's */
 };
 

@@ -1,5 +1,6 @@
 #include "firmware-io/video-device.h"
 #include "firmware-io/inbox.h"
+#include "firmware-io/video-signal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
@@ -228,7 +229,8 @@ bool video_open(struct video_device *d, const struct video_calls *calls, const c
 		.path = path,
 		.fd = -1,
 		.attempts = g_array_new(FALSE, FALSE, sizeof(struct video_wish)) };
-	if (open_node(d, error) && find_type(d, error) && find_attempts(d, wish, error))
+	if (open_node(d, error) && find_type(d, error) && video_follow_signal(d, error) &&
+		find_attempts(d, wish, error))
 		return true;
 	video_close(d);
 	return false;
@@ -381,6 +383,8 @@ enum video_result video_take(struct video_device *d, struct video_frame *ret)
 {
 	struct v4l2_plane planes[VIDEO_MAX_PLANES] = { 0 };
 	struct v4l2_buffer b = describe(d, 0, planes);
+	if (video_signal_has_changed(d))
+		return VIDEO_CHANGED;
 	if (video_call(d, VIDIOC_DQBUF, &b) < 0)
 		return errno == EAGAIN   ? VIDEO_NOTHING
 		       : errno == ENODEV ? VIDEO_GONE

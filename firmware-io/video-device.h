@@ -51,7 +51,8 @@ struct video_device {
 	guint attempt;
 	struct video_buffer buffers[VIDEO_BUFFERS_MAX];
 	uint32_t count;
-	bool streaming, busy; /* busy: somebody else's, as it was last asked */
+	bool streaming, busy;   /* busy: somebody else's, as it was last asked */
+	bool signal_is_watched; /* video-signal.h */
 };
 
 enum video_result {
@@ -59,6 +60,7 @@ enum video_result {
 	VIDEO_NOTHING, /* no frame now */
 	VIDEO_NO_ROOM, /* the bus has no bandwidth left for this format */
 	VIDEO_BROKEN,  /* to be started again */
+	VIDEO_CHANGED, /* what comes has another size: to be opened again */
 	VIDEO_GONE,    /* unplugged */
 };
 

@@ -481,6 +481,48 @@ static void test_plugged_in_later(void)
 	end(c);
 }
 
+/* A box behind an HDMI cable: the size is the cable's, may change at any time, and the cable may be pulled. */
+static void test_cable(void)
+{
+	made_webcam();
+	made.on_cable = true;
+	made.cable_width = 96;
+	made.cable_height = 54;
+	camera *c = open_settled("");
+	g_assert_cmpuint(lend_and_wait(c).info.width, ==, 96);
+	c->ops->queue(c, NULL);
+	made.cable_width = 128;
+	made.cable_changes = 3; /* as it takes to settle */
+	struct got g = wait_for(c, 1000 * MS);
+	g_assert_cmpint(g.result, ==, 1);
+	g_assert_cmpuint(g.info.width, ==, 128);
+	assert_pixels(&g, made.sequence - 1, 128 * 54 * 2);
+	struct camera_v4l2_counts n = camera_v4l2_count(c);
+	g_assert_cmpuint(n.changes, ==, 1);
+	g_assert_cmpuint(n.restarts, ==, 0);
+	static const struct {
+		int code;
+		const char *words;
+	} wrong[] = { { ENOLINK, "gets no picture" }, { ENOLCK, "does not hold still" },
+		{ ERANGE, "a size or rate" } };
+	for (size_t i = 0; i < G_N_ELEMENTS(wrong); i++) {
+		g_autoptr(GError) error = NULL;
+		made.cable_errno = wrong[i].code;
+		made.cable_changes = 1;
+		g_assert_cmpint(
+			c->ops->read(c, &g.info, &g.pixels, &g.bytes, &g.arrival_ns, &error), ==,
+			-1);
+		g_assert_error(error, WIRE_ERROR, WIRE_ERROR_GONE);
+		g_assert_nonnull(strstr(error->message, wrong[i].words));
+		/* It comes back by itself. */
+		made.cable_errno = 0;
+		made_pass(1100 * MS);
+		g_assert_cmpint(read_once(c).result, ==, 0);
+		g_assert_cmpint(lend_and_wait(c).result, ==, 1);
+	}
+	end(c);
+}
+
 static void test_words(void)
 {
 	static const struct {
@@ -542,6 +584,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/camera-v4l2/other-clocks", test_other_clocks);
 	g_test_add_func("/camera-v4l2/bad-frames", test_bad_frames);
 	g_test_add_func("/camera-v4l2/truncated-mjpeg", test_truncated_mjpeg);
+	g_test_add_func("/camera-v4l2/cable", test_cable);
 	g_test_add_func("/camera-v4l2/gaps", test_gaps);
 	g_test_add_func("/camera-v4l2/errors-are-cured", test_errors_are_cured);
 	g_test_add_func("/camera-v4l2/silence", test_silence);

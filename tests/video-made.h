@@ -37,6 +37,9 @@ static struct made_video {
 	struct made_control controls[MADE_CONTROLS];
 	uint32_t room; /* bytes of a frame that the bus has room for; 0: any */
 
+	bool on_cable; /* a cable brings the picture, of this size: */
+	uint32_t cable_width, cable_height;
+
 	/* How it fails. */
 	bool absent, no_right, in_use, silent;
 	int dqbuf_errno;         /* the next DQBUF fails so, once */
@@ -45,6 +48,8 @@ static struct made_video {
 	uint32_t absurd_frames;  /* so many say that they have more bytes than the buffer */
 	uint32_t dropped_frames; /* so many are skipped, as the sequence tells */
 	int stale_stamps;        /* stamps are of another clock */
+	int cable_errno;         /* what is wrong with the cable; 0: nothing */
+	unsigned cable_changes;  /* events that wait */
 
 	/* As it stands. */
 	int64_t now_ns, next_ns;
@@ -405,6 +410,36 @@ static inline int made_interval(struct v4l2_streamparm *p)
 	return 0;
 }
 
+static inline int made_subscribe(const struct v4l2_event_subscription *s)
+{
+	g_assert_cmpuint(s->type, ==, V4L2_EVENT_SOURCE_CHANGE);
+	return made.on_cable ? 0 : made_fails(EINVAL);
+}
+
+static inline int made_event(struct v4l2_event *e)
+{
+	if (made.cable_changes == 0)
+		return made_fails(ENOENT);
+	made.cable_changes--;
+	*e = (struct v4l2_event){ .type = V4L2_EVENT_SOURCE_CHANGE };
+	e->u.src_change.changes = V4L2_EVENT_SRC_CH_RESOLUTION;
+	return 0;
+}
+
+static inline int made_timings(struct v4l2_dv_timings *t, bool set)
+{
+	if (!made.on_cable || made.cable_errno)
+		return made_fails(made.on_cable ? made.cable_errno : ENOTTY);
+	if (set) {
+		g_assert_cmpuint(made.count, ==, 0);
+		made.width = t->bt.width;
+		made.height = t->bt.height;
+	}
+	t->bt.width = made.cable_width;
+	t->bt.height = made.cable_height;
+	return 0;
+}
+
 static inline int made_ioctl(int fd, unsigned long request, void *a)
 {
 	int type;
@@ -427,6 +462,10 @@ static inline int made_ioctl(int fd, unsigned long request, void *a)
 	case VIDIOC_QUERYCTRL: return made_query_control(a);
 	case VIDIOC_S_CTRL: return made_control_value(a, true);
 	case VIDIOC_G_CTRL: return made_control_value(a, false);
+	case VIDIOC_SUBSCRIBE_EVENT: return made_subscribe(a);
+	case VIDIOC_DQEVENT: return made_event(a);
+	case VIDIOC_QUERY_DV_TIMINGS: return made_timings(a, false);
+	case VIDIOC_S_DV_TIMINGS: return made_timings(a, true);
 	case VIDIOC_G_PARM: return made_interval(a);
 	default: return made_fails(ENOTTY);
 	}
