@@ -138,11 +138,31 @@ static bool read_layout(struct video_device *d, const struct v4l2_format *f)
 	return true;
 }
 
+/* Whoever had the device before may have left it with a part of its picture, or with a smaller one in the corner of ours; so may we, with a format
+ * that was tried. Most cameras know nothing of this. */
+static void take_whole_picture(const struct video_device *d)
+{
+	struct v4l2_selection s = { .type = d->type, .target = V4L2_SEL_TGT_CROP_DEFAULT };
+	if (video_call(d, VIDIOC_G_SELECTION, &s) < 0)
+		return;
+	s.target = V4L2_SEL_TGT_CROP;
+	video_call(d, VIDIOC_S_SELECTION, &s);
+}
+
+static void fill_whole_frame(const struct video_device *d)
+{
+	struct v4l2_selection s = { .type = d->type,
+		.target = V4L2_SEL_TGT_COMPOSE,
+		.r = { 0, 0, d->format.width, d->format.height } };
+	video_call(d, VIDIOC_S_SELECTION, &s);
+}
+
 static bool set_format(struct video_device *d, const struct video_wish *w)
 {
 	struct v4l2_format f = { .type = d->type };
 	struct v4l2_requestbuffers none = { .type = d->type, .memory = V4L2_MEMORY_MMAP };
 	video_call(d, VIDIOC_REQBUFS, &none); /* or it is busy */
+	take_whole_picture(d);
 	if (video_call(d, VIDIOC_G_FMT, &f) < 0)
 		return false;
 	if (is_multi(d)) {
@@ -160,7 +180,10 @@ static bool set_format(struct video_device *d, const struct video_wish *w)
 	}
 	bool set = video_call(d, VIDIOC_S_FMT, &f) == 0;
 	d->busy = !set && errno == EBUSY;
-	return set && read_layout(d, &f) && d->format.format->fourcc == w->fourcc;
+	if (!set || !read_layout(d, &f) || d->format.format->fourcc != w->fourcc)
+		return false;
+	fill_whole_frame(d);
+	return true;
 }
 
 static bool is_offered(const struct video_device *d, uint32_t fourcc)

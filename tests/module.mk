@@ -21,7 +21,7 @@ $(touch_module): tests/weston-touch.c
 		$(shell pkg-config --cflags libweston-10 weston libpng | sed 's/-I/-isystem /g') -o $@ $< $(shell pkg-config --libs libpng)
 endif
 # What stands in the guest of make check-kernel where wires would be, and simple programs that ask devices there.
-kernel_programs := $(addprefix $(BUILD)/tests/kernel/,agent usb-probe pulse compare-scans check-site)
+kernel_programs := $(addprefix $(BUILD)/tests/kernel/,agent usb-probe pulse compare-scans check-site camera-faults)
 $(BUILD)/tests/kernel/agent: $(patsubst %.c,$(BUILD)/%.o,$(wildcard tests/kernel/agent*.c)) $(BUILD)/libsim.a
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
@@ -31,7 +31,7 @@ $(BUILD)/tests/kernel/usb-probe: $(BUILD)/tests/kernel/usb-probe.o
 $(BUILD)/tests/kernel/pulse: $(BUILD)/tests/kernel/pulse.o
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -o $@ $^ -lgpiod
-$(BUILD)/tests/kernel/compare-scans $(BUILD)/tests/kernel/check-site: $(BUILD)/tests/kernel/%: $(BUILD)/tests/kernel/%.o $(BUILD)/libacquire.a $(BUILD)/libfirmware-io.a
+$(addprefix $(BUILD)/tests/kernel/,compare-scans check-site camera-faults): $(BUILD)/tests/kernel/%: $(BUILD)/tests/kernel/%.o $(BUILD)/libacquire.a $(BUILD)/libfirmware-io.a
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 # The lines by libgpiod's second API are compiled also where only the first is installed.

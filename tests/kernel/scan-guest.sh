@@ -128,6 +128,23 @@ stopped_by() { # NAME LINE SENTENCE
 ld() { stopped_by ld estop 'emergency stop is pressed'; }
 interlock() { stopped_by interlock interlock 'interlock is open'; }
 
+# The kernel's own test cameras, which fail as they are told: one a webcam, one a box behind an HDMI cable.
+camera() {
+	modprobe vivid n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0x0,0x3 multiplanar=1,2 vid_cap_nr=20,21
+	nodes_are_ours() { [ "$(stat -c %a:%G /dev/video20 /dev/video21 2> /dev/null | tr '\n' ' ')" = "660:video 660:video " ]; }
+	wait_for 20 nodes_are_ours
+	as_service $test/camera-faults /dev/video20 /dev/video21 > /run/faults 2>&1
+	grep -Eo '^(not )?ok .*' /run/faults > /run/faults.ok
+	while read -r line; do
+		[ "${line#ok}" != "$line" ]
+		result $? "camera: ${line##* }"
+	done < /run/faults.ok
+	[ "$(grep -c '^ok' /run/faults.ok)" = "$(sed -n 's/^1\.\.//p' /run/faults)" ]
+	result $? "camera: all that the kernel's test cameras can fail in"
+	comment "$(grep -E '^# [^*]*(ERROR|assertion|Bail|the camera |/dev/video| lost|restarts)' /run/faults | grep -v 'DEBUG\|MESSAGE\|format that' | sed 's/^# *//; s/pleinair-Message: [0-9:.]*//')"
+	modprobe -r vivid
+}
+
 rate() { # NAME VENDOR DEVICE
 	plug_in "$1" "$2"
 	said=$(as_service pleinair doctor --device "$3" --stream 60 /run/sites 2>&1)
@@ -136,7 +153,7 @@ rate() { # NAME VENDOR DEVICE
 	pull_out
 }
 
-for test_of in exact tim acm ld interlock hokuyo rplidar; do
+for test_of in camera exact tim acm ld interlock hokuyo rplidar; do
 	! wanted $test_of || $test_of
 done
 ! wanted rates-tim || rate rates-tim 19a2 tim:

@@ -5,11 +5,12 @@
 #
 # ONLY="NAME..." takes these; ONLY=all takes those too that a release is tried with, which last a quarter of an hour.
 build=$1
-: "${ONLY:=exact tim ld}"
+: "${ONLY:=camera exact tim ld}"
 . tests/kernel/kernel.sh
-[ "$ONLY" != all ] || ONLY="exact tim acm ld interlock hokuyo rplidar rates-tim rates-hokuyo"
+[ "$ONLY" != all ] || ONLY="camera exact tim acm ld interlock hokuyo rplidar rates-tim rates-hokuyo"
 prepare_devices scan
 cp "$here/scan.conf" "$appliance/etc/pleinair.conf"
+cp "$build/tests/kernel/camera-faults" "$test/"
 out=$cache/out
 rm -rf "$out" && mkdir -p "$out"
 
