@@ -63,7 +63,8 @@ static GtkWidget *row_of(GVariant *device)
 	GtkWidget *top =
 		kit_row(10, dot, kit_line("device-title", title_of(name, title), NULL, true),
 			kit_grow(says, true, false), NULL);
-	return *sentence ? kit_column(2, top, kit_text(sentence, "soft small"), NULL) : top;
+	g_autofree char *said = words_sentence(sentence);
+	return *said ? kit_column(2, top, kit_text(said, "soft small"), NULL) : top;
 }
 
 static void show_devices(struct devices *d, GVariant *devices)
@@ -85,7 +86,8 @@ static void show_fault(struct devices *d, GVariant *fault)
 	const char *sentence = "", *advice = "";
 	if (fault && g_variant_is_of_type(fault, G_VARIANT_TYPE("(ss)")))
 		g_variant_get(fault, "(&s&s)", &sentence, &advice);
-	kit_set_text(d->fault_text, sentence);
+	g_autofree char *words = words_sentence(sentence);
+	kit_set_text(d->fault_text, words);
 	kit_set_text(d->fault_advice, words_advice(advice));
 	gtk_widget_set_visible(d->fault, *sentence);
 	gtk_widget_set_visible(d->fault_advice, *advice);

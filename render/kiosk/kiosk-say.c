@@ -1,4 +1,5 @@
 #include "render/kiosk/kiosk-private.h"
+#include "render/kiosk/site-words.h"
 #include <string.h>
 
 #define TOAST_DOWN    76
@@ -58,8 +59,17 @@ void kiosk_say(kiosk *k, const char *sentence)
 
 void kiosk_complain(kiosk *k, const char *sentence, const char *advice)
 {
-	journal_add(k->journal, sentence);
-	show_toast(k, sentence, advice, true);
+	g_autofree char *words = words_sentence(sentence);
+	journal_add(k->journal, words);
+	show_toast(k, words, advice, true);
+}
+
+void kiosk_hush(kiosk *k, const char *sentence)
+{
+	g_autofree char *words = words_sentence(sentence);
+	if (gtk_revealer_get_reveal_child(GTK_REVEALER(k->toast)) &&
+		g_strcmp0(gtk_label_get_text(GTK_LABEL(k->toast_text)), words) == 0)
+		hide_toast(NULL, k);
 }
 
 /* GDBus has words for this that are none for people; it tells it by them alone. */

@@ -51,6 +51,8 @@ const char *kiosk_screen(const kiosk *k);
 void kiosk_say(kiosk *k, const char *sentence);
 /* Stays until it is put away. advice (may be NULL): what to do about it. */
 void kiosk_complain(kiosk *k, const char *sentence, const char *advice);
+/* A complaint with this sentence is put away: it is said elsewhere on the screen, or is over. */
+void kiosk_hush(kiosk *k, const char *sentence);
 /* The sentence of a D-Bus error without its name; of others their message. Does nothing for NULL and for what was cancelled. */
 void kiosk_complain_of(kiosk *k, const GError *error);
 /* In the middle of the window, with everything else out of reach; one at a time. A tap beside it puts it away. */

@@ -4,6 +4,7 @@
 #include "render/kiosk/screens.h"
 #include "render/kiosk/site-words.h"
 #include <gio/gunixfdlist.h>
+#include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -104,13 +105,21 @@ static void plane_toggled(GtkToggleButton *b, gpointer user_data)
 
 /* ---- how it goes ---- */
 
+static bool is_in_front(struct scan_screen *s)
+{
+	return !g_strcmp0(kiosk_screen(s->kiosk), "scan");
+}
+
 static void show_fault(struct scan_screen *s)
 {
 	GVariant *fault = bus_acquisition1_get_fault(acquisition(s));
 	const char *sentence = "", *advice = "";
 	if (fault && g_variant_is_of_type(fault, G_VARIANT_TYPE("(ss)")))
 		g_variant_get(fault, "(&s&s)", &sentence, &advice);
-	kit_set_text(s->fault, sentence);
+	g_autofree char *words = words_sentence(sentence);
+	if (*sentence && is_in_front(s))
+		kiosk_hush(s->kiosk, sentence);
+	kit_set_text(s->fault, words);
 	kit_set_text(s->advice, words_advice(advice));
 	gtk_widget_set_visible(s->fault_box, *sentence);
 	gtk_widget_set_visible(s->reset, bus_acquisition1_get_needs_reset(acquisition(s)));
@@ -131,6 +140,16 @@ static const char *headline(const char *state)
 	return state ? _("No scan is under way") : _("The scanner service is being started again");
 }
 
+/* While it waits, it says for what. */
+static char *doing_words(const char *doing)
+{
+	const char *waits = "waiting: ";
+	if (!doing || !g_str_has_prefix(doing, waits))
+		return g_strdup(words_doing(doing));
+	g_autofree char *why = words_sentence(doing + strlen(waits));
+	return g_strdup_printf(_("Waiting: %s"), why);
+}
+
 static void show_numbers(struct scan_screen *s)
 {
 	BusAcquisition1 *a = acquisition(s);
@@ -144,12 +163,12 @@ static void show_numbers(struct scan_screen *s)
 	if (photos && g_variant_is_of_type(photos, G_VARIANT_TYPE("(uu)")))
 		g_variant_get(photos, "(uu)", &taken, &wanted);
 	g_autofree char *photo_words = g_strdup_printf(_("%u of %u photos"), taken, wanted);
-	const char *doing = bus_acquisition1_get_doing(a);
+	g_autofree char *doing = doing_words(bus_acquisition1_get_doing(a));
 	gtk_progress_bar_set_fraction(GTK_PROGRESS_BAR(s->bar), CLAMP(fraction, 0, 1));
 	kit_set_text(s->left, left_words);
 	kit_set_text(s->columns, percent);
 	kit_set_text(s->photos, wanted ? photo_words : "");
-	kit_set_text(s->doing, words_doing(doing));
+	kit_set_text(s->doing, doing);
 }
 
 static void show(struct scan_screen *s)
@@ -159,6 +178,7 @@ static void show(struct scan_screen *s)
 	bool turns = !g_strcmp0(state, "scanning") || !g_strcmp0(state, "starting");
 	kit_set_text(s->head, headline(state));
 	show_numbers(s);
+	gtk_widget_set_visible(s->doing, !paused);
 	show_fault(s);
 	gtk_widget_set_visible(s->pause, !paused);
 	gtk_widget_set_visible(s->resume, paused);
@@ -174,11 +194,6 @@ static void changed(struct scan_screen *s)
 }
 
 /* ---- the end ---- */
-
-static bool is_in_front(struct scan_screen *s)
-{
-	return !g_strcmp0(kiosk_screen(s->kiosk), "scan");
-}
 
 static void finished(BusAcquisition1 *a, const char *folder, guint number, gpointer user_data)
 {
@@ -201,6 +216,7 @@ static void stopped(BusAcquisition1 *a, const char *folder, guint number, gboole
 	(void)number;
 	if (sentence && *sentence)
 		kiosk_complain(s->kiosk, sentence, words_advice(advice));
+	show_fault(s);
 	if (!partial && is_in_front(s))
 		kiosk_back(s->kiosk);
 }

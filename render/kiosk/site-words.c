@@ -2,6 +2,7 @@
 #include <glib/gi18n.h>
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 char *words_duration(double seconds)
 {
@@ -70,6 +71,27 @@ const char *words_doing(const char *doing)
 		if (g_str_has_prefix(doing, all[i].begin))
 			return _(all[i].plain);
 	return doing ? doing : "";
+}
+
+char *words_sentence(const char *sentence)
+{
+	/* Said where a person stands at the scanner: acquire/pump.c, recorder.h. */
+	static const char *const said[] = { N_("the emergency stop is pressed"),
+		N_("the interlock is open: the cover is not closed"),
+		N_("the emergency stop or the interlock has stopped the scanner"),
+		N_("the scanner was stopped for safety, and nobody has said since that it is "
+		   "safe: reset it"),
+		N_("the lidar was unplugged"), N_("the lidar has fallen silent") };
+	const char *words = sentence ? sentence : "";
+	for (size_t i = 0; i < G_N_ELEMENTS(said); i++)
+		if (strcmp(words, said[i]) == 0)
+			words = _(said[i]);
+	/* Names of files and devices stay as they are. */
+	size_t letters = strspn(words, "abcdefghijklmnopqrstuvwxyz");
+	char *own = g_strdup(words);
+	if (words[letters] == ' ' || words[letters] == 0)
+		*own = g_ascii_toupper(*own);
+	return own;
 }
 
 const char *words_advice(const char *advice)

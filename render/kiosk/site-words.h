@@ -11,6 +11,8 @@ char *words_points(double points); /* "2.4 million points" */
 
 /* What a command or the scanner says that it does, in plain words of the person's language; as it is where there are none. Never NULL. */
 const char *words_doing(const char *doing);
+/* A service's sentence as one that stands for itself: translated where it is one of those that matter most, and with a capital; the caller's. */
+char *words_sentence(const char *sentence);
 /* The services' advice, translated. */
 const char *words_advice(const char *advice);
 
