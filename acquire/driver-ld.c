@@ -59,6 +59,7 @@ const struct driver driver_ld = {
 		.drift_max_ppm = TURN_DRIFT_MAX_PPM },
 	.stamp = STAMP_FIRST_BEAM,
 	.bytes_per_beam = 3.9,
+	.streams_always = true,
 	.prepare = prepare,
 	.start = start,
 	.stop = stop,

@@ -154,8 +154,14 @@ static bool check_health(struct pump *p, GError **error)
 	return false;
 }
 
-/* The motor: of an A1 it hangs on DTR, which line_find has set; an A2 or A3 has it on a board of its
- * own; others turn by themselves and can be told how fast. */
+static bool turn_motor_by_dtr(struct pump *p, bool on, GError **error)
+{
+	struct wire_line line = { .baud = p->line.baud, .dtr = !on };
+	return wire_set_line(p->head->lidar, &line, error);
+}
+
+/* The motor: of an A1 it hangs on DTR; an A2 or A3 has it on a board of its own; others turn by
+ * themselves and can be told how fast. */
 static bool turn_motor(struct pump *p, bool on, GError **error)
 {
 	uint32_t rpm = on ? STANDARD_RPM : 0, pwm = on ? STANDARD_PWM : 0;
@@ -168,7 +174,7 @@ static bool turn_motor(struct pump *p, bool on, GError **error)
 		return request_with(
 			p, MOTOR_RPM, (uint8_t[]){ (uint8_t)rpm, (uint8_t)(rpm >> 8) }, 2, error);
 	if (major < MAJOR_A2)
-		return true;
+		return turn_motor_by_dtr(p, on, error);
 	pump_clear(p);
 	if (!request_with(p, GET_BOARD, none, 4, error) || !take_answer(p, "board", &board, error))
 		return false;

@@ -14,6 +14,7 @@ struct driver {
 	struct device_clock_desc clock;
 	enum stamp_instant stamp;
 	double bytes_per_beam; /* on the wire, with intensity: for predictions */
+	bool streams_always;   /* start and stop change nothing of that */
 	/* Wakes the device from whatever state it is in, identifies it and compares clocks. Says
 	 * what is wrong in words. */
 	bool (*prepare)(struct pump *p, GError **error);

@@ -124,8 +124,10 @@ bool line_find(struct pump *p, const struct line_search *search, GError **error)
 		p->heard = (struct sniff){ 0 };
 		if (!search->is_there(p, &there, error))
 			return false;
-		if (there)
+		if (there) {
+			p->line = line;
 			return true;
+		}
 		look_at(p, *baud, framing_before, &e);
 	}
 	if (e.bytes && !e.foreign && !listen_elsewhere(p, search, &e, error))

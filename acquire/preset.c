@@ -106,9 +106,11 @@ static double record_bytes(const struct itinerary *i, const struct preset *prese
 	const struct driver *driver, const struct lidar_identity *lidar,
 	const struct calibration *c)
 {
-	double turns = (i->back_s + i->pass_s + i->travel_s) * lidar->scan_rate_hz,
+	double moving_s = i->home_s + i->back_s + i->pass_s + i->photos_s + i->travel_s,
+	       streaming_s = driver->streams_always ? PREPARE_SECONDS + moving_s
+						    : i->back_s + i->pass_s + i->travel_s,
+	       turns = streaming_s * lidar->scan_rate_hz,
 	       steps = i->turned_rad / (2 * G_PI) * c->stage.steps_per_turn,
-	       moving_s = i->home_s + i->back_s + i->pass_s + i->photos_s + i->travel_s,
 	       frame = 1.5 * c->camera.width * c->camera.height;
 	/* While the stage goes home a frame each second is for metering. */
 	double frames = c->has_camera ? preset->photos * (hdr ? EXPOSURES_MAX : 1) + i->home_s : 0;

@@ -35,6 +35,7 @@ struct pump {
 	bool struck;           /* one of them has changed to that, and it was not told yet */
 	bool button;           /* was pressed, since its owner last cleared this */
 	int64_t last_bytes_ns; /* when the lidar last said something */
+	struct wire_line line; /* as line_find left it, where there is one */
 	struct sniff heard;    /* the lidar's last bytes, since it was opened or its line was set */
 	GQueue replies;        /* of struct pump_reply, oldest first; bounded */
 };

@@ -1,6 +1,6 @@
 /* What is wrong at a lidar's port, told apart and in words: no power, the wrong speed, another
  * lidar, a broken one, a mirror that stands; and each make is found at its own speed. */
-#include "acquire/run.h"
+#include "acquire/run-private.h"
 #include "acquire/scan-manifest.h"
 #include "acquire/sniff.h"
 #include "tests/simulated.h"
@@ -114,6 +114,50 @@ static void test_find(gconstpointer data)
 	simulated_stop(s);
 }
 
+/* ---- its motor ---- */
+
+static struct {
+	const struct wire_ops *real;
+	unsigned times;
+	struct wire_line line;
+} lines;
+
+static bool note_line(wire *w, const struct wire_line *line, GError **error)
+{
+	lines.times++;
+	lines.line = *line;
+	return lines.real->set_line(w, line, error);
+}
+
+/* An A1's motor hangs on DTR: it rests when the lidar has stopped, and runs again when it is started. */
+static void test_motor(void)
+{
+	static const char *const description = "hall?lidar=rplidar-a1";
+	g_autoptr(GError) error = NULL;
+	head *h;
+	simulated *s = simulated_start(description, NULL, NULL);
+	g_autoptr(run) r = prepare(s, description, NULL, &h, &error);
+	g_assert_no_error(error);
+	lines.real = h->lidar->ops;
+	struct wire_ops noting = *lines.real;
+	noting.set_line = note_line;
+	h->lidar->ops = &noting;
+	for (int i = 0; i < 2; i++) {
+		g_assert_true(pump_start_lidar(&r->pump, &error));
+		g_assert_no_error(error);
+		g_assert_false(lines.line.dtr);
+		g_assert_cmpuint(lines.line.baud, ==, 115200);
+		g_assert_true(pump_stop_lidar(&r->pump, &error));
+		g_assert_no_error(error);
+		g_assert_true(lines.line.dtr);
+		g_assert_cmpuint(lines.line.baud, ==, 115200);
+	}
+	g_assert_cmpuint(lines.times, ==, 4);
+	h->lidar->ops = lines.real;
+	head_close(h);
+	simulated_stop(s);
+}
+
 /* ---- which protocol bytes look like ---- */
 
 static const struct smell {
@@ -172,6 +216,7 @@ int main(int argc, char **argv)
 		g_test_add_data_func(troubles[i].path, &troubles[i], test_trouble);
 	for (size_t i = 0; i < G_N_ELEMENTS(finds); i++)
 		g_test_add_data_func(finds[i].path, &finds[i], test_find);
+	g_test_add_func("/rplidar/motor", test_motor);
 	g_test_add_func("/sniff/kinds", test_smells);
 	g_test_add_func("/sniff/noise", test_noise);
 	return g_test_run();

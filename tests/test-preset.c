@@ -55,6 +55,11 @@ static const struct scene {
 		/* A beam of CoLa takes half as much again on the wire, and the prediction is not
 		 * told the protocol. */
 		0.25 },
+	{ "/preset/draft-ld", "draft", "hall?seed=4&lidar=stl27l&camera=48x80&home_deg=180" },
+	{ "/preset/draft-ld-hdr", "draft", "hall?seed=4&lidar=ld19&camera=48x80&home_deg=180",
+		.hdr = true },
+	{ "/preset/draft-rplidar", "draft",
+		"hall?seed=4&lidar=rplidar-s2&camera=48x80&home_deg=180" },
 	{ "/preset/draft-near-home", "draft", "hall?seed=4&ares=800&camera=48x80&home_deg=20" },
 	{ "/preset/draft-far-from-home", "draft",
 		"hall?seed=4&ares=800&camera=48x80&home_deg=340" },
