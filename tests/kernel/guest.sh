@@ -84,6 +84,11 @@ comes_back() { # DAEMON
 comment "$(uname -r), systemd $(systemctl --version | sed -n '1s/systemd \([0-9]*\).*/\1/p'); the test begins $(uptime_ms) ms after the kernel"
 runs_as acquired pleinair-acquired
 runs_as jobsd pleinair-jobs
+# The stage's thread asks for SCHED_FIFO, and its pages are to stay.
+limits=$(grep -E 'realtime priority|locked memory' "/proc/$(shows acquired MainPID)/limits" | tr -s ' ')
+printf '%s' "$limits" | grep -q 'realtime priority 90 90'
+result $? "pleinair-acquired may run its stage's thread in real time"
+comment "$limits"
 fed_acquired=$(shows acquired WatchdogTimestampMonotonic)
 fed_jobsd=$(shows jobsd WatchdogTimestampMonotonic)
 refuses acquired ListPresets
