@@ -1,4 +1,4 @@
-#include "process/boards.h"
+#include "process/board-corners.h"
 #include "process/guard_cv.hpp"
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -27,17 +27,19 @@ static std::vector<cv::Point2f> pixels_of(
 }
 
 static void keep(const std::vector<cv::Point2f> &found, const struct board_desc *desc,
-	double front_rad, GArray *views)
+	const struct photo *photo, GArray *views)
 {
 	struct board_view view = {};
 	size_t n = found.size();
 	bool leftwards = found[desc->columns - 1].x < found[0].x;
-	view.front_rad = front_rad;
+	view.front_rad = photo->front_rad;
 	for (size_t i = 0; i < n; i++) {
 		const cv::Point2f &p = found[leftwards ? n - 1 - i : i];
 		view.corner[i][0] = p.x;
 		view.corner[i][1] = p.y;
 	}
+	board_corners_refine(
+		photo->pixels, photo->info.width, photo->info.height, desc, view.corner);
 	g_array_append_val(views, view);
 }
 
@@ -102,7 +104,7 @@ bool boards_find(
 				!(i == 0 && scale < 1 && find_one(picture, scale = 1, size, found)))
 				break;
 			refine(whole, found);
-			keep(found, desc, photo->front_rad, views);
+			keep(found, desc, photo, views);
 			paint_over(picture, found);
 		}
 		return true;

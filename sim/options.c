@@ -3,6 +3,7 @@
 #include "sim/world.h"
 #include <gio/gio.h>
 #include <math.h>
+#include <string.h>
 
 struct option_row;
 typedef bool (*option_parser)(const struct option_row *row, const char *text, void *ret_value);
@@ -195,7 +196,7 @@ static const struct option_row rows[] = {
 		"WIDTHxHEIGHT, even, 16 to 4096, or none", "size of a frame (720x1280)" },
 	{ "fps", parse_number, AT(fps), 0.1, 120, NULL, "exposures a second (10)" },
 	{ "edge_rays", parse_whole, AT(edge_rays), 1, 64, NULL,
-		"rays of a pixel where its neighbours differ (3)" },
+		"rays of a pixel where its neighbours differ (3, range 32)" },
 	{ "distortion", parse_flag, AT(distortion), 0, 0, "0 or 1", "a real lens (1)" },
 	{ "camera_ppm", parse_number, AT(camera_ppm), PPM, "drift of its clock (from the seed)" },
 	{ "camera_clock_start", parse_whole, AT(camera_clock_start), TICKS,
@@ -291,7 +292,6 @@ static sim_options *options_new(const char *scene)
 		.camera_width = 720,
 		.camera_height = 1280,
 		.fps = 10,
-		.edge_rays = 3,
 		.distortion = true,
 		.camera_ppm = NAN,
 		.camera_clock_start = UINT64_MAX,
@@ -315,6 +315,9 @@ static void fill_what_depends(sim_options *o)
 {
 	if (isnan(o->rate_hz))
 		o->rate_hz = o->lidar->rate_hz;
+	/* Corners are found to a hundredth of a pixel, so an edge has to lie where a real sensor sees it. */
+	if (o->edge_rays == 0)
+		o->edge_rays = strcmp(o->scene, "range") == 0 ? 32 : 3;
 	if (isnan(o->limit_m))
 		o->limit_m = o->lidar->limit_m;
 	if (o->lidar->baud)
