@@ -21,13 +21,16 @@ $(touch_module): tests/weston-touch.c
 		$(shell pkg-config --cflags libweston-10 weston libpng | sed 's/-I/-isystem /g') -o $@ $< $(shell pkg-config --libs libpng)
 endif
 # What stands in the guest of make check-kernel where wires would be, and simple programs that ask devices there.
-kernel_programs := $(addprefix $(BUILD)/tests/kernel/,agent usb-probe pulse compare-scans check-site camera-faults)
+kernel_programs := $(addprefix $(BUILD)/tests/kernel/,agent usb-probe pulse compare-scans check-site camera-faults fingers)
 $(BUILD)/tests/kernel/agent: $(patsubst %.c,$(BUILD)/%.o,$(wildcard tests/kernel/agent*.c)) $(BUILD)/libsim.a
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
 $(BUILD)/tests/kernel/usb-probe: $(BUILD)/tests/kernel/usb-probe.o
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -o $@ $^ -lusb-1.0 $(shell pkg-config --libs glib-2.0)
+$(BUILD)/tests/kernel/fingers: $(BUILD)/tests/kernel/fingers.o
+	$(call say,LD)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -o $@ $^ -lm
 $(BUILD)/tests/kernel/pulse: $(BUILD)/tests/kernel/pulse.o
 	$(call say,LD)
 	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -o $@ $^ -lgpiod

@@ -79,11 +79,11 @@ check-truth: all $(BUILD)/tests/test-segmentation-truth
 #: make check-units     what makes a machine an appliance, as systemd's and the bus's own tools see it; make check does this too
 check-units: all
 	@sh tests/check-units.sh $(BUILD)
-#: make check-kernel    on Debian's kernel in QEMU, six minutes: scans through its drivers with faults, power cuts, both daemons under systemd. check-slow does too
+#: make check-kernel    on Debian's kernel in QEMU, six minutes: scans through its drivers with faults, a power cut, daemons and touch screen under systemd. check-slow does too
 check-kernel: all
 	@sh tests/deps.sh $(kernel_packages) || true
 	$(MAKE) $(kernel_programs)
-	prove --jobs 2 --timer --exec sh tests/kernel/scan.sh tests/kernel/run.sh tests/kernel/cuts.sh :: $(BUILD)
+	prove --jobs 2 --timer --exec sh tests/kernel/scan.sh tests/kernel/screen.sh tests/kernel/run.sh tests/kernel/cuts.sh :: $(BUILD)
 .PHONY: check-units check-kernel
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:
