@@ -13,12 +13,12 @@
 static bool turns(struct pump *p, bool *ret_there, GError **error)
 {
 	int64_t deadline_ns = head_now_ns(p->head) + LISTEN_NS;
-	uint64_t before = stream_get_report(p->stream).revolutions;
+	uint64_t before = stream_counts(p->stream)->revolutions;
 	do {
 		if (!pump_for(p, LOOK_NS, error))
 			return false;
 		*ret_there = stream_lidar(p->stream)->scan_rate_hz > 0 &&
-			     stream_get_report(p->stream).revolutions > before;
+			     stream_counts(p->stream)->revolutions > before;
 	} while (!*ret_there && head_now_ns(p->head) < deadline_ns);
 	if (*ret_there || sniff_what(&p->heard) != SNIFFED_LD)
 		return true;

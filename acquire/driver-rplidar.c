@@ -211,11 +211,11 @@ static bool request_scan(struct pump *p, GError **error)
 static bool await_turns(struct pump *p, GError **error)
 {
 	int64_t deadline_ns = head_now_ns(p->head) + SPIN_UP_NS;
-	uint64_t before = stream_get_report(p->stream).revolutions;
+	uint64_t before = stream_counts(p->stream)->revolutions;
 	while (head_now_ns(p->head) < deadline_ns) {
 		if (!pump_for(p, 50 * MILLISECOND_NS, error))
 			return false;
-		if (stream_get_report(p->stream).revolutions >= before + 3)
+		if (stream_counts(p->stream)->revolutions >= before + 3)
 			return true;
 	}
 	g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,

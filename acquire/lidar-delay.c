@@ -98,11 +98,11 @@ static bool add_cell(const panorama *p, const struct back_beam *b, int64_t row, 
 		return true;
 	if (fabsf(p->range_m[i] - b->range_m) > EDGE_SHARE * b->range_m)
 		return false;
-	double a = remainder(
-		       panorama_azimuth_rad(p, (uint32_t)row, (uint32_t)column) - b->azimuth_rad,
-		       2 * G_PI),
+	double a = panorama_azimuth_rad(p, (uint32_t)row, (uint32_t)column) - b->azimuth_rad,
 	       e = panorama_elevation_rad(p, (uint32_t)row, (uint32_t)column) - b->elevation_rad,
 	       u = 1 / (double)p->range_m[i];
+	/* Both lie within a turn. */
+	a += a > G_PI ? -2 * G_PI : a < -G_PI ? 2 * G_PI : 0;
 	m->n += 1;
 	m->a += a;
 	m->e += e;

@@ -93,8 +93,7 @@ static bool check_lidar(run *r, GError **error)
 		g_set_error(error, PUMP_ERROR, PUMP_ERROR_NO_ANSWER, "the lidar has fallen silent");
 		return false;
 	}
-	if (stream_get_report(r->pump.stream).device_errors >
-		r->device_errors + DEVICE_ERRORS_MAX) {
+	if (stream_counts(r->pump.stream)->device_errors > r->device_errors + DEVICE_ERRORS_MAX) {
 		g_set_error(error, PUMP_ERROR, PUMP_ERROR_REFUSED,
 			"the lidar reports an error of its own");
 		return false;
@@ -269,7 +268,7 @@ static bool start_lidar(run *r, GError **error)
 	if (!pump_start_lidar(&r->pump, error))
 		return false;
 	r->pump.last_bytes_ns = head_now_ns(r->pump.head);
-	r->device_errors = stream_get_report(r->pump.stream).device_errors;
+	r->device_errors = stream_counts(r->pump.stream)->device_errors;
 	r->streaming = true;
 	return true;
 }

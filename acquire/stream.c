@@ -536,6 +536,11 @@ struct stream_report stream_get_report(const stream *s)
 	return r;
 }
 
+const struct stream_report *stream_counts(const stream *s)
+{
+	return &s->report;
+}
+
 GArray *stream_losses(const stream *s)
 {
 	return g_array_copy(s->losses);

@@ -65,7 +65,10 @@ void stream_rewind(stream *s);
 /* Takes so much off the lidar's stamps, from the next line on: what lidar-delay.h found. */
 void stream_advance_lidar(stream *s, int64_t delay_ns);
 
+/* All of it takes work: the clock is fitted to all that came. */
 struct stream_report stream_get_report(const stream *s);
+/* Revolutions and errors of the device alone, as they are counted; lives as long as the stream. */
+const struct stream_report *stream_counts(const stream *s);
 /* Of struct stream_loss; caller frees. */
 GArray *stream_losses(const stream *s);
 /* Of the present session; NULL before the first. */

@@ -9,7 +9,10 @@
 #define BOARD_POSE 6 /* unknowns of each board: turn and shift in the scanner's frame */
 /* Views of a board lie together so far. */
 #define TOGETHER_M 0.35
-#define HUBER_PX   0.5
+/* Corners further off than most count less: at first, before it is known how far most are, and at least. */
+#define HUBER_FIRST_PX 0.5
+#define HUBER_LEAST_PX 0.01
+#define HUBER_MEDIANS  3.0
 /* Gauge: as good as fixed. */
 #define GAUGE 1e-9
 /* Of so many beams each says something of its own: walls and boards are not even to less than a tenth of a millimetre. */
@@ -25,6 +28,7 @@ struct bundle {
 	 * what they were taken with, and what a metre is worth in pixels. */
 	GArray *planes;
 	double range_m, px_per_m;
+	double huber_px;
 };
 
 static const double small[BOARD_UNKNOWNS] = { 1e-3, 1e-3, 1e-3, 1e-3, 1e-6, 1e-6, 1e-7, 1e-7, 1e-6,
@@ -154,7 +158,8 @@ static double error_of(const struct bundle *b, const struct camera_calibration *
 		for (uint32_t i = 0; i < n; i++)
 			for (int k = 0; k < 2; k++) {
 				double off = fabs(view->corner[i][k] - shown[i][k]);
-				sum += off < HUBER_PX ? off * off : HUBER_PX * (2 * off - HUBER_PX);
+				sum += off < b->huber_px ? off * off
+							 : b->huber_px * (2 * off - b->huber_px);
 			}
 	}
 	g_free(shown);
@@ -204,7 +209,7 @@ static void add_view(const struct bundle *b, const struct board_view *view, cons
 	for (uint32_t k = 0; k < b->desc->columns * b->desc->rows; k++)
 		for (int c = 0; c < 2; c++) {
 			double off = view->corner[k][c] - s->shown[k][c];
-			double weight = fabs(off) < HUBER_PX ? 1 : HUBER_PX / fabs(off);
+			double weight = fabs(off) < b->huber_px ? 1 : b->huber_px / fabs(off);
 			for (int i = 0; i < n; i++) {
 				gradient[index_of(view, i)] += weight * s->moved[i][k][c] * off;
 				for (int j = 0; j < n; j++)
@@ -274,6 +279,32 @@ static bool step(struct bundle *b, double *damping, double *information, double 
 	return false;
 }
 
+static int by_size(gconstpointer a, gconstpointer b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+/* By how far most corners are off: one beside the picture's edge or behind a pole is not to pull at all the others. */
+static double huber_px(const struct bundle *b)
+{
+	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(double));
+	double(*shown)[2] = g_malloc_n(BOARD_CORNERS_MAX, sizeof *shown);
+	for (guint v = 0; v < b->views->len; v++) {
+		const struct board_view *view = &g_array_index(b->views, struct board_view, v);
+		project(b->desc, &b->camera, &g_array_index(b->boards, struct pose, view->board),
+			view->front_rad, shown);
+		for (uint32_t i = 0; i < 2 * b->desc->columns * b->desc->rows; i++) {
+			double off = fabs(view->corner[i / 2][i % 2] - shown[i / 2][i % 2]);
+			g_array_append_val(all, off);
+		}
+	}
+	g_free(shown);
+	g_array_sort(all, by_size);
+	double median = all->len ? g_array_index(all, double, all->len / 2) : 0;
+	return CLAMP(HUBER_MEDIANS * median, HUBER_LEAST_PX, HUBER_FIRST_PX);
+}
+
 static bool solve(struct bundle *b, struct board_result *ret)
 {
 	b->unknowns = BOARD_UNKNOWNS + BOARD_POSE * (size_t)b->boards->len;
@@ -282,6 +313,10 @@ static bool solve(struct bundle *b, struct board_result *ret)
 			  *gradient = g_new(double, b->unknowns),
 			  *covariance = g_new(double, square), *change = g_new(double, b->unknowns);
 	double damping = 1e-3, corners = 2.0 * b->desc->columns * b->desc->rows * b->views->len;
+	for (int i = 0; i < STEPS_MAX && step(b, &damping, information, gradient); i++)
+		;
+	b->huber_px = huber_px(b);
+	damping = 1e-3;
 	for (int i = 0; i < STEPS_MAX && step(b, &damping, information, gradient); i++)
 		;
 	sum_up(b, information, gradient);
@@ -417,7 +452,10 @@ bool board_camera_solve(const struct faces *f, const struct board_desc *desc,
 	struct board_result *ret, GError **error)
 {
 	g_autoptr(GArray) views = g_array_new(FALSE, FALSE, sizeof(struct board_view));
-	struct bundle b = { .desc = desc, .views = views, .camera = f->calibration.camera };
+	struct bundle b = { .desc = desc,
+		.views = views,
+		.camera = f->calibration.camera,
+		.huber_px = HUBER_FIRST_PX };
 	*ret = (struct board_result){ .camera = b.camera };
 	if (!f->calibration.has_camera || !find_views(f, &b, progress, user_data, ret, error))
 		return !f->calibration.has_camera;

@@ -131,10 +131,13 @@ static bool gather(const uint8_t *luma, uint32_t width, uint32_t height, const d
 	double reach[2] = { 0.5 * area / length[0] - MARGIN_PX,
 		0.5 * area / length[1] - MARGIN_PX };
 	double side = 0.5 * (length[0] + length[1]);
-	int x0 = (int)ceil(at[0] - side), x1 = (int)floor(at[0] + side),
-	    y0 = (int)ceil(at[1] - side), y1 = (int)floor(at[1] + side);
-	if (!(reach[0] >= REACH_MIN_PX && reach[1] >= REACH_MIN_PX) || x0 < 0 || y0 < 0 ||
-		x1 >= (int)width || y1 >= (int)height)
+	int x0 = (int)ceil(fmax(at[0] - side, 0)), y0 = (int)ceil(fmax(at[1] - side, 0)),
+	    x1 = (int)floor(fmin(at[0] + side, width - 1.0)),
+	    y1 = (int)floor(fmin(at[1] + side, height - 1.0));
+	/* Beside the picture's edge some of the four squares is not seen. */
+	bool inside_picture = at[0] > REACH_MIN_PX && at[1] > REACH_MIN_PX &&
+			      at[0] < width - 1 - REACH_MIN_PX && at[1] < height - 1 - REACH_MIN_PX;
+	if (!(reach[0] >= REACH_MIN_PX && reach[1] >= REACH_MIN_PX) || !inside_picture)
 		return false;
 	f->count = 0;
 	for (int y = y0; y <= y1; y++)
