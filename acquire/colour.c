@@ -107,13 +107,22 @@ struct neighbours {
 	double before_rad, after_rad; /* how far off */
 };
 
+/* 0 to a whole turn. */
+static double within_turn(double rad)
+{
+	double off = remainder(rad, 2 * G_PI);
+	return off < 0 ? off + 2 * G_PI : off;
+}
+
+/* turned_rad: of each photo, within a turn. */
 static struct neighbours find_neighbours(
-	double front_rad, const struct photo *photos, uint32_t count)
+	double front_rad, const struct photo *photos, const double *turned_rad, uint32_t count)
 {
 	struct neighbours n = { .before_rad = INFINITY, .after_rad = INFINITY };
+	double here = within_turn(front_rad);
 	for (uint32_t k = 0; k < count; k++) {
-		double off = remainder(front_rad - photos[k].front_rad, 2 * G_PI),
-		       behind = off < 0 ? off + 2 * G_PI : off, ahead = 2 * G_PI - behind;
+		double off = here - turned_rad[k], behind = off < 0 ? off + 2 * G_PI : off,
+		       ahead = 2 * G_PI - behind;
 		if (behind < n.before_rad) {
 			n.before_rad = behind;
 			n.before = &photos[k];
@@ -145,11 +154,12 @@ static void set_rgb(panorama *p, uint32_t row, uint32_t column, const float sum[
 }
 
 static void colour_cell(panorama *p, uint32_t row, uint32_t column, const struct photo *photos,
-	uint32_t count, const struct calibration *c)
+	const double *turned_rad, uint32_t count, const struct calibration *c)
 {
 	double azimuth = panorama_azimuth_rad(p, row, column), point[3];
 	find_point(p, row, column, point);
-	struct neighbours n = find_neighbours(azimuth - c->stage.azimuth_zero_rad, photos, count);
+	struct neighbours n =
+		find_neighbours(azimuth - c->stage.azimuth_zero_rad, photos, turned_rad, count);
 	double gap = n.before_rad + n.after_rad, before = weight_at(n.before_rad / gap), total = 0;
 	float sum[3] = { 0 };
 	if (before > 0)
@@ -167,12 +177,15 @@ void colour_panorama(panorama *p, const struct photo *photos, uint32_t count,
 {
 	if (count == 0)
 		return;
+	g_autofree double *turned_rad = g_new(double, count);
+	for (uint32_t k = 0; k < count; k++)
+		turned_rad[k] = within_turn(photos[k].front_rad);
 	g_free(p->rgb);
 	p->rgb = g_malloc0((size_t)p->desc.columns * p->desc.rows * 3);
 #pragma omp parallel for schedule(dynamic, 8)
 	for (uint32_t row = 0; row < p->desc.rows; row++)
 		for (uint32_t column = 0; column < p->desc.columns; column++)
-			colour_cell(p, row, column, photos, count, calibration);
+			colour_cell(p, row, column, photos, turned_rad, count, calibration);
 }
 
 /* ---- one photo ---- */
@@ -209,22 +222,30 @@ static double find_azimuth_reach_rad(const struct camera_calibration *c)
 	return reach < G_PI / 2 && sin(reach) < level ? asin(sin(reach) / level) : G_PI;
 }
 
-void colour_one_photo(panorama *p, const struct photo *photo, const struct calibration *c)
+/* By column: it lies so near to the axis of view that the photo may show it. */
+static bool *reach_of(const panorama *p, const struct photo *photo, const struct calibration *c)
 {
 	const double *axis = c->camera.rotation[2];
 	double middle = photo->front_rad + c->stage.azimuth_zero_rad + atan2(axis[0], axis[1]),
-	       reach = find_azimuth_reach_rad(&c->camera);
+	       reach = find_azimuth_reach_rad(&c->camera) + p->column_rad;
+	bool *may = g_new(bool, p->desc.columns);
+	for (uint32_t column = 0; column < p->desc.columns; column++)
+		may[column] =
+			fabs(remainder((column + 0.5) * p->column_rad - middle, 2 * G_PI)) <= reach;
+	return may;
+}
+
+void colour_one_photo(panorama *p, const struct photo *photo, const struct calibration *c)
+{
+	g_autofree bool *may = reach_of(p, photo, c);
 	if (!p->rgb)
 		p->rgb = g_malloc0((size_t)p->desc.columns * p->desc.rows * 3);
 #pragma omp parallel for schedule(dynamic, 8)
 	for (uint32_t row = 0; row < p->desc.rows; row++)
 		for (uint32_t column = 0; column < p->desc.columns; column++) {
 			double point[3];
-			float sum[3] = { 0 };
-			float range = p->range_m[panorama_index(p, row, column)];
-			double off = panorama_azimuth_rad(p, row, column) - middle;
-			if (fabs(remainder(off, 2 * G_PI)) > reach &&
-				!(range > 0 && range < NEAR_M))
+			float sum[3] = { 0 }, range = p->range_m[panorama_index(p, row, column)];
+			if (!may[column] && !(range > 0 && range < NEAR_M))
 				continue;
 			find_point(p, row, column, point);
 			set_rgb(p, row, column, sum, add_photo(photo, c, point, 1, sum));

@@ -1,7 +1,5 @@
 #include "acquire/coverage.h"
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* A column is whole with this share of what full columns have: a lost revolution takes far more
  * than that. */
@@ -87,20 +85,23 @@ void coverage_clear(coverage *c, double from_rad, double to_rad)
 	}
 }
 
-static int by_count(const void *a, const void *b)
-{
-	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-	return (x > y) - (x < y);
-}
-
 /* What a full column has: not all rows, where the lidar's beams are wider apart than they. Before
  * anything was seen, all. */
 static uint32_t full_count(const coverage *c)
 {
-	g_autofree uint32_t *sorted = g_memdup2(c->count, c->desc.columns * sizeof *sorted);
-	qsort(sorted, c->desc.columns, sizeof *sorted, by_count);
-	uint32_t most = sorted[c->desc.columns - 1 - c->desc.columns / 50];
-	return most ? most : sorted[c->desc.columns - 1];
+	g_autofree uint32_t *columns = g_new0(uint32_t, c->desc.rows + 1); /* that have so many */
+	uint32_t above = 0, most = 0;
+	for (uint32_t i = 0; i < c->desc.columns; i++) {
+		columns[c->count[i]]++;
+		most = MAX(most, c->count[i]);
+	}
+	/* A fiftieth of them may have more. */
+	for (uint32_t n = most; n > 0; n--) {
+		above += columns[n];
+		if (above > c->desc.columns / 50)
+			return n;
+	}
+	return most;
 }
 
 static bool is_whole(const coverage *c, uint32_t column, uint32_t full)
