@@ -7,7 +7,7 @@ cuts=${CUTS:-1}
 seed=${SEED:-$(date +%s)}
 . tests/kernel/kernel.sh
 needs mke2fs
-prepare_devices cuts
+prepare_devices cuts cuts-guest.sh
 cp "$build/tests/kernel/check-site" "$test/"
 cp "$here/scan.conf" "$appliance/etc/pleinair.conf"
 disk=$cache/cuts.disk

@@ -4,7 +4,7 @@
 # slower; devices-guest.sh looks at what the kernel makes of them. Prints TAP, or skips it all with a reason.
 build=$1
 . tests/kernel/kernel.sh
-prepare_devices devices
+prepare_devices devices devices-guest.sh
 cp "$build/tests/kernel/usb-probe" "$build/tests/kernel/pulse" "$test/"
 
 simulate tim 'hall?lidar=cola&seed=7&latency_ms=55&camera=360x640&fps=2&home_deg=350&fault=epstall@20,unplug@120:1'

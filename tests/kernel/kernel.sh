@@ -111,7 +111,7 @@ simulate() { # NAME DESCRIPTION OPTIONS...
 }
 
 # All that a boot with devices of the kernel's own drivers needs: NAME-guest.sh runs there.
-prepare_devices() { # NAME
+prepare_devices() { # NAME GUEST
 	alone
 	unpack_kernel
 	modules=$cache/modules-$release
@@ -119,7 +119,7 @@ prepare_devices() { # NAME
 	make_first first
 	install_appliance "appliance-$1"
 	test=$appliance/usr/lib/pleinair/test
-	cp "$modules"/*.ko "$build/tests/kernel/agent" "$here/$1-guest.sh" "$here/guest-tap.sh" "$test/"
-	chmod 755 "$test/$1-guest.sh"
+	cp "$modules"/*.ko "$build/tests/kernel/agent" "$here/$2" "$here/guest-tap.sh" "$test/"
+	chmod 755 "$test/$2"
 	together
 }

@@ -141,7 +141,7 @@ camera() {
 	done < /run/faults.ok
 	[ "$(grep -c '^ok' /run/faults.ok)" = "$(sed -n 's/^1\.\.//p' /run/faults)" ]
 	result $? "camera: all that the kernel's test cameras can fail in"
-	comment "$(grep -E '^# [^*]*(ERROR|assertion|Bail|the camera |/dev/video| lost|restarts)' /run/faults | grep -v 'DEBUG\|MESSAGE\|format that' | sed 's/^# *//; s/pleinair-Message: [0-9:.]*//')"
+	comment "$(grep -E 'Bail out|^# [^*]*(a frame each|the camera |/dev/video| lost|restarts)' /run/faults | grep -v 'DEBUG\|MESSAGE\|format that' | sed 's/^# *//; s/pleinair-Message: [0-9:.]*//')"
 	modprobe -r vivid
 }
 

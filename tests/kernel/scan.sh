@@ -3,15 +3,16 @@
 # scan there as the service's user under the rules that are shipped: every driver, and the faults that devices have. A scan without a fault is
 # compared, cell by cell, with one that never saw a kernel. Prints TAP, or skips it all with a reason.
 #
-# ONLY="NAME..." takes these; ONLY=all takes those too that a release is tried with, which last a quarter of an hour.
+# ONLY="NAME..." takes these; ONLY=all takes those too that a release is tried with, which last a quarter of an hour. faults.sh takes some beside it.
 build=$1
-: "${ONLY:=camera exact tim ld}"
+self=${self:-scan}
+: "${ONLY:=camera exact}"
 . tests/kernel/kernel.sh
 [ "$ONLY" != all ] || ONLY="camera exact tim acm ld interlock hokuyo rplidar rates-tim rates-hokuyo"
-prepare_devices scan
+prepare_devices "$self" scan-guest.sh
 cp "$here/scan.conf" "$appliance/etc/pleinair.conf"
 cp "$build/tests/kernel/camera-faults" "$test/"
-out=$cache/out
+out=$cache/out-$self
 rm -rf "$out" && mkdir -p "$out"
 
 # The lidars turn fast, so that a draft takes seconds. Ranges have no noise, for the comparison.
@@ -33,7 +34,7 @@ offer rplidar "hall?lidar=rplidar-s2&camera=none&$scene&fault=unplug@600:1.5,sta
 offer rates-tim "hall?lidar=cola&camera=none&$scene"
 offer rates-hokuyo "hall?lidar=scip&ares=1440&camera=none&$scene"
 begun=$(date +%s)
-boot scan "net.ifnames=0 test=/usr/lib/pleinair/test/scan-guest.sh only=$(echo "$ONLY" | tr ' ' ,) $ports" -netdev user,id=n -device virtio-net-pci,netdev=n \
+boot "$self" "net.ifnames=0 test=/usr/lib/pleinair/test/scan-guest.sh only=$(echo "$ONLY" | tr ' ' ,) $ports" -netdev user,id=n -device virtio-net-pci,netdev=n \
 	-fsdev "local,id=o,path=$out,security_model=none,multidevs=remap" -device virtio-9p-pci,fsdev=o,mount_tag=out
 
 # The same scan in one process, and how far the two are the same. Steps and the mirror never meet twice in the same way, so the bar is how far another
@@ -57,4 +58,4 @@ if wanted exact && grep -q '^1\.\.' "$said"; then
 	sed -i '/^1\.\./d' "$said"
 	printf '%s %s - exact: the scan equals one that saw no kernel\n1..%s\n' "$good" "$tests" "$tests" >> "$said"
 fi
-tell scan "$begun"
+tell "$self" "$begun"
