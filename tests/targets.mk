@@ -102,7 +102,7 @@ tests-tsan: $(addprefix $(BUILD)/tests/test-,record record-faults voxels single-
 #: make fuzz            run every fuzz target for a minute (FUZZ_SECONDS=60)
 FUZZ_SECONDS ?= 60
 fuzz: $(foreach b,$(buses),$(BUILD)/$(word 1,$(subst :, ,$(b)))-bus.h)
-	@sh tests/fuzz.sh $(FUZZ_SECONDS) '-I$(BUILD) $(PKG_CFLAGS)' '$(CXX_PKG_CFLAGS)' '$(link_libs)' $(sort $(wildcard tests/fuzz-*.c))
+	@sh tests/fuzz.sh $(FUZZ_SECONDS) '-I$(BUILD) -DGPIOD_API_VERSION=$(gpiod_api) $(PKG_CFLAGS)' '$(CXX_PKG_CFLAGS)' '$(link_libs)' $(sort $(wildcard tests/fuzz-*.c))
 
 #: make bench           measure speed and memory
 bench: all
