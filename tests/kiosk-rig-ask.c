@@ -106,18 +106,28 @@ void rig_wait_state(rig *r, const char *key, const char *value, double seconds)
 	rig_fail(r, "%s is '%s', not '%s', after %g s", key, now ? now : "unknown", value, seconds);
 }
 
-void rig_wait_text(rig *r, const char *name, const char *text, double seconds)
+static void wait_says(rig *r, const char *name, const char *text, bool whole, double seconds)
 {
 	g_autofree char *now = NULL;
 	for (gint64 limit_us = limit_of(seconds); g_get_monotonic_time() < limit_us;
 		g_usleep(poll_us)) {
 		g_free(now);
 		now = ask(r, "text", name);
-		if (now && strcmp(g_strchomp(now), text) == 0)
+		if (now && (whole ? strcmp(g_strchomp(now), text) == 0 : strstr(now, text) != NULL))
 			return;
 	}
 	rig_fail(r, "'%s' says '%s', not '%s', after %g s", name, now ? now : "nothing", text,
 		seconds);
+}
+
+void rig_wait_text(rig *r, const char *name, const char *text, double seconds)
+{
+	wait_says(r, name, text, true, seconds);
+}
+
+void rig_wait_words(rig *r, const char *name, const char *part, double seconds)
+{
+	wait_says(r, name, part, false, seconds);
 }
 
 char *rig_list(rig *r)

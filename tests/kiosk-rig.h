@@ -57,6 +57,8 @@ char *rig_state(rig *r, const char *key);
 /* Until that is VALUE. */
 void rig_wait_state(rig *r, const char *key, const char *value, double seconds);
 void rig_wait_text(rig *r, const char *name, const char *text, double seconds);
+/* Until PART is in it. */
+void rig_wait_words(rig *r, const char *name, const char *part, double seconds);
 /* All widgets with a name, a line each, as kiosk-probe.h says; the caller frees it. */
 char *rig_list(rig *r);
 /* All that keys should reach and what screen readers say of it, as kiosk-probe.h says; the caller frees it. */

@@ -61,19 +61,6 @@ static void end(struct bench *b)
 	g_free(b->folder);
 }
 
-static void wait_words(struct bench *b, const char *name, const char *part)
-{
-	rig_wait_for(b->rig, name, limit_s);
-	for (int i = 0; i < 600; i++) {
-		g_autofree char *text = rig_text(b->rig, name);
-		if (text && strstr(text, part))
-			return;
-		g_usleep(100000);
-	}
-	g_autofree char *list = rig_list(b->rig);
-	g_error("'%s' never said '%s': %s", name, part, list);
-}
-
 static void make_site(struct bench *b)
 {
 	rig_tap(b->rig, "new-site");
@@ -103,8 +90,8 @@ static void emergency_stop(void)
 	make_site(&b);
 	rig_tap(b.rig, "preset-draft");
 	rig_tap(b.rig, "scan-start");
-	wait_words(&b, "scan-fault", "The emergency stop is pressed");
-	wait_words(&b, "scan-advice", "press Reset");
+	rig_wait_words(b.rig, "scan-fault", "The emergency stop is pressed", limit_s);
+	rig_wait_words(b.rig, "scan-advice", "press Reset", limit_s);
 	rig_wait_for(b.rig, "scan-reset", limit_s);
 	/* It is said once, and nothing goes on before. */
 	rig_wait_gone(b.rig, "toast-text", limit_s);
@@ -113,7 +100,7 @@ static void emergency_stop(void)
 	rig_keep_shot(b.rig, "safety-stopped");
 	/* The same on the screen that tells how all is. */
 	rig_tap(b.rig, "status");
-	wait_words(&b, "health-fault", "The emergency stop is pressed");
+	rig_wait_words(b.rig, "health-fault", "The emergency stop is pressed", limit_s);
 	rig_wait_for(b.rig, "health-reset", limit_s);
 	rig_keep_shot(b.rig, "safety-health");
 	rig_tap(b.rig, "back");
@@ -140,7 +127,7 @@ static void look_at_the_scanner(void)
 	rig_tap(b.rig, "health-check");
 	rig_wait_for(b.rig, "device-camera", limit_s);
 	rig_tap(b.rig, "health-calibration");
-	wait_words(&b, "health-calibration-says", "Scan a place first");
+	rig_wait_words(b.rig, "health-calibration-says", "Scan a place first", limit_s);
 	rig_keep_shot(b.rig, "safety-checked");
 	rig_tap(b.rig, "back");
 	make_site(&b);
@@ -157,7 +144,7 @@ static void look_at_the_scanner(void)
 	rig_keep_shot(b.rig, "safety-scanned");
 	rig_tap(b.rig, "status");
 	rig_tap(b.rig, "health-calibration");
-	wait_words(&b, "health-calibration-says", "Good: both faces");
+	rig_wait_words(b.rig, "health-calibration-says", "Good: both faces", limit_s);
 	rig_keep_shot(b.rig, "safety-calibration");
 	end(&b);
 }

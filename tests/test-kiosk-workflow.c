@@ -54,18 +54,6 @@ static void walk_begin(struct walk *w, int width, int height, const char *scene)
 		.program = program, .arguments = arguments, .width = width, .height = height });
 }
 
-static void wait_words(struct walk *w, const char *name, const char *part)
-{
-	rig_wait_for(w->rig, name, limit_s);
-	for (int i = 0; i < 1200; i++) {
-		g_autofree char *text = rig_text(w->rig, name);
-		if (text && strstr(text, part))
-			return;
-		g_usleep(100000);
-	}
-	g_error("'%s' never said '%s'", name, part);
-}
-
 /* Something was done that can be undone. */
 static void wait_undo(struct walk *w)
 {
@@ -214,7 +202,7 @@ static void fix_by_points(struct walk *w)
 	}
 	shot(w, "align-picked");
 	rig_tap(w->rig, "align-points");
-	wait_words(w, "align-advice", "as your points say");
+	rig_wait_words(w->rig, "align-advice", "as your points say", limit_s);
 	shot(w, "align-after");
 	/* The hall is its own half turn: only a person can know. */
 	rig_tap(w->rig, "align-vouch");
@@ -224,7 +212,7 @@ static void fix_by_points(struct walk *w)
 	rig_wait_text(w->rig, "align-verdict", "You vouched that these two fit.", limit_s);
 	shot(w, "align-vouched");
 	rig_tap(w->rig, "back");
-	wait_words(w, "site-words", "All 2 scans fit together");
+	rig_wait_words(w->rig, "site-words", "All 2 scans fit together", limit_s);
 	check_pose(w);
 }
 
@@ -414,7 +402,7 @@ static void whole_way(struct walk *w)
 	scan(w, 1, "scanning");
 	shot(w, "site-one");
 	scan(w, 2, "scanning-again");
-	wait_words(w, "site-words", "All 2 scans fit together");
+	rig_wait_words(w->rig, "site-words", "All 2 scans fit together", limit_s);
 	rig_wait_for(w->rig, "site-draw", limit_s);
 	g_usleep(3000000);
 	shot(w, "site-done");
@@ -443,7 +431,7 @@ static void refused(void)
 	make_site(&w);
 	scan(&w, 1, "scanning");
 	scan(&w, 2, "scanning-again");
-	wait_words(&w, "site-words", "does not fit");
+	rig_wait_words(w.rig, "site-words", "does not fit", limit_s);
 	shot(&w, "site-refused");
 	fix_by_points(&w);
 	rig_free(w.rig);
@@ -533,7 +521,7 @@ static void killed(void)
 		rig_start(w.rig);
 		g_test_message(
 			"back after %.2f s", (double)(g_get_monotonic_time() - since_us) * 1e-6);
-		wait_words(&w, "toast-text", "stopped unexpectedly");
+		rig_wait_words(w.rig, "toast-text", "stopped unexpectedly", limit_s);
 		whole_scans(&w);
 	}
 	guint before = whole_scans(&w);
