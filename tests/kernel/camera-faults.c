@@ -159,13 +159,13 @@ static void assert_bar(const struct camera_format *f, const uint8_t *nv12, uint3
 		g_assert_cmpfloat(fabs(CLAMP(rgb[k], 0, 255) - as_seen(f, bars[bar][k])), <=, 6);
 }
 
-/* Every format that both know: the bars have their colours, wherever pixels and their chroma lie. */
-static unsigned see_formats(const char *node, const char *size)
+/* So many formats at most that both know: the bars have their colours, wherever pixels and their chroma lie. */
+static unsigned see_formats(const char *node, const char *size, unsigned most)
 {
 	size_t count;
 	unsigned seen = 0;
 	const struct camera_format *formats = camera_formats(&count);
-	for (size_t i = 0; i < count; i++) {
+	for (size_t i = 0; i < count && seen < most; i++) {
 		g_autoptr(frames) f = frames_new();
 		g_autoptr(GError) error = NULL;
 		g_autofree char *code = camera_fourcc_text(formats[i].fourcc);
@@ -196,7 +196,7 @@ static const char *const size = "&camera.width=320&camera.height=180";
 
 static void test_formats(void)
 {
-	unsigned seen = see_formats(webcam, size);
+	unsigned seen = see_formats(webcam, size, UINT_MAX);
 	g_test_message("%u formats", seen);
 	g_assert_cmpuint(seen, >=, 6); /* YUYV, NV12, four of Bayer */
 }
@@ -325,7 +325,7 @@ static void test_cable(void)
 {
 	choose(cable, "DV Timings Signal Mode", "Selected DV Timings");
 	choose(cable, "DV Timings", "640x480p59");
-	g_assert_cmpuint(see_formats(cable, ""), >=, 6);
+	g_assert_cmpuint(see_formats(cable, "", 2), ==, 2); /* they are large: YUYV, NV12 */
 	camera *c = open_camera(cable, "");
 	struct got g = take(c);
 	g_assert_cmpuint(g.info.width, ==, 640);

@@ -52,7 +52,9 @@ make_first() { # NAME
 		cp "$file" "$first/modules/$n-$(basename "$file")"
 		n=$((n + 1))
 	done
-	(cd "$first" && find . | cpio --quiet -o -H newc | gzip -1) > "$cache/$1.gz"
+	(cd "$first" && find . | cpio --quiet -o -H newc | gzip -1) > "$cache/$1.new"
+	# Another test's QEMU may be reading the one that was there.
+	mv "$cache/$1.new" "$cache/$1.gz"
 }
 
 install_appliance() { # NAME

@@ -63,7 +63,7 @@ result $? "unplugged and plugged in again, it is followed as before"
 comment "brightness $bright in picture $pictures"
 
 killed=$(uptime_ms)
-kill -KILL "$(pgrep -x pleinair-kiosk)"
+kill -KILL "$(grep -lx pleinair-kiosk /proc/[0-9]*/comm | cut -d/ -f3)"
 gone() { ! kill -0 "$pid"; }
 wait_for 20 gone
 until_it 120 is_bright && [ "$(main_of)" != "$pid" ]

@@ -1,5 +1,5 @@
 """screen-look.py TAP MONITOR OUT: for each line "# picture NAME" that comes into TAP, QEMU at the socket MONITOR writes what its screen shows to
-OUT/NAME.png and .ppm, and OUT/NAME.mean tells how bright that is, 0 to 255, which the guest reads."""
+OUT/NAME.ppm (and .png, where it is another picture than before), and OUT/NAME.mean tells how bright that is, 0 to 255, which the guest reads."""
 import os
 import socket
 import sys
@@ -26,16 +26,19 @@ def ask(command):
 def look(name):
     ppm = os.path.join(out, name + ".ppm")
     ask(f"screendump {ppm}")
-    ask(f"screendump {os.path.join(out, name + '.png')} -f png")
     with open(ppm, "rb") as f:
         data = f.read()
     head = data.split(b"\n", 3)
     pixels = head[3][::97]
+    if pixels != look.before:
+        ask(f"screendump {os.path.join(out, name + '.png')} -f png")
+    look.before = pixels
     with open(os.path.join(out, name + ".new"), "w") as f:
         f.write(f"{sum(pixels) / max(len(pixels), 1):.0f} {head[1].decode()}\n")
     os.rename(os.path.join(out, name + ".new"), os.path.join(out, name + ".mean"))
 
 
+look.before = None
 while True:
     try:
         with open(tap, "rb") as f:
