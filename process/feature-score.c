@@ -24,8 +24,6 @@
 /* Of a face that is seen from its side the line is not known well. */
 #define SEEN_FROM_SIDE 0.94f
 
-enum { EDGE_DEPTH = 1, EDGE_CREASE = 2, SMOOTH = 3, PLANT_EDGE = 4 };
-
 struct scene {
 	const range_grid *g;
 	const struct feature_truth *t;
@@ -179,12 +177,12 @@ static uint8_t mark_of(const struct scene *s, uint32_t row, uint32_t column)
 {
 	size_t i = (size_t)row * s->g->columns + column;
 	if (is_even(s, row, column))
-		return SMOOTH;
+		return FEATURE_TRUTH_SMOOTH;
 	if (!is_measured(s, row, column))
 		return 0;
 	if (is_depth_edge(s, row, column))
-		return s->t[i].is_plant ? PLANT_EDGE : EDGE_DEPTH;
-	return is_crease(s, row, column, NULL) ? EDGE_CREASE : 0;
+		return s->t[i].is_plant ? FEATURE_TRUTH_PLANT : FEATURE_TRUTH_DEPTH;
+	return is_crease(s, row, column, NULL) ? FEATURE_TRUTH_CREASE : 0;
 }
 
 uint8_t *feature_truth_marks(const range_grid *g, const struct feature_truth *truth, float noise_m)
@@ -220,7 +218,8 @@ static bool all_smooth(const range_grid *g, const uint8_t *marks, uint32_t row, 
 	size_t k;
 	for (int y = -NEARBY; y <= NEARBY; y++)
 		for (int x = -NEARBY; x <= NEARBY; x++)
-			if (range_grid_step(g, row, column, y, x, &k) && marks[k] != SMOOTH)
+			if (range_grid_step(g, row, column, y, x, &k) &&
+				marks[k] != FEATURE_TRUTH_SMOOTH)
 				return false;
 	return true;
 }
@@ -233,12 +232,12 @@ static void count_edges(
 		for (uint32_t column = 0; column < g->columns; column++) {
 			size_t i = (size_t)row * g->columns + column;
 			bool found = feature_near(f, g, row, column);
-			ret->depth_edges += marks[i] == EDGE_DEPTH;
-			ret->depth_found += marks[i] == EDGE_DEPTH && found;
-			ret->creases += marks[i] == EDGE_CREASE;
-			ret->creases_found += marks[i] == EDGE_CREASE && found;
-			ret->plant_edges += marks[i] == PLANT_EDGE;
-			ret->plant_found += marks[i] == PLANT_EDGE && found;
+			ret->depth_edges += marks[i] == FEATURE_TRUTH_DEPTH;
+			ret->depth_found += marks[i] == FEATURE_TRUTH_DEPTH && found;
+			ret->creases += marks[i] == FEATURE_TRUTH_CREASE;
+			ret->creases_found += marks[i] == FEATURE_TRUTH_CREASE && found;
+			ret->plant_edges += marks[i] == FEATURE_TRUTH_PLANT;
+			ret->plant_found += marks[i] == FEATURE_TRUTH_PLANT && found;
 			ret->points += is_feature(f, i);
 			ret->false_points += is_feature(f, i) && all_smooth(g, marks, row, column);
 		}
@@ -255,10 +254,10 @@ static bool crease_direction(
 	for (int y = -3; y <= 3; y++)
 		for (int x = -3; x <= 3; x++) {
 			float d[3];
-			if (!range_grid_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
-				!marks[k])
+			if (!range_grid_step(s->g, row, column, y, x, &k) ||
+				marks[k] == FEATURE_TRUTH_SMOOTH || !marks[k])
 				continue;
-			if (marks[k] != EDGE_CREASE ||
+			if (marks[k] != FEATURE_TRUTH_CREASE ||
 				!is_crease(s, (uint32_t)(k / s->g->columns),
 					(uint32_t)(k % s->g->columns), d) ||
 				(any && fabsf(vector3_dot(d, ret)) < 0.9986f))
@@ -278,7 +277,7 @@ static bool is_silhouette(
 	static const int8_t way[4][2] = { { 0, 1 }, { 0, -1 }, { 1, 0 }, { -1, 0 } };
 	size_t i = (size_t)row * s->g->columns + column, k;
 	float least_m = fmaxf(DEPTH_STEP_M, DEPTH_SIGMAS * s->noise_m);
-	for (int w = 0; w < 4 && marks[i] == EDGE_DEPTH; w++)
+	for (int w = 0; w < 4 && marks[i] == FEATURE_TRUTH_DEPTH; w++)
 		if (range_grid_step(s->g, row, column, way[w][0], way[w][1], &k) &&
 			(!(s->t[k].range_m > 0) ||
 				(s->t[k].range_m > s->t[i].range_m && step_m(s, i, k) > least_m)))
@@ -299,8 +298,8 @@ static bool gather_silhouette(const struct scene *s, const uint8_t *marks, uint3
 	size_t k;
 	for (int y = -ALONG_CELLS; y <= ALONG_CELLS; y++)
 		for (int x = -ALONG_CELLS; x <= ALONG_CELLS; x++) {
-			if (!range_grid_step(s->g, row, column, y, x, &k) || marks[k] == SMOOTH ||
-				!marks[k])
+			if (!range_grid_step(s->g, row, column, y, x, &k) ||
+				marks[k] == FEATURE_TRUTH_SMOOTH || !marks[k])
 				continue;
 			const struct feature_truth *t = &s->t[k];
 			bool same = t->instance == own->instance &&
@@ -308,7 +307,7 @@ static bool gather_silhouette(const struct scene *s, const uint8_t *marks, uint3
 			bool ahead = is_silhouette(s, marks, (uint32_t)(k / s->g->columns),
 				(uint32_t)(k % s->g->columns));
 			if (abs(y) <= 3 && abs(x) <= 3 &&
-				(marks[k] != EDGE_DEPTH || (ahead && !same)))
+				(marks[k] != FEATURE_TRUTH_DEPTH || (ahead && !same)))
 				return false;
 			if (!same || !ahead)
 				continue;
@@ -407,7 +406,7 @@ static void score_directions(
 			float truth[3] = { 0 };
 			if (!is_feature(f, i))
 				continue;
-			if (marks[i] == EDGE_CREASE &&
+			if (marks[i] == FEATURE_TRUTH_CREASE &&
 				crease_direction(s, marks, row, column, truth))
 				score_direction(f, i, truth, &ret->straight_creases, creases);
 			else if (silhouette_direction(s, marks, row, column, truth))
@@ -463,8 +462,8 @@ static void score_dithering(const features *f, const struct scene *s, const uint
 		ret->band_m[b + 1] = ret->band_m[b] * pow(10, 1.0 / FEATURE_BANDS);
 	for (size_t i = 0; i < range_grid_cells(g); i++) {
 		float d[3], range_m = g->range_m[i];
-		if (!(range_m >= 5) || range_m >= 50 || marks[i] != SMOOTH || is_feature(f, i) ||
-			!g->rgb)
+		if (!(range_m >= 5) || range_m >= 50 || marks[i] != FEATURE_TRUTH_SMOOTH ||
+			is_feature(f, i) || !g->rgb)
 			continue;
 		int b = MIN((int)(FEATURE_BANDS * log10(range_m / 5)), FEATURE_BANDS - 1);
 		look(g, i, d);

@@ -42,7 +42,13 @@ struct feature_score {
 /* truth: of each cell. noise_m: 1 sigma of a range. */
 void feature_score_make(const features *f, const range_grid *g, const struct feature_truth *truth,
 	float noise_m, const struct features_options *options, struct feature_score *ret);
-/* What a cell is, for pictures: 1 depth edge, 2 crease, 3 smooth and even. Caller frees. */
+/* What a cell is: smooth and even; an edge that counts; 0: neither. Caller frees. */
+enum feature_truth_mark {
+	FEATURE_TRUTH_DEPTH = 1,
+	FEATURE_TRUTH_CREASE,
+	FEATURE_TRUTH_SMOOTH,
+	FEATURE_TRUTH_PLANT, /* a depth edge of a plant */
+};
 uint8_t *feature_truth_marks(const range_grid *g, const struct feature_truth *truth, float noise_m);
 
 #endif

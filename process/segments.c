@@ -173,6 +173,16 @@ bool segments_is_above(const segments *s, uint32_t a, uint32_t b)
 	return node;
 }
 
+uint8_t *segments_classes(const segments *s)
+{
+	uint8_t *classes = g_malloc0(SEGMENTS_MAX + 1);
+	for (guint n = 0; n < s->nodes->len; n++) {
+		const struct segment *node = &g_array_index(s->nodes, struct segment, n);
+		classes[node->id] = (uint8_t)node->class;
+	}
+	return classes;
+}
+
 char *segments_name(const segments *s, uint32_t id)
 {
 	const struct segment *node = segments_find(s, id);

@@ -85,6 +85,8 @@ void segments_renumber(segments *s, const uint16_t *becomes);
 bool segments_is_leaf(const segments *s, uint32_t id);
 /* Whether a is b or stands above it. */
 bool segments_is_above(const segments *s, uint32_t a, uint32_t b);
+/* The class of every number up to SEGMENTS_MAX, enum segment_class; of those that nothing has CLASS_OTHER. Caller frees. */
+uint8_t *segments_classes(const segments *s);
 /* "Vegetation / Tree 4"; caller frees. */
 char *segments_name(const segments *s, uint32_t id);
 

@@ -4,6 +4,7 @@
 #include "acquire/preset.h"
 #include "process/bench-export.h"
 #include "process/bench-features.h"
+#include "process/bench-lines.h"
 #include "process/bench-model.h"
 #include "process/bench-process.h"
 #include "process/bench-register.h"
@@ -175,6 +176,17 @@ static int run_features(void)
 	return bench_features(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_lines(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_lines_options options = {
+		.seed = (uint64_t)seed, .preset = preset, .keep = keep, .json = json
+	};
+	if (seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND, "seeds go from 0 to 1000000000");
+	return bench_lines(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 /* ---- pictures ---- */
 
 static bool read_size(const char *text, uint32_t *ret_width, uint32_t *ret_height)
@@ -269,6 +281,7 @@ static const struct part {
 	{ "export", run_export },
 	{ "segments", run_segments },
 	{ "features", run_features },
+	{ "lines", run_lines },
 	{ "render", run_render },
 	{ "coherence", run_coherence },
 	{ "hatching", run_hatching },
@@ -288,9 +301,8 @@ int main(int argc, char **argv)
 {
 	int status;
 	if (!cli_parse(COMMAND,
-		    "[acquire | process | register | model | export | segments | features | render "
-		    "| "
-		    "coherence | hatching | filters]",
+		    "[acquire | process | register | model | export | segments | features | lines "
+		    "| render | coherence | hatching | filters]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
 		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
@@ -304,6 +316,8 @@ int main(int argc, char **argv)
 		    "have classes, and counts what is right.\n"
 		    "features: finds features in simulated scenes, and counts what was found and "
 		    "what is none.\n"
+		    "lines: links features into profile lines in simulated scenes, and counts what "
+		    "they cover.\n"
 		    "render: draws scenes as large as a paper's, and VTK does, where it is "
 		    "installed.\n"
 		    "coherence: how calm drawings are when the camera moves, and how dark.\n"
@@ -318,7 +332,7 @@ int main(int argc, char **argv)
 		return cli_misuse(COMMAND,
 			"there is no bench '%s': acquire, process, register, model, export, "
 			"segments, "
-			"features, render, coherence, hatching, filters",
+			"features, lines, render, coherence, hatching, filters",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(

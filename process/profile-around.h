@@ -1,0 +1,33 @@
+#ifndef PROCESS_PROFILE_AROUND_H
+#define PROCESS_PROFILE_AROUND_H
+/* The points of a model around a straight line. It keeps a copy of what it needs of them, 22 bytes a point. Const after it was made; any
+ * number of threads may ask. */
+#include "process/features.h"
+#include "process/model.h"
+#include <glib.h>
+
+/* Of a line: its place, two directions across, and its own; right-handed, unit, from the origin of the lines. */
+struct profile_frame {
+	double at[3];
+	float axis[3][3];
+};
+
+/* A point as the frame has it: across, across, along. */
+struct profile_near {
+	float u, v, t;
+	float normal[3]; /* 0 0 0: none */
+	float spacing_m;
+	uint16_t leaf;
+	uint8_t flags; /* enum feature_flag */
+	bool is_feature;
+};
+
+typedef struct profile_around profile_around;
+profile_around *profile_around_new(const model *m, const double origin_m[3]);
+void profile_around_free(profile_around *a); /* NULL is fine */
+G_DEFINE_AUTOPTR_CLEANUP_FUNC(profile_around, profile_around_free)
+/* All within radius_m of the line between two places along it. ret is emptied first. */
+void profile_around_look(const profile_around *a, const struct profile_frame *f, double from_m,
+	double to_m, float radius_m, GArray *ret);
+
+#endif

@@ -1,0 +1,466 @@
+#include "process/normal-equations.h"
+#include "process/profile-faces.h"
+#include "process/vector3.h"
+#include <string.h>
+
+/* From where faces cut each other to where they end: so many spacings, and this. */
+#define MEETS_SPACINGS 1.3f
+#define MEETS_M        0.012f
+#define FITS           4
+/* Beyond its last points a face goes on for half a spacing, on the mean. */
+#define LAST_SPACINGS 0.45
+/* Next to an edge, within so many spacings, a part of the steps has feature points; of the points at the end of a face not more lie at the
+ * end of a shadow. */
+#define BY_SPACINGS    1.5f
+#define BY_M           0.01f
+#define FEATURES_SHARE 0.4f
+/* Along an edge one looks for it in steps of this, with no larger gap between; for the feature points beside it in larger ones. */
+#define STEP_M               0.05f
+#define STEP_SPACINGS        2.0f
+#define GAP_M                0.13f
+#define GAP_SPACINGS         4.0f
+#define FEATURE_GAP_M        0.3f
+#define FEATURE_GAP_SPACINGS 6.0f
+#define AHEAD_M              1.0f
+#define LONGEST_M            100.0
+/* Beyond the end of a face there are at most so many points as inside. */
+#define BEYOND_SHARE 0.3f
+/* Of the steps of an edge that are borne out. */
+#define SUPPORT_LEAST 0.65f
+/* And at least so long, in spacings. */
+#define LONG_SPACINGS 8.0f
+/* The farthest points of a face that ends lie on a line, in most steps, as far as spacings explain. */
+#define STEPS_LEAST    3
+#define STEPS_SHARE    0.5
+#define NOISE_SPACINGS 0.35
+#define NOISE_M        0.003
+/* An edge so much longer than what it was found by is found again by all of it, within this. */
+#define REFINED_LONGER 1.2
+#define REFINED_M      0.03
+#define REFINED_TIMES  1
+
+/* A face in the site's frame: normal . place = off_m. */
+struct plane {
+	float normal[3];
+	double off_m;
+	float noise_m;
+};
+
+struct settler {
+	const profile_around *all;
+	const struct profile_piece *seed;
+	struct profile_section section;
+	bool is_met[PROFILE_SPANS][2]; /* where a span begins, or ends, it meets another face */
+	GArray *near;
+	GArray *ret; /* of struct profile_piece */
+};
+
+static const struct profile_near *near_at(const GArray *near, guint i)
+{
+	return &g_array_index(near, struct profile_near, i);
+}
+
+static struct plane plane_of(const struct profile_frame *f, const struct profile_face *face)
+{
+	struct plane p = { .off_m = (double)face->off_m, .noise_m = face->noise_m };
+	for (int k = 0; k < 3; k++)
+		p.normal[k] = face->normal[0] * f->axis[0][k] + face->normal[1] * f->axis[1][k] +
+			      face->normal[2] * f->axis[2][k];
+	for (int k = 0; k < 3; k++)
+		p.off_m += (double)p.normal[k] * f->at[k];
+	return p;
+}
+
+static struct profile_face face_in(const struct profile_frame *f, const struct plane *p)
+{
+	struct profile_face face = { .noise_m = p->noise_m };
+	double off_m = p->off_m;
+	for (int k = 0; k < 3; k++) {
+		face.normal[k] = vector3_dot(p->normal, f->axis[k]);
+		off_m -= (double)p->normal[k] * f->at[k];
+	}
+	face.off_m = (float)off_m;
+	return face;
+}
+
+/* ---- along an edge ---- */
+
+struct step {
+	uint32_t of[2], beyond, other, features, shadows;
+};
+
+/* What is next to an edge in each step from from_m on. */
+static void count_steps(const struct settler *s, const struct profile_piece *p,
+	const struct profile_frame *frame, const struct profile_face *face, int side, float from_m,
+	float step_m, struct step *step, int steps)
+{
+	float reach_m = 3 * p->spacing_m + 0.02f, by_m = BY_SPACINGS * p->spacing_m + BY_M;
+	const int faces = 1 + (p->kind == PROFILE_CREASE);
+	profile_around_look(s->all, frame, (double)from_m, (double)(from_m + (float)steps * step_m),
+		reach_m, s->near);
+	for (guint i = 0; i < s->near->len; i++) {
+		const struct profile_near *n = near_at(s->near, i);
+		int at = CLAMP((int)((n->t - from_m) / step_m), 0, steps - 1);
+		struct step *to = &step[at];
+		bool is_of = false;
+		for (int f = 0; f < faces; f++) {
+			if (!profile_is_of(n, &face[f]))
+				continue;
+			is_of = true;
+			if (faces == 1 &&
+				profile_beside(n, &face[f]) * (float)side > 1.2f * p->spacing_m)
+				to->beyond++;
+			else
+				to->of[f]++;
+		}
+		to->other += !is_of;
+		if (hypotf(n->u, n->v) <= by_m) {
+			to->features += n->is_feature;
+			to->shadows += is_of && n->flags & FEATURE_BEHIND;
+		}
+	}
+}
+
+static bool is_good(const struct profile_piece *p, const struct step *s)
+{
+	if (p->kind == PROFILE_CREASE)
+		return s->of[0] && s->of[1] && s->other <= s->of[0] + s->of[1];
+	return s->of[0] && (float)s->beyond <= BEYOND_SHARE * (float)s->of[0] &&
+	       s->shadows * 2 <= s->of[0];
+}
+
+struct walk {
+	int from, to; /* steps that are part of it: from .. to - 1 */
+	uint32_t good, features;
+};
+
+/* The longest run of good steps without large gaps. */
+static struct walk longest_run(
+	const struct profile_piece *p, const struct step *step, int steps, float step_m)
+{
+	int gap = (int)ceilf(fmaxf(GAP_M, GAP_SPACINGS * p->spacing_m) / step_m),
+	    feature_gap =
+		    (int)ceilf(fmaxf(FEATURE_GAP_M, FEATURE_GAP_SPACINGS * p->spacing_m) / step_m);
+	struct walk best = { 0 }, run = { 0 };
+	int last_good = INT32_MIN / 2, last_feature = INT32_MIN / 2;
+	for (int n = 0; n <= steps; n++) {
+		bool good = n < steps && is_good(p, &step[n]);
+		if (n < steps && step[n].features)
+			last_feature = n;
+		if (n == steps || n - last_good > gap || n - last_feature > feature_gap) {
+			run.to = last_good + 1;
+			if (run.good && run.to - run.from > best.to - best.from)
+				best = run;
+			run = (struct walk){ n, n, 0, 0 };
+		}
+		if (good && last_feature > n - feature_gap) {
+			if (!run.good)
+				run.from = n;
+			run.good++;
+			run.features += step[n].features > 0;
+			last_good = n;
+		}
+	}
+	return best;
+}
+
+/* Sets where the edge begins and ends: as far as its faces, and feature points beside it, go along with it. */
+static bool find_extent(
+	const struct settler *s, struct profile_piece *p, const struct plane *plane, int side)
+{
+	float step_m = fmaxf(STEP_M, STEP_SPACINGS * p->spacing_m);
+	double ahead[2] = { (double)AHEAD_M, (double)AHEAD_M };
+	for (;;) {
+		struct profile_frame frame;
+		struct profile_piece wide = *p;
+		wide.from_m -= ahead[0];
+		wide.to_m += ahead[1];
+		float half_m = (float)profile_piece_length(&wide) / 2;
+		int steps = (int)ceilf(2 * half_m / step_m);
+		g_autofree struct step *step = g_new0(struct step, steps + 1);
+		struct profile_face face[2];
+		profile_frame_of(&wide, &frame);
+		for (int f = 0; f < 1 + (p->kind == PROFILE_CREASE); f++)
+			face[f] = face_in(&frame, &plane[f]);
+		count_steps(s, p, &frame, face, side, -half_m, step_m, step, steps);
+		struct walk run = longest_run(p, step, steps, step_m);
+		if (run.to - run.from < 2)
+			return false;
+		bool more = false;
+		if (run.from == 0 && (double)half_m < LONGEST_M)
+			ahead[0] *= 2, more = true;
+		if (run.to == steps && (double)half_m < LONGEST_M)
+			ahead[1] *= 2, more = true;
+		if (more)
+			continue;
+		p->from_m = wide.from_m + (double)((float)run.from * step_m);
+		p->to_m = wide.from_m + (double)((float)run.to * step_m);
+		p->support = (float)run.good / (float)(run.to - run.from);
+		return p->support >= SUPPORT_LEAST &&
+		       (float)run.features >= FEATURES_SHARE * (float)(run.to - run.from) &&
+		       profile_piece_length(p) >= (double)(LONG_SPACINGS * p->spacing_m);
+	}
+}
+
+/* ---- an edge ---- */
+
+static void to_site(const struct profile_frame *f, const float at[3], double ret[3])
+{
+	for (int k = 0; k < 3; k++)
+		ret[k] = f->at[k] + (double)(at[0] * f->axis[0][k] + at[1] * f->axis[1][k] +
+					     at[2] * f->axis[2][k]);
+}
+
+/* Through places across at both ends of the section. */
+static struct profile_piece piece_between(
+	const struct settler *s, const float low[2], const float high[2])
+{
+	const struct profile_section *section = &s->section;
+	struct profile_piece p = *s->seed;
+	double from[3], to[3], length = 0;
+	to_site(&section->frame, (float[3]){ low[0], low[1], -section->half_m }, from);
+	to_site(&section->frame, (float[3]){ high[0], high[1], section->half_m }, to);
+	for (int k = 0; k < 3; k++) {
+		p.line.at[k] = from[k];
+		p.line.along[k] = to[k] - from[k];
+		length += p.line.along[k] * p.line.along[k];
+	}
+	length = sqrt(length);
+	for (int k = 0; k < 3; k++)
+		p.line.along[k] /= length;
+	p.from_m = 0;
+	p.to_m = length;
+	memset(p.face, 0, sizeof p.face);
+	return p;
+}
+
+/* In the section of a face: the place so far beside the piece. */
+static void in_face(const struct profile_face *f, float beside_m, float t, float ret[2])
+{
+	float length = hypotf(f->normal[0], f->normal[1]),
+	      n[2] = { f->normal[0] / length, f->normal[1] / length };
+	float w = (f->off_m - f->normal[2] * t) / length;
+	ret[0] = w * n[0] - beside_m * n[1];
+	ret[1] = w * n[1] + beside_m * n[0];
+}
+
+static float beside_of(const struct profile_face *f, const float at[2])
+{
+	struct profile_near n = { .u = at[0], .v = at[1] };
+	return profile_beside(&n, f);
+}
+
+static void keep(struct settler *s, struct profile_piece *p, const struct plane *plane, int side)
+{
+	for (int f = 0; f < 1 + (p->kind == PROFILE_CREASE); f++)
+		memcpy(p->face[f], plane[f].normal, sizeof p->face[f]);
+	if (find_extent(s, p, plane, side))
+		g_array_append_val(s->ret, *p);
+}
+
+/* ---- creases ---- */
+
+/* Where two faces cut each other, at a place along. */
+static bool cut_at(
+	const struct profile_face *f, const struct profile_face *g, float t, float ret[2])
+{
+	float a = f->off_m - f->normal[2] * t, b = g->off_m - g->normal[2] * t;
+	float det = f->normal[0] * g->normal[1] - f->normal[1] * g->normal[0];
+	if (fabsf(det) < 0.3f)
+		return false;
+	ret[0] = (a * g->normal[1] - b * f->normal[1]) / det;
+	ret[1] = (f->normal[0] * b - g->normal[0] * a) / det;
+	return true;
+}
+
+static float meets_m(const struct settler *s)
+{
+	return MEETS_SPACINGS * s->section.spacing_m + MEETS_M;
+}
+
+/* The span of the face that reaches there; -1: none does. *ret_at_end: 0, 1, or -1 amid it. */
+static int span_at(const struct settler *s, uint32_t face, float beside_m, int *ret_at_end)
+{
+	float reach = meets_m(s);
+	for (uint32_t n = 0; n < s->section.spans; n++) {
+		const struct profile_span *span = &s->section.span[n];
+		if (span->face != face || beside_m < span->from_m - reach ||
+			beside_m > span->to_m + reach)
+			continue;
+		*ret_at_end = fabsf(beside_m - span->from_m) <= reach ? 0
+			      : fabsf(beside_m - span->to_m) <= reach ? 1
+								      : -1;
+		return (int)n;
+	}
+	return -1;
+}
+
+static void add_crease(struct settler *s, uint32_t a, uint32_t b)
+{
+	const struct profile_section *section = &s->section;
+	const struct profile_face *f = &section->face[a], *g = &section->face[b];
+	float low[2], middle[2], high[2];
+	if (vector3_dot(f->normal, g->normal) > PROFILE_APART_COS || !cut_at(f, g, 0, middle) ||
+		!cut_at(f, g, -section->half_m, low) || !cut_at(f, g, section->half_m, high) ||
+		hypotf(middle[0], middle[1]) > section->radius_m)
+		return;
+	int ends[2] = { -1, -1 }, span[2] = { span_at(s, a, beside_of(f, middle), &ends[0]),
+		span_at(s, b, beside_of(g, middle), &ends[1]) };
+	if (span[0] < 0 || span[1] < 0 || (ends[0] < 0 && ends[1] < 0))
+		return;
+	for (int n = 0; n < 2; n++)
+		if (ends[n] >= 0)
+			s->is_met[span[n]][ends[n]] = true;
+	struct profile_piece p = piece_between(s, low, high);
+	const struct plane planes[2] = { plane_of(&section->frame, f),
+		plane_of(&section->frame, g) };
+	p.kind = PROFILE_CREASE;
+	p.off_m = fmaxf(f->noise_m, g->noise_m) / 2;
+	keep(s, &p, planes, 0);
+}
+
+/* ---- ends ---- */
+
+/* The farthest points of the span in each step along, and a line through them that is near to most. */
+static bool fit_end(const struct settler *s, const struct profile_span *span, int end,
+	double ret[2], double *ret_noise_m)
+{
+	const struct profile_section *section = &s->section;
+	const struct profile_face *f = &section->face[span->face];
+	const float side = end ? 1 : -1, last_m = side * (end ? span->to_m : span->from_m),
+		    spacing_m = section->spacing_m;
+	float step_m = fmaxf(0.03f, 2.5f * spacing_m);
+	uint32_t steps = MAX((uint32_t)ceilf(2 * section->half_m / step_m), 1);
+	g_autofree float *last = g_new(float, steps);
+	for (uint32_t n = 0; n < steps; n++)
+		last[n] = -INFINITY;
+	for (guint i = 0; i < section->near->len; i++) {
+		const struct profile_near *p = near_at(section->near, i);
+		uint32_t n = MIN((uint32_t)fmaxf((p->t + section->half_m) / step_m, 0), steps - 1);
+		float beside = side * profile_beside(p, f);
+		if (section->face_of[i] == span->face && beside <= last_m &&
+			beside > last_m - 3 * spacing_m - 0.02f)
+			last[n] = fmaxf(last[n], beside);
+	}
+	double x[2] = { (double)(last_m - spacing_m / 2), 0 },
+	       reach_m = 2 * (double)spacing_m + 0.02, noise = 0;
+	for (int fit = 0; fit < FITS; fit++) {
+		double information[4] = { 0 }, gradient[2] = { 0 }, weights = 0, squares = 0;
+		for (uint32_t n = 0; n < steps; n++) {
+			double row[2] = { 1,
+				((double)n + 0.5) * (double)step_m - (double)section->half_m };
+			double off = (double)last[n] - x[0] - x[1] * row[1];
+			if (!(fabs(off) < reach_m))
+				continue;
+			double weight = 1 - off * off / (reach_m * reach_m);
+			for (int j = 0; j < 2; j++) {
+				gradient[j] += weight * row[j] * (double)last[n];
+				for (int k = 0; k < 2; k++)
+					information[2 * j + k] += weight * row[j] * row[k];
+			}
+			weights += weight;
+			squares += weight * off * off;
+		}
+		information[3] += 1e-4;
+		if (weights < STEPS_LEAST || weights < STEPS_SHARE * steps ||
+			!normal_equations_solve(information, gradient, 2, x, NULL))
+			return false;
+		noise = sqrt(squares / weights);
+		reach_m = fmax(2.5 * noise, 0.5 * (double)spacing_m + 0.002);
+	}
+	ret[0] = (double)side * (x[0] + LAST_SPACINGS * (double)spacing_m);
+	ret[1] = (double)side * x[1];
+	*ret_noise_m = noise;
+	return noise <= NOISE_M + NOISE_SPACINGS * (double)spacing_m;
+}
+
+static void add_end(struct settler *s, const struct profile_span *span, int end)
+{
+	const struct profile_section *section = &s->section;
+	const struct profile_face *f = &section->face[span->face];
+	double x[2], noise_m;
+	float low[2], middle[2], high[2];
+	in_face(f, end ? span->to_m : span->from_m, 0, middle);
+	if (hypotf(middle[0], middle[1]) > section->radius_m - 2.5f * section->spacing_m ||
+		!fit_end(s, span, end, x, &noise_m))
+		return;
+	in_face(f, (float)(x[0] - x[1] * (double)section->half_m), -section->half_m, low);
+	in_face(f, (float)(x[0] + x[1] * (double)section->half_m), section->half_m, high);
+	struct profile_piece p = piece_between(s, low, high);
+	const struct plane plane = plane_of(&section->frame, f);
+	p.kind = PROFILE_END;
+	p.off_m = (float)noise_m;
+	keep(s, &p, &plane, end ? 1 : -1);
+}
+
+/* ---- all of it ---- */
+
+static void find_edges(struct settler *s)
+{
+	memset(s->is_met, 0, sizeof s->is_met);
+	profile_section_look(s->all, s->seed, &s->section);
+	for (uint32_t a = 0; a < s->section.faces; a++)
+		for (uint32_t b = a + 1; b < s->section.faces; b++)
+			add_crease(s, a, b);
+	for (uint32_t n = 0; n < s->section.spans; n++)
+		for (int end = 0; end < 2; end++)
+			if (!s->is_met[n][end])
+				add_end(s, &s->section.span[n], end);
+}
+
+/* How far two pieces are apart at the middle of the first, and at its ends. */
+static double off_from(const struct profile_piece *p, const struct profile_piece *q)
+{
+	double most = 0;
+	for (int n = 0; n < 3; n++) {
+		double at[3];
+		straight_place(&p->line, p->from_m + n * profile_piece_length(p) / 2, at);
+		most = fmax(most, straight_off(&q->line, at));
+	}
+	return most;
+}
+
+/* An edge that is longer than what it was found by is known better by all of its length: what is the same edge then takes its place. */
+static void refine(struct settler *s, struct profile_piece *p)
+{
+	const struct profile_piece *found_by = s->seed;
+	GArray *ret = s->ret;
+	double best = REFINED_M + (double)p->spacing_m;
+	struct profile_piece was = *p;
+	s->seed = &was;
+	s->ret = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
+	find_edges(s);
+	for (guint n = 0; n < s->ret->len; n++) {
+		const struct profile_piece *q = &g_array_index(s->ret, struct profile_piece, n);
+		double off = off_from(&was, q);
+		if (q->kind == was.kind && off < best &&
+			profile_piece_length(q) > profile_piece_length(&was) / 2) {
+			best = off;
+			*p = *q;
+		}
+	}
+	g_array_unref(s->ret);
+	s->ret = ret;
+	s->seed = found_by;
+}
+
+void profile_piece_settle(const profile_around *all, const struct profile_piece *seed, GArray *ret)
+{
+	struct settler s = { .all = all, .seed = seed, .ret = ret };
+	s.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
+	s.section.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
+	find_edges(&s);
+	for (guint n = 0; n < ret->len; n++)
+		for (int times = 0; times < REFINED_TIMES; times++) {
+			struct profile_piece *p = &g_array_index(ret, struct profile_piece, n);
+			if (profile_piece_length(p) > REFINED_LONGER * profile_piece_length(seed))
+				refine(&s, p);
+		}
+	if (ret->len == 0 && seed->is_directed && seed->support > 0.6f) {
+		struct profile_piece p = *seed;
+		p.kind = s.section.faces ? PROFILE_MARK : PROFILE_THIN;
+		g_array_append_val(ret, p);
+	}
+	profile_section_clear(&s.section);
+	g_array_unref(s.near);
+}

@@ -1,0 +1,107 @@
+#include "process/profile-lines.h"
+#include "process/profile-join.h"
+#include <math.h>
+#include <string.h>
+
+#define LENGTH_LEAST_M 0.2f
+/* Pieces that are looked at side by side. */
+#define BATCH 32u
+/* What grew becomes edges, and these, which are longer, are found again by all of their length. */
+#define PASSES 2
+
+profile_lines *profile_lines_new(void)
+{
+	profile_lines *p = g_new0(profile_lines, 1);
+	p->line = g_array_new(FALSE, TRUE, sizeof(struct profile_line));
+	p->vertex = g_array_new(FALSE, TRUE, sizeof(struct profile_vertex));
+	return p;
+}
+
+void profile_lines_free(profile_lines *p)
+{
+	if (!p)
+		return;
+	g_array_unref(p->line);
+	g_array_unref(p->vertex);
+	g_free(p);
+}
+
+/* The middle of all chunks. */
+static void find_origin(const model *m, double ret_m[3])
+{
+	uint64_t chunks;
+	const struct model_chunk *chunk = model_chunks(m, &chunks);
+	for (int k = 0; k < 3; k++) {
+		double low = INFINITY, high = -INFINITY;
+		for (uint64_t n = 0; n < chunks; n++) {
+			low = fmin(low, chunk[n].centre_m[k]);
+			high = fmax(high, chunk[n].centre_m[k]);
+		}
+		ret_m[k] = chunks ? (low + high) / 2 : 0;
+	}
+}
+
+static int by_length(const void *a, const void *b)
+{
+	const struct profile_piece *x = a, *y = b;
+	double m = profile_piece_length(x), n = profile_piece_length(y);
+	return m != n ? (m > n ? -1 : 1) : memcmp(x, y, sizeof *x);
+}
+
+/* The longest first, some at a time: what these show explains many of those that come later. false: progress stopped it. */
+static bool settle(const model *m, GArray *pieces, const double origin_m[3], profile_joiner *joiner,
+	const struct profile_options *options)
+{
+	g_autoptr(profile_around) around = profile_around_new(m, origin_m);
+	g_array_sort(pieces, by_length);
+	for (guint n = 0; n < pieces->len; n += BATCH) {
+		GArray *found[BATCH];
+		guint count = MIN(BATCH, pieces->len - n);
+#pragma omp parallel for schedule(dynamic) if (!options->single_thread)
+		for (guint k = 0; k < count; k++) {
+			const struct profile_piece *p =
+				&g_array_index(pieces, struct profile_piece, n + k);
+			found[k] = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
+			if (!profile_joiner_explains(joiner, p, false))
+				profile_piece_settle(around, p, found[k]);
+		}
+		g_autoptr(GArray) edges = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
+		for (guint k = 0; k < count; k++) {
+			g_array_append_vals(edges, found[k]->data, found[k]->len);
+			g_array_unref(found[k]);
+		}
+		g_array_sort(edges, by_length);
+		for (guint k = 0; k < edges->len; k++)
+			profile_joiner_add(joiner, &g_array_index(edges, struct profile_piece, k));
+		if (options->progress &&
+			!options->progress(0.4 + 0.55 * n / pieces->len, options->user_data))
+			return false;
+	}
+	return true;
+}
+
+static struct profile_options defaults(const struct profile_options *options)
+{
+	struct profile_options o = options ? *options : (struct profile_options){ 0 };
+	if (!(o.length_least_m > 0))
+		o.length_least_m = LENGTH_LEAST_M;
+	return o;
+}
+
+profile_lines *profile_lines_find(const model *m, const struct profile_options *options)
+{
+	const struct profile_options o = defaults(options);
+	double origin_m[3];
+	find_origin(m, origin_m);
+	g_autoptr(GArray) pieces = profile_pieces_grow(m, origin_m, &o);
+	for (int pass = 0; pieces && pass < PASSES; pass++) {
+		g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
+		if (!settle(m, pieces, origin_m, joiner, &o))
+			return NULL;
+		if (pass + 1 == PASSES)
+			return profile_joiner_finish(joiner, origin_m);
+		g_array_unref(pieces);
+		pieces = profile_joiner_pieces(joiner);
+	}
+	return NULL;
+}

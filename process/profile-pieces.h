@@ -1,0 +1,34 @@
+#ifndef PROCESS_PROFILE_PIECES_H
+#define PROCESS_PROFILE_PIECES_H
+/* Straight pieces of edges: what profile lines are made of (profile-lines.h). */
+#include "process/line-fit.h"
+#include "process/profile-around.h"
+#include "process/profile-lines.h"
+
+struct profile_piece {
+	struct straight line; /* from the origin of the lines */
+	double from_m, to_m;  /* along it */
+	float spacing_m;      /* of the points on it, the mean */
+	float support;        /* 0..1: part of its length that feature points are on */
+	float degree;         /* 0..1: of these, the mean */
+	bool is_directed;     /* of directional points */
+	uint16_t leaf;
+	uint8_t kind;     /* enum profile_kind */
+	float face[2][3]; /* unit normals of the faces beside it; 0 0 0: none */
+	float off_m;      /* uncertainty of its place, about 1 sigma */
+};
+static inline double profile_piece_length(const struct profile_piece *p)
+{
+	return p->to_m - p->from_m;
+}
+
+/* All that grow in the feature points of a model, in the order in which they were found: the surest first. Array of struct profile_piece;
+ * NULL: progress stopped it. */
+GArray *profile_pieces_grow(
+	const model *m, const double origin_m[3], const struct profile_options *options);
+
+/* Looks at the faces around a piece that grew, and adds the edges that they make: where two cut each other, and where one ends; the piece
+ * itself where there are none and its points are directional. Any number of threads. */
+void profile_piece_settle(const profile_around *all, const struct profile_piece *seed, GArray *ret);
+
+#endif

@@ -1,0 +1,313 @@
+/* Lines through places, and profile lines of a block whose edges are known. */
+#include "process/line-grow.h"
+#include "process/model-write.h"
+#include "process/profile-lines.h"
+#include "process/vector3.h"
+#include "tests/simulated.h"
+#include <math.h>
+
+/* ---- straight lines ---- */
+
+static void test_fit(void)
+{
+	g_autoptr(GRand) r = g_rand_new_with_seed(5);
+	for (int n = 0; n < 50; n++) {
+		struct line_sums sums = { 0 };
+		double from[3], way[3], length = 0;
+		for (int k = 0; k < 3; k++) {
+			from[k] = g_rand_double_range(r, -50, 50);
+			way[k] = g_rand_double_range(r, -1, 1);
+			length += way[k] * way[k];
+		}
+		for (int i = 0; i < 200; i++) {
+			double at[3], along = g_rand_double_range(r, 0, 3);
+			for (int k = 0; k < 3; k++)
+				at[k] = from[k] + along * way[k] / sqrt(length) +
+					g_rand_double_range(r, -0.002, 0.002);
+			line_sums_add(&sums, at, 1 + i % 3);
+		}
+		struct straight line;
+		double off_m;
+		g_assert_true(line_sums_fit(&sums, &line, &off_m));
+		g_assert_cmpfloat(off_m, <, 0.002);
+		g_assert_cmpfloat(off_m, >, 0.001);
+		g_assert_cmpfloat(straight_off(&line, from), <, 0.001);
+		g_assert_cmpfloat(fabs(straight_along(&line, line.at)), <, 1e-9);
+	}
+	struct line_sums one = { 0 };
+	struct straight none;
+	g_assert_false(line_sums_fit(&one, &none, NULL));
+	line_sums_add(&one, (double[3]){ 1, 2, 3 }, 1);
+	g_assert_false(line_sums_fit(&one, &none, NULL));
+}
+
+/* Two rows that cross, a gap in one of them, and a crowd around. */
+static void test_grow(void)
+{
+	g_autoptr(GArray) all = g_array_new(FALSE, TRUE, sizeof(struct line_place));
+	g_autoptr(GRand) r = g_rand_new_with_seed(9);
+	for (int i = 0; i < 400; i++) {
+		struct line_place p = { .within_m = 0.01f, .weight = 1 };
+		p.at[i % 2] = 0.01 * (i / 2) + (i % 2 == 0 && i >= 200 ? 0.5 : 0);
+		p.at[2] = g_rand_double_range(r, -0.003, 0.003);
+		if (i % 4 < 2)
+			p.along[i % 2] = i % 3 ? 1 : -1;
+		g_array_append_val(all, p);
+	}
+	for (int i = 0; i < 300; i++) {
+		struct line_place p = { .within_m = 0.01f, .weight = 1 };
+		for (int k = 0; k < 3; k++)
+			p.at[k] = g_rand_double_range(r, 0.1, 2);
+		g_array_append_val(all, p);
+	}
+	g_autoptr(line_grower) g =
+		line_grower_new(all->data, all->len, sizeof(struct line_place), 0.1, cos(0.2));
+	struct line_run found;
+	/* Place 200 + 2 is undirected, on the second row past the gap of the first. */
+	g_assert_true(line_grower_grow(g, 4, 0.15, &found));
+	g_assert_cmpfloat(found.to_m - found.from_m, >, 0.97);
+	g_assert_cmpfloat(found.to_m - found.from_m, <, 1.02);
+	g_assert_cmpfloat(fabs(found.line.along[0]), >, 0.9999);
+	g_assert_cmpuint(found.found->len, >=, 95);
+	g_assert_true(line_grower_grow(g, 103, 0.15, &found));
+	g_assert_cmpfloat(fabs(found.line.along[1]), >, 0.9999);
+	g_assert_cmpfloat(found.to_m - found.from_m, >, 1.95);
+	for (guint n = 0; n < found.found->len; n++)
+		g_assert_true(g_array_index(
+			all, struct line_place, g_array_index(found.found, uint32_t, n))
+				      .is_used);
+	/* One of the crowd, far from any other. */
+	struct line_place *crowd = &g_array_index(all, struct line_place, 650);
+	crowd->at[0] = crowd->at[1] = crowd->at[2] = 9;
+	g_autoptr(line_grower) anew =
+		line_grower_new(all->data, all->len, sizeof(struct line_place), 0.1, cos(0.2));
+	g_assert_false(line_grower_grow(anew, 650, 0.15, &found));
+}
+
+/* ---- a block ---- */
+
+#define SPACING_M 0.02
+#define NOISE_M   0.005
+static const double block_m[3] = { 2, 1.2, 1.5 };
+
+static double gauss(GRand *r)
+{
+	return sqrt(-2 * log(1 - g_rand_double(r))) * cos(2 * G_PI * g_rand_double(r));
+}
+
+/* Of one of three faces, x = 2, y = 1.2, z = 1.5, which a scanner beyond their corner sees. */
+static struct part_point point_of(GRand *r, int face, double a, double b)
+{
+	double at[3];
+	int u = (face + 1) % 3, v = (face + 2) % 3, nearest = 0;
+	double edge[4] = { a, block_m[u] - a, b, block_m[v] - b };
+	float normal[3] = { 0 }, along[3] = { 0 };
+	at[face] = block_m[face] + NOISE_M * gauss(r);
+	at[u] = a;
+	at[v] = b;
+	for (int n = 1; n < 4; n++)
+		if (edge[n] < edge[nearest])
+			nearest = n;
+	normal[face] = 1;
+	along[nearest < 2 ? v : u] = 1;
+	for (int k = 0; k < 3; k++)
+		along[k] += (float)(0.03 * gauss(r));
+	struct morton_place place;
+	g_assert_true(morton_from_point(at, morton_cell_m(0), &place));
+	struct part_point p = { .code = place.code,
+		.leaf = 20,
+		.size = 200,
+		.spacing = (uint16_t)(SPACING_M * 1e4),
+		.plane_error = 50 };
+	memcpy(p.within, place.within, sizeof p.within);
+	model_pack_normal(normal, p.normal);
+	model_pack_normal(along, p.direction);
+	p.k1 = p.k2 = MODEL_HALF_NONE;
+	if (edge[nearest] < 2 * SPACING_M) {
+		p.kind = g_rand_double(r) < 0.6 ? FEATURE_DIRECTED : FEATURE_UNDIRECTED;
+		p.feature = (uint8_t)(200 - edge[nearest] * 1000);
+	}
+	return p;
+}
+
+static int by_order(const void *a, const void *b)
+{
+	return part_point_compare(a, b);
+}
+
+static model *make_block(void)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(GRand) r = g_rand_new_with_seed(11);
+	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
+	g_autofree char *folder = simulated_folder();
+	g_autofree char *path = g_build_filename(folder, "points.model", NULL);
+	for (int face = 0; face < 3; face++)
+		for (double a = SPACING_M / 3; a < block_m[(face + 1) % 3]; a += SPACING_M)
+			for (double b = SPACING_M / 4; b < block_m[(face + 2) % 3];
+				b += SPACING_M) {
+				double shift = SPACING_M * 0.4;
+				struct part_point p = point_of(r, face,
+					CLAMP(a + shift * (g_rand_double(r) - 0.5), 0,
+						block_m[(face + 1) % 3]),
+					CLAMP(b + shift * (g_rand_double(r) - 0.5), 0,
+						block_m[(face + 2) % 3]));
+				g_array_append_val(all, p);
+			}
+	g_array_sort(all, by_order);
+	g_autoptr(model_writer) w = model_writer_new(path, 0, &error);
+	for (guint n = 0; n < all->len; n++)
+		g_assert_true(
+			model_writer_add(w, &g_array_index(all, struct part_point, n), 1, NULL));
+	g_assert_true(model_writer_finish(w, NULL, 0, json_object_new(), NULL));
+	model *m = model_open_file(path, &error);
+	g_assert_no_error(error);
+	return m;
+}
+
+static void vertex_at(const profile_lines *lines, uint32_t v, double ret[3])
+{
+	for (int k = 0; k < 3; k++)
+		ret[k] = lines->origin_m[k] +
+			 (double)g_array_index(lines->vertex, struct profile_vertex, v).at_m[k];
+}
+
+static double off_segment(const double at[3], const double a[3], const double b[3])
+{
+	double along = 0, length2 = 0, square = 0;
+	for (int k = 0; k < 3; k++) {
+		along += (at[k] - a[k]) * (b[k] - a[k]);
+		length2 += (b[k] - a[k]) * (b[k] - a[k]);
+	}
+	along = CLAMP(along / length2, 0, 1);
+	for (int k = 0; k < 3; k++) {
+		double off = at[k] - a[k] - along * (b[k] - a[k]);
+		square += off * off;
+	}
+	return sqrt(square);
+}
+
+/* The nine edges that the faces have: those at which two meet, and those at which one ends. */
+static void edge_of(int n, double ret_a[3], double ret_b[3])
+{
+	int axis = n / 3, u = (axis + 1) % 3, v = (axis + 2) % 3;
+	ret_a[axis] = 0;
+	ret_b[axis] = block_m[axis];
+	ret_a[u] = ret_b[u] = n % 3 == 1 ? 0 : block_m[u];
+	ret_a[v] = ret_b[v] = n % 3 == 2 ? 0 : block_m[v];
+}
+
+static double nearest_edge(const double at[3])
+{
+	double least = INFINITY;
+	for (int n = 0; n < 9; n++) {
+		double a[3], b[3];
+		edge_of(n, a, b);
+		least = fmin(least, off_segment(at, a, b));
+	}
+	return least;
+}
+
+/* Of an edge, the share that the one line covers which covers the most. */
+static double covered(const profile_lines *lines, int n)
+{
+	double a[3], b[3], best = 0;
+	edge_of(n, a, b);
+	for (guint i = 0; i < lines->line->len; i++) {
+		const struct profile_line *line =
+			&g_array_index(lines->line, struct profile_line, i);
+		int some = 0;
+		for (int s = 0; s < 100; s++) {
+			double at[3], least = INFINITY;
+			for (int k = 0; k < 3; k++)
+				at[k] = a[k] + (s + 0.5) / 100 * (b[k] - a[k]);
+			for (uint32_t v = line->first; v + 1 < line->first + line->count; v++) {
+				double p[3], q[3];
+				vertex_at(lines, v, p);
+				vertex_at(lines, v + 1, q);
+				least = fmin(least, off_segment(at, p, q));
+			}
+			some += least < 0.01;
+		}
+		best = fmax(best, some / 100.0);
+	}
+	return best;
+}
+
+static void test_block(void)
+{
+	g_autoptr(model) m = make_block();
+	g_autoptr(profile_lines) lines = profile_lines_find(m, NULL);
+	double all_m = 0, astray_m = 0, edges_m = 0;
+	for (int n = 0; n < 9; n++) {
+		double share = covered(lines, n);
+		g_test_message("edge %d: %.0f %% covered by one line", n, 100 * share);
+		g_assert_cmpfloat(share, >=, 0.9);
+		edges_m += block_m[n / 3];
+	}
+	for (guint i = 0; i < lines->line->len; i++) {
+		const struct profile_line *line =
+			&g_array_index(lines->line, struct profile_line, i);
+		double length = 0;
+		g_assert_cmpuint(line->count, >=, 2);
+		g_assert_cmpuint(line->leaf, ==, 20);
+		for (uint32_t v = line->first; v + 1 < line->first + line->count; v++) {
+			double p[3], q[3], middle[3], part = 0;
+			vertex_at(lines, v, p);
+			vertex_at(lines, v + 1, q);
+			for (int k = 0; k < 3; k++) {
+				middle[k] = (p[k] + q[k]) / 2;
+				part += (p[k] - q[k]) * (p[k] - q[k]);
+			}
+			length += sqrt(part);
+			if (fmax(nearest_edge(middle), fmax(nearest_edge(p), nearest_edge(q))) >
+				0.02)
+				astray_m += sqrt(part);
+		}
+		g_assert_cmpfloat(fabs(length - (double)line->length_m), <, 1e-3);
+		all_m += length;
+	}
+	g_test_message("%u lines, %.2f m of %.2f m of edges, %.2f m astray", lines->line->len,
+		all_m, edges_m, astray_m);
+	g_assert_cmpfloat(all_m, <, 1.15 * edges_m);
+	g_assert_cmpfloat(astray_m, <, 0.05 * all_m);
+}
+
+/* The same bytes on one thread and on many. */
+static void test_threads(void)
+{
+	g_autoptr(model) m = make_block();
+	const struct profile_options one = { .single_thread = true };
+	g_autoptr(profile_lines) a = profile_lines_find(m, NULL), b = profile_lines_find(m, &one);
+	g_assert_cmpmem(a->line->data, a->line->len * sizeof(struct profile_line), b->line->data,
+		b->line->len * sizeof(struct profile_line));
+	g_assert_cmpmem(a->vertex->data, a->vertex->len * sizeof(struct profile_vertex),
+		b->vertex->data, b->vertex->len * sizeof(struct profile_vertex));
+}
+
+static bool stop(double fraction, gpointer user_data)
+{
+	(void)fraction;
+	++*(int *)user_data;
+	return false;
+}
+
+static void test_stopped(void)
+{
+	g_autoptr(model) m = make_block();
+	int calls = 0;
+	const struct profile_options options = { .progress = stop, .user_data = &calls };
+	g_assert_null(profile_lines_find(m, &options));
+	g_assert_cmpint(calls, ==, 1);
+}
+
+int main(int argc, char **argv)
+{
+	g_test_init(&argc, &argv, NULL);
+	g_test_add_func("/profile-lines/fit", test_fit);
+	g_test_add_func("/profile-lines/grow", test_grow);
+	g_test_add_func("/profile-lines/block", test_block);
+	g_test_add_func("/profile-lines/threads", test_threads);
+	g_test_add_func("/profile-lines/stopped", test_stopped);
+	return g_test_run();
+}
