@@ -76,7 +76,7 @@ static void add_point(const struct cells *c, const visibility_mask *m, const str
 			s->q[1][point] * v->axis[1][k] + s->q[2][point] * v->axis[2][k];
 	if (!(at[2] > camera->near_m))
 		return;
-	float scale = (float)camera->focal_px / at[2];
+	float scale = (float)camera->focal_px / camera_scale_f(camera, at[2]);
 	float x = (float)camera->width / 2 + scale * at[0],
 	      y = (float)camera->height / 2 + scale * at[1];
 	struct cell *cell = cell_at(c, x, y);

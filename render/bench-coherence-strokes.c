@@ -5,7 +5,7 @@
 static void place_of(const struct camera *c, const struct stroke *s, double ret_m[3])
 {
 	const double px[2] = { s->x_px, s->y_px };
-	reproject_seen(c, px, 1 / (double)s->q, ret_m);
+	camera_place(c, px, 1 / (double)s->q, ret_m);
 }
 
 /* Of one copy of each point. */

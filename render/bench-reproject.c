@@ -7,21 +7,11 @@
 /* Of a depth: what rounding may do. */
 #define ROUNDING 1e-5
 
-void reproject_seen(
-	const struct camera *c, const double px[2], double depth_m, double ret_point_m[3])
-{
-	double right = (px[0] - c->width / 2.0) / c->focal_px,
-	       down = (px[1] - c->height / 2.0) / c->focal_px;
-	for (int k = 0; k < 3; k++)
-		ret_point_m[k] = c->eye_m[k] + depth_m * (c->forward[k] + right * c->right[k] +
-								 down * c->down[k]);
-}
-
 bool reproject_place(const struct camera *from, const double px[2], double depth_m,
 	const struct camera *to, double ret_px[2], double *ret_depth_m)
 {
 	double point_m[3];
-	reproject_seen(from, px, depth_m, point_m);
+	camera_place(from, px, depth_m, point_m);
 	return camera_project(to, point_m, ret_px, ret_depth_m);
 }
 

@@ -3,10 +3,7 @@
 /* Where the pixels of a frame were in the frame before: exactly, by the depth of what they show. */
 #include "render/mask.h"
 
-/* The point that a place of a picture shows at a depth (along the optical axis). */
-void reproject_seen(
-	const struct camera *c, const double px[2], double depth_m, double ret_point_m[3]);
-/* As another camera sees it. false: it is behind that one. */
+/* What a place of a picture shows at a depth (along the optical axis), as another camera sees it. false: it is behind that one. */
 bool reproject_place(const struct camera *from, const double px[2], double depth_m,
 	const struct camera *to, double ret_px[2], double *ret_depth_m);
 

@@ -78,6 +78,18 @@ struct camera camera_at_station(const struct pose *scan_to_site, double azimuth_
 	return look_along(scan_to_site->translation_m, direction, fov_deg, width, height);
 }
 
+struct camera camera_parallel(const struct camera *c, double height_m, double depth_m)
+{
+	struct camera p = *c;
+	p.focal_px = c->height / 2.0 / tan(CAMERA_PARALLEL_FOV_DEG * G_PI / 360);
+	p.parallel_m = height_m * p.focal_px / c->height;
+	p.near_m = p.parallel_m;
+	p.far_m = p.near_m + depth_m;
+	for (int k = 0; k < 3; k++)
+		p.eye_m[k] -= p.near_m * c->forward[k];
+	return p;
+}
+
 static void turn(double v[3], double sine, double cosine)
 {
 	double x = v[0], y = v[1];
@@ -98,6 +110,11 @@ struct camera camera_turned(const struct camera *c, double angle_rad)
 struct camera camera_shifted(const struct camera *c, double right_px, double down_px)
 {
 	struct camera s = *c;
+	if (c->parallel_m > 0) {
+		double px[2] = { c->width / 2.0 + right_px, c->height / 2.0 + down_px };
+		camera_place(c, px, 0, s.eye_m);
+		return s;
+	}
 	double x = right_px / c->focal_px, y = down_px / c->focal_px;
 	double z = 1 / sqrt(1 + x * x + y * y), level = 1 / sqrt(1 + x * x);
 	for (int k = 0; k < 3; k++) {
@@ -142,8 +159,22 @@ double camera_elevation_rad(const struct camera *c)
 	return atan2(c->forward[2], hypot(c->forward[0], c->forward[1]));
 }
 
+void camera_place(const struct camera *c, const double px[2], double depth_m, double ret_m[3])
+{
+	double scale_m = camera_scale_m(c, depth_m) / c->focal_px;
+	double right_m = (px[0] - c->width / 2.0) * scale_m,
+	       down_m = (px[1] - c->height / 2.0) * scale_m;
+	for (int k = 0; k < 3; k++)
+		ret_m[k] = c->eye_m[k] + right_m * c->right[k] + down_m * c->down[k] +
+			   depth_m * c->forward[k];
+}
+
 void camera_ray(const struct camera *c, const double px[2], double ret[3])
 {
+	if (c->parallel_m > 0) {
+		memcpy(ret, c->forward, sizeof c->forward);
+		return;
+	}
 	double x = px[0] - c->width / 2.0, y = px[1] - c->height / 2.0;
 	for (int k = 0; k < 3; k++)
 		ret[k] = c->forward[k] * c->focal_px + c->right[k] * x + c->down[k] * y;
@@ -159,14 +190,18 @@ static struct camera_plane plane_through(const double inward[3], const double po
 	return p;
 }
 
-/* Through the eye and an edge of the picture; along: from that edge towards the middle. */
+/* Through the eye and an edge of the picture, or along the rays at that edge; along: from there towards the middle. */
 static struct camera_plane side_plane(
 	const struct camera *c, const double along[3], double sign, uint32_t side)
 {
-	double inward[3];
-	for (int k = 0; k < 3; k++)
-		inward[k] = sign * c->focal_px * along[k] + side / 2.0 * c->forward[k];
-	return plane_through(inward, c->eye_m);
+	double inward[3], point[3];
+	double out_m = c->parallel_m > 0 ? side / 2.0 * c->parallel_m / c->focal_px : 0;
+	for (int k = 0; k < 3; k++) {
+		inward[k] = sign * c->focal_px * along[k] +
+			    (c->parallel_m > 0 ? 0 : side / 2.0 * c->forward[k]);
+		point[k] = c->eye_m[k] - sign * out_m * along[k];
+	}
+	return plane_through(inward, point);
 }
 
 static struct camera_plane depth_plane(const struct camera *c, double depth_m, double sign)
@@ -244,6 +279,11 @@ bool camera_validate(const struct camera *c, GError **error)
 		return refuse(error, "it looks in no direction; is its target where it stands?");
 	if (!check_fov(c, error))
 		return false;
+	if (!(c->parallel_m >= 0) || !isfinite(c->parallel_m))
+		return refuse(error, "a metre is no number of pixels in its parallel picture");
+	if (c->is_cut && (!(c->parallel_m > 0) || !(c->cut_m >= 0) || !isfinite(c->cut_m)))
+		return refuse(
+			error, "only a parallel one cuts, and what it cuts is 0 m thick or more");
 	if (c->near_m > 0 && c->far_m > c->near_m && isfinite(c->far_m))
 		return true;
 	return refuse(error, "it draws from %g to %g m; that must rise from above 0", c->near_m,

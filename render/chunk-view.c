@@ -25,7 +25,7 @@ static void bound(const frame *f, const double at[3], double half[3][3], struct 
 	v->low_px[0] = v->low_px[1] = 0;
 	v->high_px[0] = (float)c->width;
 	v->high_px[1] = (float)c->height;
-	if (at[2] - reach < c->near_m)
+	if (at[2] - reach < c->near_m && !(c->parallel_m > 0))
 		return;
 	double low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
 	for (int corner = 0; corner < 8; corner++) {
@@ -35,7 +35,8 @@ static void bound(const frame *f, const double at[3], double half[3][3], struct 
 			       (corner & 2 ? 1 : -1) * half[1][k] +
 			       (corner & 4 ? 1 : -1) * half[2][k];
 		for (int k = 0; k < 2; k++) {
-			double px = c->focal_px * p[k] / p[2] + (k ? c->height : c->width) / 2.0;
+			double px = c->focal_px * p[k] / camera_scale_m(c, p[2]) +
+				    (k ? c->height : c->width) / 2.0;
 			low[k] = fmin(low[k], px);
 			high[k] = fmax(high[k], px);
 		}
@@ -50,7 +51,8 @@ static void bound(const frame *f, const double at[3], double half[3][3], struct 
 static float disc_margin_px(const frame *f, const struct chunk_view *v)
 {
 	float disc = frame_pipeline(f, v->pipeline)->mask.disc;
-	float radius = 0.5f * disc * v->chunk->disc_most_m * (float)f->camera.focal_px / v->near_m;
+	float radius = 0.5f * disc * v->chunk->disc_most_m * (float)f->camera.focal_px /
+		       camera_scale_f(&f->camera, v->near_m);
 	/* Those that stand for others are larger, but not much larger than a pixel. */
 	return MIN(MAX(radius, DISC_RADIUS_LEAST + 2 * disc), DISC_RADIUS_MOST) + 1;
 }
@@ -72,7 +74,9 @@ bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_v
 	*ret = (struct chunk_view){ .chunk = c, .pipeline = f->drawing->pipeline_of[c->leaf] };
 	bound(f, at, half, ret);
 	ret->margin_px = disc_margin_px(f, ret);
-	float tilted = MIN(DISC_STEEPEST * ret->margin_px / (float)f->camera.focal_px, 1 / 3.f);
+	float part = camera_scale_f(&f->camera, ret->near_m) / ret->near_m;
+	float tilted =
+		MIN(DISC_STEEPEST * ret->margin_px / (float)f->camera.focal_px * part, 1 / 3.f);
 	float moved_m = stroke_moved_most_m(c, 1, 1);
 	ret->nearest_m = fminf(ret->near_m * (1 - tilted), ret->near_m - moved_m);
 	float margin = ret->margin_px + STROKES_REACH * f->ink_px;

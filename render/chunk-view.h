@@ -11,7 +11,7 @@ struct chunk_view {
 	float margin_px;           /* how far discs of its points reach beyond that */
 	float nearest_m;           /* that any part of such a disc, and any stroke, can be */
 	float low_px[2],
-		high_px[2]; /* around its box on the screen; all of it when the box reaches behind the camera */
+		high_px[2]; /* around its box on the screen; all of it when the box reaches behind a pinhole camera */
 };
 
 /* false: no part of its box is in view. */

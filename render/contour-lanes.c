@@ -84,7 +84,7 @@ INLINE void find_smooth(const struct brush *b, uint32_t at, const struct lane_ca
 {
 	const scene *s = b->f->scene;
 	vf site[3], axis[3], k[2];
-	vf px_per_m = b->focal_px / c->depth_m;
+	vf px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
 	bends_of(b->layer->bend, at, k);
 	vi some = unit_lanes(*(const vi_loose *)(const void *)s->direction[at], site);
 	some &= c->is_flat & (k[0] != 0) & (load_u8_whole(s->kind + at) < FEATURE_UNDIRECTED);
@@ -102,7 +102,7 @@ INLINE void find_smooth(const struct brush *b, uint32_t at, const struct lane_ca
 
 INLINE vf is_behind_there(const struct brush *b, vf x, vf y, vf depth_m)
 {
-	vf behind = mask_depth_at(b, x, y) / depth_m - 1;
+	vf behind = (mask_depth_at(b, x, y) / depth_m - 1) * LENS_STRETCH(&b->lens, depth_m);
 	return clamp01((behind - STEP_LEAST) * (1 / (STEP_SURE - STEP_LEAST)));
 }
 
@@ -206,7 +206,7 @@ INLINE void try_points(
 		   (1 - b->f->focus.amount * c->away) *
 		   (1 - ink->opacity_variation * lanes_chance(c->point, SALT_OPACITY));
 	for (int k = 0; k < LANES && ink->fade_m > 0; k++)
-		alpha[k] *= exp2f(-c->depth_m[k] / ink->fade_m);
+		alpha[k] *= exp2f((b->lens.begin_m - c->depth_m[k]) / ink->fade_m);
 	struct way_lanes w = way_on_screen(b, c, h.way);
 	vf larger = enlarged(b, c);
 	struct stroke_block *block = block_of(to, LANES);

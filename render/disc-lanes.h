@@ -21,7 +21,7 @@
 
 /* How the points of one chunk become discs. */
 struct disc_pass {
-	float focal_px, middle_x, middle_y, near_m;
+	struct lens lens;
 	float turn[3][3]; /* site to camera */
 	float disc, radius_least;
 	bool backs_hidden;
@@ -32,9 +32,9 @@ struct disc_pass {
 };
 
 /* The first points of the chunk that may be among those that stand for all. */
-static inline uint32_t disc_prefix(float focal_px, const struct chunk_view *v)
+static inline uint32_t disc_prefix(const struct lens *l, const struct chunk_view *v)
 {
-	float spacing_px = v->chunk->spacing_most_m * focal_px / v->near_m;
+	float spacing_px = v->chunk->spacing_most_m * l->focal_px / LENS_SCALE_M(l, v->near_m);
 	float part = spacing_px * spacing_px * DISC_CROWD;
 	return part < 1 ? (uint32_t)ceilf(part * (float)v->chunk->count) : v->chunk->count;
 }
@@ -43,16 +43,16 @@ static inline uint32_t disc_prefix(float focal_px, const struct chunk_view *v)
 #define DISC_SURELY 1.001f
 
 /* At any of its places, even the farthest, points are wide enough apart. */
-static inline bool disc_is_crowded(float focal_px, const struct chunk_view *v)
+static inline bool disc_is_crowded(const struct lens *l, const struct chunk_view *v)
 {
-	return v->chunk->spacing_least_m * focal_px <
-	       DISC_SURELY * v->far_m * (1 / DISC_CROWD_ROOT);
+	return v->chunk->spacing_least_m * l->focal_px <
+	       DISC_SURELY * LENS_SCALE_M(l, v->far_m) * (1 / DISC_CROWD_ROOT);
 }
 
 static inline bool disc_is_inside(const struct camera *c, const struct chunk_view *v)
 {
 	const float size[2] = { (float)c->width, (float)c->height };
-	bool inside = v->near_m > DISC_SURELY * (float)c->near_m;
+	bool inside = v->near_m > DISC_SURELY * (float)c->near_m && v->far_m < (float)c->far_m;
 	for (int k = 0; k < 2; k++)
 		inside &= v->low_px[k] >= 0 && v->high_px[k] <= size[k];
 	return inside;
@@ -62,17 +62,14 @@ static inline struct disc_pass disc_pass_of(
 	const frame *f, const struct chunk_view *v, float disc, float radius_least)
 {
 	const struct camera *c = &f->camera;
-	struct disc_pass p = { .focal_px = (float)c->focal_px,
-		.middle_x = (float)c->width / 2,
-		.middle_y = (float)c->height / 2,
-		.near_m = (float)c->near_m,
+	struct disc_pass p = { .lens = lens_of(c),
 		.disc = disc,
 		.radius_least = radius_least,
 		.backs_hidden = frame_pipeline(f, v->pipeline)->mask.backs == BACKS_HIDDEN,
 		.is_inside = disc_is_inside(c, v),
-		.is_crowded = disc_is_crowded((float)c->focal_px, v),
-		.end = disc_prefix((float)c->focal_px, v),
 		.per_rank = 1.f / (float)v->chunk->count };
+	p.is_crowded = disc_is_crowded(&p.lens, v);
+	p.end = disc_prefix(&p.lens, v);
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
@@ -117,19 +114,19 @@ INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], fl
 	unpack_lanes(*(const vi_loose *)packed, site);
 	for (int k = 0; k < 3; k++)
 		n[k] = p->turn[k][0] * site[0] + p->turn[k][1] * site[1] + p->turn[k][2] * site[2];
-	vf right = (d->x - p->middle_x) * (1 / p->focal_px),
-	   down = (d->y - p->middle_y) * (1 / p->focal_px);
+	vf right = (d->x - p->lens.middle_x) * (p->lens.fan / p->lens.focal_px),
+	   down = (d->y - p->lens.middle_y) * (p->lens.fan / p->lens.focal_px);
 	vf along = n[0] * right + n[1] * down + n[2];
 	if (p->backs_hidden)
 		d->drawn &= along <= 0;
 	vf aside2 = n[0] * n[0] + n[1] * n[1], length2 = aside2 + n[2] * n[2];
 	vi some = aside2 > ASIDE_LEAST * length2;
-	/* depth = n . P / n . ray */
-	vf steep = most(magnitude(along) * p->focal_px,
-		root(aside2) * most(d->radius * 3, all(p->focal_px / DISC_STEEPEST)));
+	/* depth = n . P / n . ray, or, where rays are parallel, it falls by n right / n ahead. */
+	vf steep = most(magnitude(along) * p->lens.focal_px,
+		root(aside2) * most(d->radius * 3, all(p->lens.focal_px / DISC_STEEPEST)));
 	/* With the sign that along has not. */
 	vi turned = ~(vi)along & INT32_MIN;
-	d->slope = (vf)((vi)where(some, d->depth_m / steep) ^ turned);
+	d->slope = (vf)((vi)where(some, LENS_SCALE_M(&p->lens, d->depth_m) / steep) ^ turned);
 	d->aside[0] = n[0];
 	d->aside[1] = n[1];
 	if (any((d->radius >= flat_radius) & d->drawn))
@@ -156,8 +153,9 @@ INLINE vi size_lanes(const struct disc_pass *p, vf spacing_px, vf disc_px, struc
 
 INLINE vi is_in_picture(const struct disc_pass *p, const struct disc_lanes *d)
 {
-	return (d->depth_m > p->near_m) & (d->x > -d->radius) & (d->y > -d->radius) &
-	       (d->x < 2 * p->middle_x + d->radius) & (d->y < 2 * p->middle_y + d->radius);
+	return (d->depth_m > p->lens.near_m) & (d->depth_m <= p->lens.far_m) & (d->x > -d->radius) &
+	       (d->y > -d->radius) & (d->x < 2 * p->lens.middle_x + d->radius) &
+	       (d->y < 2 * p->lens.middle_y + d->radius);
 }
 
 /* Of drawn, and of x, y, depth, radius and rank: the rest only where some are drawn, and those with less than flat_radius have no
@@ -167,7 +165,7 @@ INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const str
 {
 	uint32_t at = v->chunk->first + i;
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
-	struct lane_points l = project_lanes(v, q, p->focal_px, p->middle_x, p->middle_y);
+	struct lane_points l = project_lanes(v, q, &p->lens);
 	vf unit_px = l.px_per_m * SCENE_UNIT_M;
 	d->x = l.x_px;
 	d->y = l.y_px;

@@ -68,8 +68,9 @@ static float away_at(
 	/* What nothing is behind counts by where it is in the picture: as deep as the focus. */
 	if (depth_m >= FILTER_FAR)
 		depth_m = fmaxf(f->focus.at_m[2], (float)f->camera.near_m);
-	float at_m[3] = { ((float)x + 0.5f - (float)f->camera.width / 2) * by_focal * depth_m,
-		((float)y + 0.5f - (float)f->camera.height / 2) * by_focal * depth_m, depth_m };
+	float scale_m = camera_scale_f(&f->camera, depth_m);
+	float at_m[3] = { ((float)x + 0.5f - (float)f->camera.width / 2) * by_focal * scale_m,
+		((float)y + 0.5f - (float)f->camera.height / 2) * by_focal * scale_m, depth_m };
 	return frame_away(
 		&f->focus, at_m, key < MASK_EMPTY && frame_pipeline(f, key & 255)->is_focus);
 }

@@ -114,7 +114,8 @@ static void shade_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct shading *s = data;
 	const struct filter_image *i = &s->j->image;
-	float focal = (float)s->j->f->camera.focal_px, radius_m = s->step->radius_m;
+	const struct camera *c = &s->j->f->camera;
+	float focal = (float)c->focal_px, radius_m = s->step->radius_m;
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x;
@@ -122,7 +123,8 @@ static void shade_rows(const void *data, uint32_t from, uint32_t end)
 			s->shade[at] = 1;
 			if (here >= FILTER_FAR)
 				continue;
-			float reach = fminf(radius_m * focal / here, REACH_MOST_PX * s->j->px);
+			float reach = fminf(radius_m * focal / camera_scale_f(c, here),
+				REACH_MOST_PX * s->j->px);
 			/* Pairs on both sides: what is as far before as the other is behind is a slope. */
 			const float(*way)[2] = s->way[(x & 3) | (y & 3) << 2];
 			for (int n = 0; n < OCCLUSION_RING; n++) {

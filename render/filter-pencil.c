@@ -17,6 +17,7 @@ struct sketch {
 /* What is seen at a pixel. */
 struct sketched {
 	float ray[3]; /* of depth 1 */
+	float way[3]; /* from the eye to it, of depth 1 */
 	float normal[3];
 	float depth_m;
 };
@@ -26,12 +27,15 @@ static struct sketched sketched_at(const struct filter_job *j, uint32_t x, uint3
 	const struct camera *c = &j->f->camera;
 	const struct filter_image *i = &j->image;
 	size_t at = (size_t)y * i->width + x;
-	float by_focal = 1 / (float)c->focal_px;
-	struct sketched s = {
-		.ray = { ((float)(x + i->left) + 0.5f - (float)c->width / 2) * by_focal,
-			((float)(y + i->top) + 0.5f - (float)c->height / 2) * by_focal, 1 },
-		.depth_m = i->depth_m[at]
-	};
+	struct lens l = lens_of(c);
+	float by_focal = 1 / l.focal_px;
+	struct sketched s = { .ray = { 0, 0, 1 }, .way = { 0, 0, 1 }, .depth_m = i->depth_m[at] };
+	float seen[2] = { ((float)(x + i->left) + 0.5f - (float)c->width / 2) * by_focal,
+		((float)(y + i->top) + 0.5f - (float)c->height / 2) * by_focal };
+	for (int k = 0; k < 2; k++) {
+		s.ray[k] = seen[k] * l.fan;
+		s.way[k] = seen[k] * (LENS_SCALE_M(&l, s.depth_m) / s.depth_m);
+	}
 	memcpy(s.normal, i->normal[at], sizeof s.normal);
 	/* Leaves face the eye; what is met at a low angle counts as met at a less low one. */
 	float along = 0, length = 0;
@@ -57,7 +61,8 @@ static float metres_a_pixel(
 {
 	float towards = dot(across, s->ray) / dot(s->normal, s->ray);
 	float right = across[0] - towards * s->normal[0], down = across[1] - towards * s->normal[1];
-	return s->depth_m / (float)j->f->camera.focal_px * sqrtf(right * right + down * down);
+	return camera_scale_f(&j->f->camera, s->depth_m) / (float)j->f->camera.focal_px *
+	       sqrtf(right * right + down * down);
 }
 
 /* What of the light a layer lets through. */
@@ -74,7 +79,7 @@ static float light_through(
 	int n = (int)whole - FILTER_NOISE_LOWEST;
 	float cell_m = ldexpf(0.5f, (int)whole);
 	/* In planes from the eye's; wobbling, but less than to the next one. */
-	float place = l->eye[n] + at->depth_m * dot(l->across, at->ray) / cell_m +
+	float place = l->eye[n] + at->depth_m * dot(l->across, at->way) / cell_m +
 		      0.7f * fminf(k->wobble_px / k->spacing_px, 1) * s->sway[pixel];
 	float number = rintf(place), away_px = fabsf(place - number) * cell_m / pixel_m;
 	/* Every second one fades while the next octave comes. */

@@ -55,11 +55,13 @@ INLINE vf noise_in(const vi cell[3], const vf d[3], vi seed)
 INLINE void places(const struct filter_job *j, vf x, float y, vf depth_m, vf ret[3])
 {
 	const struct camera *c = &j->f->camera;
+	const struct lens l = lens_of(c);
 	float by_focal = 1 / (float)c->focal_px,
 	      down = (y + (float)j->image.top + 0.5f - (float)c->height / 2) * by_focal;
 	vf right = (x + ((float)j->image.left + 0.5f - (float)c->width / 2)) * by_focal;
+	vf part = LENS_SCALE_M(&l, depth_m) / depth_m;
 	for (int k = 0; k < 3; k++)
-		ret[k] = ((float)c->right[k] * right + (float)c->down[k] * down +
+		ret[k] = ((float)c->right[k] * (right * part) + (float)c->down[k] * (down * part) +
 				 (float)c->forward[k]) *
 			 depth_m;
 }
@@ -84,7 +86,8 @@ INLINE vf noise_at(const struct filter_noise_job *n, vf x, float y, vf depth_m)
 	const struct filter_job *j = n->j;
 	vi is_far = depth_m >= FILTER_FAR;
 	vf near_m = choose(is_far, all(1), depth_m), away_m[3];
-	vf octave = log2_of(near_m * (n->grain_px / (float)j->f->camera.focal_px));
+	const struct lens l = lens_of(&j->f->camera);
+	vf octave = log2_of(LENS_SCALE_M(&l, near_m) * (n->grain_px / l.focal_px));
 	octave = least(most(octave, all(FILTER_NOISE_LOWEST)),
 		all(FILTER_NOISE_LOWEST + FILTER_NOISE_OCTAVES - 2));
 	vi whole = floor_of(octave);

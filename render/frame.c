@@ -150,7 +150,7 @@ static void pack_texels(struct frame_layer *l)
 static bool has_texture(const struct step *s)
 {
 	return s->kind == step_kind_find("strokes") ||
-	       ((step_is_hatching(s) || step_is_contours(s)) &&
+	       ((step_is_hatching(s) || step_is_contours(s) || step_is_cut(s)) &&
 		       strcmp(s->ink.texture, "line") != 0);
 }
 
@@ -246,7 +246,32 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 		return false;
 	if (step_is_contours(step))
 		add_contours(l, f->scene, f->ink_px);
+	l->is_cut = step_is_cut(step);
 	l->is_queue = l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
+	return true;
+}
+
+static bool has_cut(const struct pipeline *line)
+{
+	for (uint32_t n = 0; n < line->layers; n++)
+		if (step_is_cut(&line->steps[n]))
+			return true;
+	return false;
+}
+
+/* Over all else. */
+static bool add_cuts(frame *f, GError **error)
+{
+	const struct style_paper *paper = &f->drawing->whole.paper;
+	f->cut = step_defaults(step_kind_find("cut"));
+	f->cut.ink.over = true;
+	if (scene_lightness(paper->colour) < 128) {
+		f->cut.ink.blend = BLEND_PAINT;
+		memset(f->cut.ink.ink, 0xf4, 3);
+	}
+	for (guint p = 0; f->camera.is_cut && p < f->drawing->pipelines->len; p++)
+		if (!has_cut(frame_pipeline(f, p)) && !add_layer(f, (uint8_t)p, &f->cut, error))
+			return false;
 	return true;
 }
 
@@ -261,7 +286,7 @@ static bool add_layers(frame *f, GError **error)
 				!add_layer(f, (uint8_t)p, &line->steps[n], error))
 				return false;
 		}
-	return true;
+	return add_cuts(f, error);
 }
 
 /* ---- light and focus ---- */
@@ -270,7 +295,7 @@ static enum frame_lit lit_of(const struct frame_layer *l, float amount)
 {
 	if (amount <= 0)
 		return LIT_NOT;
-	if (l->hatch) /* its X-Toon takes on the light */
+	if (l->hatch || l->is_cut) /* its X-Toon takes on the light; cuts do not */
 		return LIT_NOT;
 	if (l->ink.tone == TONE_COLOUR)
 		return LIT_TONE;
@@ -295,6 +320,7 @@ static void see_accents(frame *f)
 		if (f->layer[n].hatch)
 			turn_to_camera(f, f->layer[n].hatch->site_way, f->layer[n].hatch->way);
 	turn_to_camera(f, away_m, f->focus.at_m);
+	f->focus.lens = lens_of(&f->camera);
 	if (f->focus.on == FOCUS_PICTURE) {
 		f->focus.at_m[0] = (f->focus.across - 0.5f) * (float)f->camera.width / focal;
 		f->focus.at_m[1] = (f->focus.down - 0.5f) * (float)f->camera.height / focal;
@@ -461,7 +487,7 @@ float frame_ray_most(const frame *f, const struct frame_layer *l)
 	float focal = (float)f->camera.focal_px, reach = l->ink.length_px / 2;
 	float corner[3] = { ((float)f->camera.width / 2 + reach) / focal,
 		((float)f->camera.height / 2 + reach) / focal, 1 };
-	return vector3_length(corner);
+	return f->camera.parallel_m > 0 ? 1 : vector3_length(corner);
 }
 
 bool frame_move(frame *f, const struct camera *c, GError **error)

@@ -7,6 +7,7 @@
 #include "render/frame-hatch.h"
 #include "render/frame-nets.h"
 #include "render/lanes-path.h"
+#include "render/lens.h"
 #include "render/paper-texture.h"
 #include "render/scene.h"
 #include "render/stroke-texture.h"
@@ -38,6 +39,7 @@ struct frame_focus {
 	/* 1 / falloff; of FOCUS_PICTURE both are of rays, at depth 1. */
 	float radius_m, per_m;
 	float at_m[3]; /* as the camera sees it */
+	struct lens lens;
 	double site_m[3];
 	float across, down, radius_px, falloff_px; /* of the style */
 };
@@ -62,7 +64,7 @@ struct frame_layer {
 	float dithering_per_m2[256]; /* points that there are, by their lightness; more than 0 */
 	float ink_linear[3];
 	struct frame_hatch *hatch; /* NULL: it is no hatching */
-	bool is_contours;
+	bool is_contours, is_cut;
 	const uint8_t (*bend)[2]; /* scene-bend.h; NULL: nothing is bent, as far as it matters */
 	/* Directions on the screen, x right and y down: the layer's own, and 256 turns within its variation, as cosine and sine. */
 	float own_way[2], turn[256][2];
@@ -71,7 +73,7 @@ struct frame_layer {
 /* All points are surface to it, whatever kind they are of. */
 static inline bool frame_layer_is_whole(const struct frame_layer *l)
 {
-	return l->hatch || l->is_contours;
+	return l->hatch || l->is_contours || l->is_cut;
 }
 
 /* In one variant: a row more than there are between texels, and a column. */
@@ -89,6 +91,7 @@ struct frame {
 	const scene *scene;
 	const drawing *drawing;
 	struct camera camera;
+	struct step cut; /* of pipelines that have none of their own, where the camera cuts */
 	float px;        /* pixels of the picture to one of the style's */
 	float ink_px;    /* the same for strokes: more where they are coarser */
 	double eye_m[3]; /* from the scene's origin */
@@ -114,7 +117,8 @@ static inline bool frame_is_stopped(const struct frame *f)
 	return f->stop && g_atomic_int_get(f->stop);
 }
 
-/* Scene and drawing must live longer. Errors of camera_validate, missing textures, more layers than FRAME_LAYERS_MAX. */
+/* Scene and drawing must live longer. Where the camera cuts, what pipelines have no step for is cut with lines over all else, dark on
+ * light paper and light on dark. Errors of camera_validate, missing textures, more layers than FRAME_LAYERS_MAX. */
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error);
 /* With strokes that are so much larger (at least 1), and fewer: of a small picture of a moving view nobody sees finer ones, and it is
  * drawn the sooner. Tones are the same. */
@@ -122,7 +126,7 @@ frame *frame_new_coarse(
 	const scene *s, const drawing *d, const struct camera *c, double coarser, GError **error);
 void frame_free(frame *f); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
-/* Another camera with a picture of the same size; the layers stay. */
+/* Another camera with a picture of the same size, which cuts if the first one did; the layers stay. */
 bool frame_move(frame *f, const struct camera *c, GError **error);
 
 /* Another light or focus than the drawing's. */
@@ -144,8 +148,9 @@ static inline float frame_away(const struct frame_focus *focus, const float at_m
 		return 0;
 	if (focus->on == FOCUS_SEGMENT)
 		return is_focus ? 0 : 1;
+	float deep[3] = { LENS_SCALE_M(&focus->lens, at_m[2]), deep[0], at_m[2] };
 	for (int k = 0; k < 3; k++) {
-		float at = focus->on == FOCUS_PLACE ? at_m[k] : at_m[k] / at_m[2];
+		float at = focus->on == FOCUS_PLACE ? at_m[k] : at_m[k] / deep[k];
 		away2 += (at - focus->at_m[k]) * (at - focus->at_m[k]);
 	}
 	float part = (sqrtf(away2) - focus->radius_m) * focus->per_m;

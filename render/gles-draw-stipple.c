@@ -1,13 +1,14 @@
 #include "render/gles-draw-private.h"
 #include "render/stipple-quadtree.h"
 #include "render/stipple-texture.h"
+#include <float.h>
 #include <string.h>
 
 #define SLICES     16u /* of 256 points: a whole chunk */
 #define SPOT_BYTES 12
 
 /* Of stipple.glsl. */
-enum { PLANE = 3, GRID, KEYS, SHARE, TREE_OF };
+enum { PLANE = 3, GRID, KEYS, SHARE, TREE_OF, REACH };
 
 /* ---- kept ---- */
 
@@ -71,6 +72,8 @@ static void set_plane(const gles_draw *d, enum gles_use use, const struct stippl
 	gl->UseProgram(d->program[use]);
 	if (use == GLES_STIPPLE_PUT || use == GLES_STIPPLE_DECIDE)
 		gl->Uniform4f(PLANE, p->scale, p->middle[0], p->middle[1], p->near_m);
+	if (use == GLES_STIPPLE_PUT)
+		gl->Uniform1f(REACH, fminf(p->far_m, FLT_MAX));
 	if (use == GLES_STIPPLE_DECIDE)
 		return;
 	gl->Uniform4i(GRID, p->columns, p->rows, p->pitch, p->is_parallel);

@@ -1,11 +1,12 @@
 #include "render/gles-filter.h"
 #include "render/light.h"
+#include <float.h>
 #include <string.h>
 
 /* Camera of common.glsl. */
 struct camera_block {
-	float lens[4], turn[3][4], size[4], paper[4], light[256], light_from[4], focus[4],
-		focus_reach[4];
+	float lens[4], rays[4], cuts[4], turn[3][4], size[4], paper[4], light[256], light_from[4],
+		focus[4], focus_reach[4];
 };
 
 /* ---- open, close ---- */
@@ -90,8 +91,10 @@ static void set_camera(gles_draw *d, const frame *f)
 {
 	const struct camera *c = &f->camera;
 	const struct style_paper *paper = &f->drawing->whole.paper;
-	struct camera_block b = { .lens = { (float)c->focal_px, (float)c->width / 2,
-					  (float)c->height / 2, (float)c->near_m },
+	struct lens l = lens_of(c);
+	struct camera_block b = { .lens = { l.focal_px, l.middle_x, l.middle_y, l.near_m },
+		.rays = { l.fan, l.parallel_m, l.by_parallel, l.begin_m },
+		.cuts = { c->is_cut, (float)c->cut_m, fminf(l.far_m, FLT_MAX) },
 		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m } };
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)

@@ -12,7 +12,7 @@ struct layer_block {
 	float hatch_way[4], hatch_tone[4], hatch_light[4], hatch_shape[4], hatch_line[4],
 		pencils[PENCIL_BOX_MOST][4];
 	uint32_t hatch_which[4];
-	float contour[4], contour_least[4];
+	float contour[4], contour_least[4], cut[4];
 	uint32_t colour[4];
 };
 _Static_assert(PENCIL_BOX_MOST == 48, "as layer.glsl has it");
@@ -96,6 +96,8 @@ static void describe(const struct frame_layer *l, const scene *s, float px, stru
 		describe_hatch(l->hatch, s, l->bend, ret);
 	if (l->is_contours)
 		describe_contours(l, px, ret);
+	if (l->is_cut)
+		memcpy(ret->cut, (float[4]){ 1, l->step->cut.thick_m }, sizeof ret->cut);
 	if (l->texture) {
 		ret->texels[0] = (float)l->texture->length;
 		ret->texels[1] = (float)l->texture->width;

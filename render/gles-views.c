@@ -30,8 +30,8 @@ static struct place *sort(
 	return p;
 }
 
-static void describe(const frame *f, const struct gles_slab *slab, const struct chunk_view *v,
-	struct gles_view *ret)
+static void describe(const frame *f, const struct lens *l, const struct gles_slab *slab,
+	const struct chunk_view *v, struct gles_view *ret)
 {
 	const struct scene_chunk *c = v->chunk;
 	const struct mask_step *mask = &frame_pipeline(f, v->pipeline)->mask;
@@ -39,8 +39,7 @@ static void describe(const frame *f, const struct gles_slab *slab, const struct 
 	*ret = (struct gles_view){ .mask = { mask->disc, mask->offset_m, mask->offset_relative,
 					   mask->backs == BACKS_HIDDEN },
 		.splat = { 0, 0, c->spacing_most_m, c->disc_most_m },
-		.at = { c->first - slab->first, c->first, c->count,
-			disc_prefix((float)f->camera.focal_px, v) },
+		.at = { c->first - slab->first, c->first, c->count, disc_prefix(l, v) },
 		.pipeline = { v->pipeline, (uint32_t)(c - f->scene->chunk), c->leaf } };
 	memcpy(ret->base, v->base, sizeof v->base);
 	ret->base[3] = v->near_m;
@@ -79,10 +78,11 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 		v->runs = g_array_new(FALSE, FALSE, sizeof(struct gles_run));
 	g_array_set_size(v->runs, 0);
 	v->points = 0;
+	struct lens lens = lens_of(&f->camera);
 	for (uint32_t n = 0; n < v->count; n++) {
 		const struct chunk_view *view = &views[place[n].view];
 		uint32_t slab = place[n].key % g->slabs;
-		describe(f, &g->slab[slab], view, &block[n]);
+		describe(f, &lens, &g->slab[slab], view, &block[n]);
 		add_to_runs(v, f, n, slab, view);
 		v->points += view->chunk->count;
 	}

@@ -182,8 +182,8 @@ INLINE void find_ways(
 /* What is left of strokes of this length where surface is so bent. */
 INLINE vf straight_part(const struct brush *b, vf bent, vf length_px, vf depth_m)
 {
-	return 1 / (1 + b->layer->hatch->step.curvature * bent * length_px * depth_m *
-				   (1 / b->focal_px));
+	return 1 / (1 + b->layer->hatch->step.curvature * bent * length_px *
+				   LENS_SCALE_M(&b->lens, depth_m) * (1 / b->lens.focal_px));
 }
 
 /* Of the strokes of a point, in the mean. */
@@ -204,7 +204,8 @@ INLINE vf shortened(
  * from the front where backs are hidden, and whose ranks are not above all that is ever wanted there. */
 INLINE vf per_px_there(const struct brush *b, struct lane_candidates *c)
 {
-	vf nearest_m = nearest_of(b, c->depth_m), px_per_m = b->focal_px / nearest_m;
+	vf nearest_m = nearest_of(b, c->depth_m),
+	   px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m);
 	vf turned = b->moved_m * b->ray_most / nearest_m, along = along_of(b, c);
 	if (hides_backs(b))
 		c->left &= bits(along <= turned);
@@ -230,7 +231,7 @@ INLINE void find_hatch(
 	if (!c->left)
 		return;
 	vi rgba = *(const vi_loose *)(const void *)s->rgba[at];
-	h->shade = shade_of(hatch, brightness_of(b, c, rgba), c->depth_m);
+	h->shade = shade_of(hatch, brightness_of(b, c, rgba), c->depth_m - b->lens.begin_m);
 	h->shade &= c->depth_m > 0; /* beyond the camera nothing is known */
 	c->wanted = (vf)gather(hatch->wanted_per_px, h->shade, 4);
 	c->left &= bits(c->rank * HATCH_SHORTEST < c->wanted * per_px);
@@ -238,7 +239,8 @@ INLINE void find_hatch(
 		return;
 	h->chance = (vf)gather(hatch->chance, h->shade, 4);
 	h->larger =
-		1 + hatch->step.abstraction * clamp01((c->depth_m - hatch->near_m) * hatch->per_m);
+		1 + hatch->step.abstraction *
+			    clamp01((c->depth_m - b->lens.begin_m - hatch->near_m) * hatch->per_m);
 	find_ways(b, c, at, h);
 	vf fewer = shortened(b, c, h) * h->larger * h->larger;
 	c->most = c->wanted * per_px / fewer;

@@ -123,7 +123,7 @@ INLINE void lay_out(const frame *f, const struct mask_target *t, const struct ch
 	vi dots = d.drawn & (d.radius < MASK_DOT_RADIUS), wide = d.drawn & ~dots;
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 	vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
-		      SLANT * d.radius * d.depth_m * (1 / p->focal_px);
+		      SLANT * d.radius * LENS_SCALE_M(&p->lens, d.depth_m) * (1 / p->lens.focal_px);
 	if (any(dots))
 		sort_in(to, n, DOT,
 			dots & place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n],

@@ -3,6 +3,7 @@
 /* Points of a chunk on the screen, eight at a time. All is inlined, so that it takes on the caller's target. */
 #include "process/lanes.h"
 #include "render/chunk-view.h"
+#include "render/lens.h"
 
 static const vf lane_number = { 0, 1, 2, 3, 4, 5, 6, 7 };
 
@@ -12,15 +13,15 @@ struct lane_points {
 
 /* Of points whose coordinates in the box are q. */
 INLINE struct lane_points project_lanes(
-	const struct chunk_view *v, const vf q[3], float focal_px, float middle_x, float middle_y)
+	const struct chunk_view *v, const vf q[3], const struct lens *l)
 {
 	vf at[3];
 	for (int k = 0; k < 3; k++)
 		at[k] = v->base[k] + q[0] * v->axis[0][k] + q[1] * v->axis[1][k] +
 			q[2] * v->axis[2][k];
-	vf scale = focal_px / at[2];
-	return (struct lane_points){ middle_x + at[0] * scale, middle_y + at[1] * scale, at[2],
-		scale };
+	vf scale = l->focal_px / LENS_SCALE_M(l, at[2]);
+	return (struct lane_points){ l->middle_x + at[0] * scale, l->middle_y + at[1] * scale,
+		at[2], scale };
 }
 
 typedef uint16_t vs_loose __attribute__((vector_size(16), aligned(2), may_alias));

@@ -11,11 +11,11 @@ struct candidate {
 
 /* Whether a chunk's sphere may have something within radius_px. */
 static bool may_be_near(const scene *s, const struct scene_chunk *c, const struct camera *cam,
-	const double ray[3], double radius_px)
+	const double from_m[3], const double ray[3], double radius_px)
 {
 	double along = 0, square = 0, v, half = 0;
 	for (int k = 0; k < 3; k++) {
-		v = s->origin_m[k] + c->centre_m[k] - cam->eye_m[k];
+		v = s->origin_m[k] + c->centre_m[k] - from_m[k];
 		along += v * ray[k];
 		square += v * v;
 		half += (double)c->half_m[k] * c->half_m[k];
@@ -24,7 +24,8 @@ static bool may_be_near(const scene *s, const struct scene_chunk *c, const struc
 	if (along < -reach)
 		return false;
 	double aside = sqrt(fmax(square - along * along, 0));
-	return aside <= reach + 2 * radius_px / cam->focal_px * (fmax(along, 0) + reach);
+	return aside <=
+	       reach + 2 * radius_px / cam->focal_px * camera_scale_m(cam, fmax(along, 0) + reach);
 }
 
 static void look_at_chunk(const scene *s, uint32_t n, const struct camera *cam, const double px[2],
@@ -39,7 +40,8 @@ static void look_at_chunk(const scene *s, uint32_t n, const struct camera *cam, 
 		double disc_m = s->disc[c->first + i] * SCENE_UNIT_M;
 		double aside = hypot(at[0] - px[0], at[1] - px[1]);
 		/* A point is as large as its patch, so that nothing is picked through near surface. */
-		if (aside > fmax(radius_px, disc_m / 2 * cam->focal_px / depth))
+		if (aside >
+			fmax(radius_px, disc_m / 2 * cam->focal_px / camera_scale_m(cam, depth)))
 			continue;
 		struct candidate k = { (float)depth, (float)aside, (float)disc_m, n, i };
 		g_array_append_val(found, k);
@@ -89,12 +91,13 @@ static const struct candidate *choose(const scene *s, const GArray *found)
 bool scene_pick(const scene *s, const struct camera *c, const uint8_t *leaves, const double px[2],
 	double radius_px, struct scene_picked *ret)
 {
-	double ray[3];
+	double from_m[3], ray[3];
 	g_autoptr(GArray) found = g_array_new(FALSE, FALSE, sizeof(struct candidate));
+	camera_place(c, px, 0, from_m);
 	camera_ray(c, px, ray);
 	for (uint32_t n = 0; n < s->chunks; n++)
 		if ((!leaves || leaves[s->chunk[n].leaf]) &&
-			may_be_near(s, &s->chunk[n], c, ray, radius_px))
+			may_be_near(s, &s->chunk[n], c, from_m, ray, radius_px))
 			look_at_chunk(s, n, c, px, radius_px, found);
 	if (!found->len)
 		return false;

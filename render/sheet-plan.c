@@ -56,7 +56,7 @@ float sheet_spacing_px(const frame *f, const struct chunk_view *views, uint32_t 
 		const struct chunk_view *v = &views[n];
 		double middle_m = ((double)v->near_m + (double)v->far_m) / 2;
 		sum += (double)v->chunk->count * (double)v->chunk->spacing_most_m *
-		       f->camera.focal_px / MAX(middle_m, 1e-3);
+		       f->camera.focal_px / MAX(camera_scale_m(&f->camera, middle_m), 1e-3);
 		points += v->chunk->count;
 	}
 	return points > 0 ? (float)(sum / points) : 0;

@@ -12,7 +12,8 @@ void splat_band(const struct band *b, const frame *f, const visibility_mask *m,
 	for (uint32_t n = 0; n < count; n++) {
 		const struct points_step *step = splat_step(f, views[n].pipeline);
 		float reach = 2 + (step ? step->size : 0) * views[n].chunk->disc_most_m *
-					  (float)f->camera.focal_px / views[n].near_m;
+					  (float)f->camera.focal_px /
+					  camera_scale_f(&f->camera, views[n].near_m);
 		if (step && views[n].high_px[1] + reach >= (float)b->from &&
 			views[n].low_px[1] - reach <= (float)(b->from + b->rows))
 			LANES_OF(f->lanes, splat_chunk)(b, f, m, &views[n], step, light, weight);

@@ -120,3 +120,18 @@ const struct step_parameter contours_parameters[] = {
 	SURROUNDINGS(0.3),
 	{ NULL },
 };
+
+const struct step_parameter cut_parameters[] = {
+	NUMBER(cut_step, thick_m, RANGE(0, 10, 0, 0.2), 0, "m",
+		"what lies so near the cut is cut; 0: as the points' spacing asks for"),
+	LENGTH(5),
+	WIDTH(2.8, 10),
+	LENGTH_VARIATION(0),
+	ANGLE_VARIATION(0),
+	BLEND,
+	INK_COLOUR(0x141414),
+	TEXTURE("line"),
+	OPACITY(1),
+	OPACITY_VARIATION(0),
+	{ NULL },
+};

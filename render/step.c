@@ -216,6 +216,8 @@ const struct step_kind step_kinds[] = {
 	{ "contours", "Contours", "strokes where smooth surfaces turn away, or nearly do",
 		STEP_LAYER, sizeof(struct contours_step), contours_parameters, ink_radius_px,
 		"strokes" },
+	{ "cut", "Cut", "lines where a plan or section cuts through things", STEP_LAYER,
+		sizeof(struct cut_step), cut_parameters, ink_radius_px, "strokes" },
 	{ "edl", "Eye-dome lighting", "darkens what lies deeper than what is beside it",
 		STEP_FILTER, sizeof(struct edl_step), edl_parameters, edl_radius_px, "edl" },
 	{ "stipple", "Stippling without normals",
@@ -329,11 +331,16 @@ bool step_is_contours(const struct step *s)
 	return s->kind->parameters == contours_parameters;
 }
 
+bool step_is_cut(const struct step *s)
+{
+	return s->kind->parameters == cut_parameters;
+}
+
 bool step_is_ink(const struct step *s)
 {
 	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
 	       s->kind == step_kind_find("strokes") || s->kind == step_kind_find("stipple") ||
-	       step_is_hatching(s) || step_is_contours(s);
+	       step_is_hatching(s) || step_is_contours(s) || step_is_cut(s);
 }
 
 bool step_is_filter(const struct step *s)

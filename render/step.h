@@ -166,6 +166,15 @@ struct contours_step {
 	float bent_least_per_m; /* what is bent less has no contours: the more the more abstract */
 };
 
+/* Lines where the view cuts through things (struct camera): the cut of a plan or a section. Strokes along the cut through each surface, of
+ * all points that lie in a slab behind it, moved in their planes onto the cut itself; so they run through corners, and are as sharp as
+ * points and normals are. Surface that the slab lies in is not drawn, since it is cut nowhere, nor leaves. Of ink it uses what contours
+ * do, but for spacing_px and fade_m. */
+struct cut_step {
+	struct ink_step ink; /* first */
+	float thick_m;       /* of the slab; 0: as the points' spacing asks for */
+};
+
 /* Points as they are: the colours of all points, blended where surfaces are the same. */
 struct points_step {
 	float size;                             /* factor on the diameter of a point's patch */
@@ -201,7 +210,7 @@ struct step_kind {
 };
 #define STEP_KINDS_MAX 40 /* rows that step_kinds has at most */
 extern const struct step_kind step_kinds
-	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "edl", "stipple", then filters; ends with a row
+	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "cut", "edl", "stipple", then filters; ends with a row
 	     * without a name */
 const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
 /* In a table of parameters: that of a kind, or of a section (style.h). NULL: there is none. */
@@ -219,6 +228,7 @@ struct step {
 		struct ink_step ink;
 		struct hatching_step hatching;
 		struct contours_step contours;
+		struct cut_step cut;
 		struct points_step points;
 		struct edl_step edl;
 		struct stipple_step stipple;
@@ -248,6 +258,7 @@ _Static_assert(sizeof(struct hatching_step) <= STEP_SIZE_MAX, "the union's size"
 bool step_is_ink(const struct step *s); /* all but points */
 bool step_is_hatching(const struct step *s);
 bool step_is_contours(const struct step *s);
+bool step_is_cut(const struct step *s);
 bool step_is_filter(const struct step *s); /* of pictures: not "edl", which belongs to points */
 bool step_is_dots(const struct step *s);   /* sprites or stipple: round */
 struct step step_defaults(const struct step_kind *kind);

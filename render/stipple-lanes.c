@@ -23,7 +23,7 @@ INLINE vi place_of(const struct stipple_plane *p, const vf at[3])
 	vf scale = p->is_parallel ? all(p->scale) : p->scale / at[2];
 	vf x = p->middle[0] + at[0] * scale, y = p->middle[1] + at[1] * scale;
 	float edge = STIPPLE_RINGS_MOST;
-	vi inside = (at[2] >= p->near_m) & (x >= edge) & (y >= edge) &
+	vi inside = (at[2] >= p->near_m) & (at[2] <= p->far_m) & (x >= edge) & (y >= edge) &
 		    (x < (float)p->columns - edge) & (y < (float)p->rows - edge);
 	vi column = __builtin_convertvector(where(inside, x), vi),
 	   row = __builtin_convertvector(where(inside, y), vi);

@@ -264,7 +264,8 @@ struct stipple_plane stipple_plan_eye(
 {
 	const struct camera *c = &f->camera;
 	float px = texel_px(f);
-	struct stipple_plane eye = { .scale = (float)c->focal_px / px };
+	bool is_parallel = c->parallel_m > 0;
+	struct stipple_plane eye = { .is_parallel = is_parallel, .scale = (float)c->focal_px / px };
 	float far_m = (float)c->near_m, near_m = INFINITY;
 	int32_t columns = (int32_t)ceilf((float)c->width / px),
 		rows = (int32_t)ceilf((float)c->height / px);
@@ -275,13 +276,17 @@ struct stipple_plane stipple_plan_eye(
 	for (uint32_t n = 0; n < count; n++) {
 		const struct chunk_view *v = &views[n];
 		uint32_t chunk = (uint32_t)(v->chunk - f->scene->chunk);
-		float scale = eye.scale / fmaxf((v->near_m + v->far_m) / 2, (float)c->near_m);
+		float middle_m = fmaxf((v->near_m + v->far_m) / 2, (float)c->near_m);
+		float scale = eye.scale / camera_scale_f(c, middle_m);
 		w[n] = (struct width){ p->spacing_m[chunk] * scale, p->part[chunk] };
 		near_m = fminf(near_m, v->near_m);
 		far_m = fmaxf(far_m, v->far_m);
 	}
 	eye.passes = passes_for(p, f, w, count);
+	if (is_parallel)
+		eye.scale /= (float)c->parallel_m;
 	stipple_plane_set_depths(
 		&eye, fminf(near_m, far_m), far_m, f->layer[p->layer].stipple->behind_px);
+	eye.far_m = lens_of(c).far_m;
 	return eye;
 }

@@ -1,5 +1,6 @@
 #include "render/stipple-plane.h"
 #include "process/lanes.h"
+#include <math.h>
 #include <string.h>
 
 static int32_t bits_of(float x)
@@ -21,6 +22,7 @@ static int32_t step_of(const struct stipple_plane *p, float middle_m, float behi
 void stipple_plane_set_depths(struct stipple_plane *p, float near_m, float far_m, float behind_px)
 {
 	p->near_m = near_m;
+	p->far_m = INFINITY;
 	p->low = bits_of(near_m);
 	p->shift = 0;
 	while ((bits_of(fmaxf(far_m, near_m)) - p->low) >> p->shift > STIPPLE_DEPTH_MOST)

@@ -21,13 +21,13 @@ struct stipple_plane {
 	bool is_parallel;             /* or all rays come from one place */
 	float scale;                  /* texels to a metre; or at a depth of 1 */
 	float middle[2];              /* of the axis, in texels */
-	float near_m;                 /* nothing nearer is seen */
+	float near_m, far_m;          /* nothing nearer is seen, or farther */
 	int32_t low, shift;           /* of a depth's bits */
 	int32_t step;                 /* what a pass adds to a key */
 	uint32_t passes;
 };
 
-/* Texels that are as wide at the depth of 1 as scale says, or everywhere; all depths of points are from near_m to far_m. */
+/* Texels that are as wide at the depth of 1 as scale says, or everywhere; all depths of points that are seen are from near_m to far_m. */
 void stipple_plane_set_depths(struct stipple_plane *p, float near_m, float far_m, float behind_px);
 /* So many columns and rows of it are to be seen. */
 void stipple_plane_set_size(struct stipple_plane *p, int32_t columns, int32_t rows);

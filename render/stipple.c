@@ -201,7 +201,7 @@ static bool is_highlight(
 	float light = share_of(s->light.count[d->slot], &s->plan->light_plane,
 		      apart_m * s->plan->light_scale[d->chunk]),
 	      eye = share_of(s->eye.count[d->slot], &s->eye_plane,
-		      apart_m * s->eye_plane.scale / d->at_m[2]);
+		      apart_m * s->eye_plane.scale / (s->eye_plane.is_parallel ? 1 : d->at_m[2]));
 	return step->epsilon > 0 && light - eye > step->epsilon;
 }
 
@@ -231,7 +231,7 @@ static float radius_of(
 	const stipple *s, const frame *f, const struct frame_layer *l, const struct dot *d)
 {
 	float apart_px = (float)f->scene->spacing[d->point] * s->plan->apart_m *
-			 (float)f->camera.focal_px / d->at_m[2];
+			 (float)f->camera.focal_px / camera_scale_f(&f->camera, d->at_m[2]);
 	float growth = apart_px / (STIPPLE_APART * l->ink.length_px);
 	return l->ink.length_px / 2 * fminf(fmaxf(growth, 1), l->ink.grow);
 }
@@ -239,7 +239,8 @@ static float radius_of(
 static struct stroke stroke_of(const stipple *s, const frame *f, const struct frame_layer *l,
 	const struct dot *d, bool left_out)
 {
-	float half_px = radius_of(s, f, l, d), scale = (float)f->camera.focal_px / d->at_m[2];
+	float half_px = radius_of(s, f, l, d),
+	      scale = (float)f->camera.focal_px / camera_scale_f(&f->camera, d->at_m[2]);
 	struct stroke one = { .x_px = (float)f->camera.width / 2 + d->at_m[0] * scale,
 		.y_px = (float)f->camera.height / 2 + d->at_m[1] * scale,
 		.along = { 1, 0 },

@@ -4,6 +4,7 @@
  * is seen, along what its edge runs. Internal to stroke.c and stroke-lanes.c; all is inlined. */
 #include "process/lanes.h"
 #include "process/vector3.h"
+#include "render/lens.h"
 #include "render/stroke.h"
 #include <math.h>
 
@@ -21,7 +22,7 @@ struct brush {
 	const struct frame_layer *layer;
 	const struct chunk_view *view;
 	const visibility_mask *mask;
-	float focal_px, middle_x, middle_y, near_m;
+	struct lens lens;
 	float turn[3][3]; /* site to camera: rows right, down, forward */
 	float ray_most;   /* length of the longest ray of depth 1 */
 	int kind;
@@ -48,6 +49,18 @@ LANES_DECLARE(void, stroke_choose, (const struct brush *b, struct stroke_chain *
 LANES_DECLARE(void, stroke_hatch, (const struct brush *b, struct stroke_chain *to));
 /* And of contours. */
 LANES_DECLARE(void, stroke_contours, (const struct brush *b, struct stroke_chain *to));
+/* And of cuts. */
+LANES_DECLARE(void, stroke_cut, (const struct brush *b, struct stroke_chain *to));
+
+/* How thick is cut, in spacings of the points, and in metres at least and at most; lines are drawn where the sine of the angle between
+ * surface and cut is more than the first of these, and from the second on whole. */
+#define CUT_SPACINGS    3.f
+#define CUT_LEAST_M     0.01f
+#define CUT_MOST_M      0.1f
+#define CUT_SLANT_LEAST 0.3f
+#define CUT_SLANT_SURE  0.5f
+/* What lies on the cut is before all else: its 1/depth on the screen is so many times what it is. */
+#define CUT_BEFORE 2.f
 
 /* -1 .. 1 */
 INLINE float around_zero(uint32_t point, uint32_t salt)
@@ -63,11 +76,11 @@ INLINE void to_camera(const struct brush *b, const int16_t packed[2], float ret[
 		ret[k] = vector3_dot(b->turn[k], v);
 }
 
-/* The ray through a place on the screen, of depth 1. */
+/* The ray at a place on the screen, of depth 1. */
 INLINE void ray_of(const struct brush *b, const struct candidate *c, float ret[3])
 {
-	ret[0] = (c->x_px - b->middle_x) / b->focal_px;
-	ret[1] = (c->y_px - b->middle_y) / b->focal_px;
+	ret[0] = (c->x_px - b->lens.middle_x) / b->lens.focal_px * b->lens.fan;
+	ret[1] = (c->y_px - b->lens.middle_y) / b->lens.focal_px * b->lens.fan;
 	ret[2] = 1;
 }
 
@@ -77,7 +90,8 @@ INLINE void plane_slope(
 {
 	float ray[3], steepest = 0.5f / (c->depth_m * MAX(reach_px, 1));
 	ray_of(b, c, ray);
-	float away = vector3_dot(c->normal, ray) * c->depth_m * b->focal_px;
+	float away = vector3_dot(c->normal, ray) * c->depth_m * b->lens.focal_px *
+		     LENS_STRETCH(&b->lens, c->depth_m);
 	for (int k = 0; k < 2; k++) {
 		ret[k] = fabsf(away) > 1e-6f ? c->normal[k] / away : 0;
 		ret[k] = CLAMP(ret[k], -steepest, steepest);
@@ -97,7 +111,7 @@ INLINE bool line_of(const struct brush *b, const struct candidate *c, struct lin
 		return false;
 	to_camera(b, packed, d);
 	ray_of(b, c, ray);
-	float scale = b->focal_px / c->depth_m;
+	float scale = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
 	float x = (d[0] - ray[0] * d[2]) * scale, y = (d[1] - ray[1] * d[2]) * scale;
 	float length = sqrtf(x * x + y * y);
 	if (!(length > 1e-3f * scale))

@@ -46,7 +46,7 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	s.half_width_px = growth * ink->width_px / 2;
 	s.q = 1 / c->depth_m;
 	if (line) {
-		float whole = b->focal_px / c->depth_m;
+		float whole = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
 		half_px *= CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
 		turn_along(b, &s, line->along);
 		for (int k = 0; k < 2; k++)
@@ -118,9 +118,9 @@ INLINE void try_on_surface(
 static float need_most(const struct brush *b)
 {
 	const struct scene_chunk *c = b->view->chunk;
-	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->near_m);
+	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->lens.near_m);
 	float more = STROKE_FADE_MORE(stroke_fade_octaves(nearest_m));
-	float scale = b->focal_px / nearest_m *
+	float scale = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m) *
 		      (shares_queue(b) ? c->spacing_most_m : c->list_spacing_most_m[b->kind]);
 	if (is_on_edge(b))
 		return more * scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
@@ -139,7 +139,7 @@ INLINE void find_candidates(
 	for (int axis = 0; axis < 3; axis++)
 		q[axis] = gather_u16(s->q[axis], c->point);
 	c->copy = 0;
-	struct lane_points l = project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
+	struct lane_points l = project_lanes(b->view, q, &b->lens);
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;

@@ -39,7 +39,7 @@ INLINE vf octaves_of(vf depth_m)
 /* Where strokes of points at this depth may be. */
 INLINE vf nearest_of(const struct brush *b, vf depth_m)
 {
-	return most(depth_m - b->moved_m, all(b->near_m));
+	return most(depth_m - b->moved_m, all(b->lens.near_m));
 }
 
 struct lane_candidates {
@@ -162,11 +162,19 @@ INLINE vi has_no_normal(const struct lane_candidates *c)
 	return (c->normal[0] == 0) & (c->normal[1] == 0) & (c->normal[2] == 0);
 }
 
+/* Where they are seen, at the depth of 1. */
+INLINE void seen_at(const struct brush *b, const struct lane_candidates *c, vf ret[2])
+{
+	ret[0] = (c->x_px - b->lens.middle_x) * (1 / b->lens.focal_px);
+	ret[1] = (c->y_px - b->lens.middle_y) * (1 / b->lens.focal_px);
+}
+
 /* Of depth 1. */
 INLINE void rays_of(const struct brush *b, const struct lane_candidates *c, vf ret[2])
 {
-	ret[0] = (c->x_px - b->middle_x) * (1 / b->focal_px);
-	ret[1] = (c->y_px - b->middle_y) * (1 / b->focal_px);
+	seen_at(b, c, ret);
+	for (int k = 0; k < 2; k++)
+		ret[k] *= b->lens.fan;
 }
 
 /* -1 .. 1: where a copy lies in the patch of each point, along one of its axes; itself anywhere. */
@@ -189,17 +197,17 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 		     (stroke_reach(b->layer->ink.scatter, c->copy) * SCENE_UNIT_M);
 	vf by[2] = { reach_m * place_in_patch(c, SALT_ACROSS, COPY_ACROSS),
 		reach_m * place_in_patch(c, SALT_DOWN, COPY_DOWN) };
-	vf ray[2], moved[3], at[3];
-	rays_of(b, c, ray);
+	vf seen[2], moved[3], at[3], deep = LENS_SCALE_M(&b->lens, c->depth_m);
+	seen_at(b, c, seen);
 	for (int k = 0; k < 3; k++)
 		moved[k] = by[0] * axis[0][k] + by[1] * axis[1][k];
 	for (int k = 0; k < 3; k++)
-		at[k] = (k < 2 ? ray[k] : all(1)) * c->depth_m + turn_lanes(b, k, moved);
-	vi moves = c->is_flat & (at[2] >= b->near_m);
-	vf scale = b->focal_px / at[2];
+		at[k] = (k < 2 ? seen[k] * deep : c->depth_m) + turn_lanes(b, k, moved);
+	vi moves = c->is_flat & (at[2] >= b->lens.near_m);
+	vf scale = b->lens.focal_px / LENS_SCALE_M(&b->lens, at[2]);
 	c->depth_m = choose(moves, at[2], c->depth_m);
-	c->x_px = choose(moves, b->middle_x + at[0] * scale, c->x_px);
-	c->y_px = choose(moves, b->middle_y + at[1] * scale, c->y_px);
+	c->x_px = choose(moves, b->lens.middle_x + at[0] * scale, c->x_px);
+	c->y_px = choose(moves, b->lens.middle_y + at[1] * scale, c->y_px);
 }
 
 /* frame_diffuse() */
@@ -228,14 +236,15 @@ INLINE vf wanted_of(const struct brush *b, const struct lane_candidates *c, vi l
 INLINE vf away_of(const struct brush *b, const struct lane_candidates *c)
 {
 	const struct frame_focus *focus = &b->f->focus;
-	vf ray[2], deep = focus->on == FOCUS_PLACE ? c->depth_m : all(1);
+	bool is_place = focus->on == FOCUS_PLACE;
+	vf seen[2], deep = is_place ? LENS_SCALE_M(&b->lens, c->depth_m) : all(1);
 	if (!focus->is_there)
 		return all(0);
 	if (focus->on == FOCUS_SEGMENT)
 		return all(b->layer->is_focus ? 0 : 1);
-	rays_of(b, c, ray);
-	vf right = ray[0] * deep - focus->at_m[0], down = ray[1] * deep - focus->at_m[1],
-	   ahead = deep - focus->at_m[2];
+	seen_at(b, c, seen);
+	vf right = seen[0] * deep - focus->at_m[0], down = seen[1] * deep - focus->at_m[1],
+	   ahead = (is_place ? c->depth_m : all(1)) - focus->at_m[2];
 	vf part = clamp01((root(right * right + down * down + ahead * ahead) - focus->radius_m) *
 			  focus->per_m);
 	return part * part * (3 - 2 * part);
@@ -270,7 +279,8 @@ INLINE vf along_of(const struct brush *b, const struct lane_candidates *c)
 INLINE void find_wanted(const struct brush *b, struct lane_candidates *c)
 {
 	vi lightness = lightness_of(gather(b->f->scene->rgba, c->point, 4));
-	vf nearest_m = nearest_of(b, c->depth_m), px_per_m = b->focal_px / nearest_m;
+	vf nearest_m = nearest_of(b, c->depth_m),
+	   px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m);
 	bool lit = b->layer->lit == LIT_TONE || b->layer->lit == LIT_OMITTED;
 	if (lit)
 		find_normals(b, gather(b->f->scene->normal, c->point, 4), c);
@@ -294,7 +304,7 @@ INLINE void find_need(const struct brush *b, bool backs_hidden, struct lane_cand
 {
 	if (b->layer->ink.scatter > 0)
 		scatter(b, c);
-	vf along = along_of(b, c), px_per_m = b->focal_px / c->depth_m;
+	vf along = along_of(b, c), px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
 	c->away = away_of(b, c);
 	c->need = c->wanted * px_per_m * px_per_m * cosine_of(b, c, along) /
 		  (enlarged(b, c) * enlarged(b, c));

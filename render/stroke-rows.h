@@ -8,8 +8,8 @@
 INLINE float row_need_most(const struct brush *b)
 {
 	const struct scene_chunk *c = b->view->chunk;
-	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->near_m);
-	float scale = b->focal_px / nearest_m * c->spacing_most_m;
+	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->lens.near_m);
+	float scale = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m) * c->spacing_most_m;
 	return STROKE_FADE_MORE(stroke_fade_octaves(nearest_m)) * b->wanted_most * scale * scale;
 }
 
@@ -28,7 +28,7 @@ INLINE void row_candidates(
 	const scene *s = b->f->scene;
 	uint32_t at = b->view->chunk->first + i;
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
-	struct lane_points l = project_lanes(b->view, q, b->focal_px, b->middle_x, b->middle_y);
+	struct lane_points l = project_lanes(b->view, q, &b->lens);
 	c->point = (int32_t)at + (vi){ 0, 1, 2, 3, 4, 5, 6, 7 };
 	c->copy = 0;
 	c->x_px = l.x_px;

@@ -23,7 +23,7 @@ INLINE vf mask_depth_at(const struct brush *b, vf x, vf y)
 
 INLINE vf shows(const struct brush *b, vf x, vf y, vf depth_m)
 {
-	vf behind = depth_m / mask_depth_at(b, x, y) - 1;
+	vf behind = (depth_m / mask_depth_at(b, x, y) - 1) * LENS_STRETCH(&b->lens, depth_m);
 	return clamp01(1 - behind * (1 / HIDDEN_BEHIND));
 }
 
@@ -68,7 +68,7 @@ INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
 		alpha *= 1 -
 			 ink->degree * (1 - gather_u8(b->f->scene->degree, c->point) * (1 / 255.f));
 	for (int k = 0; k < LANES && ink->fade_m > 0; k++)
-		alpha[k] *= exp2f(-c->depth_m[k] / ink->fade_m);
+		alpha[k] *= exp2f((b->lens.begin_m - c->depth_m[k]) / ink->fade_m);
 	return alpha;
 }
 
@@ -79,13 +79,16 @@ INLINE unsigned promising(
 	const struct brush *b, const struct lane_points *l, const struct lane_candidates *c)
 {
 	vf nearest_m = nearest_of(b, l->depth_m), octaves = octaves_of(nearest_m);
-	vf px_per_m = b->focal_px / nearest_m, scale = c->spacing_m * px_per_m;
+	vf px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m),
+	   scale = c->spacing_m * px_per_m;
 	vf reach = b->layer->ink.length_px / 2 + b->moved_m * px_per_m;
 	vf need = is_on_edge(b)
 			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
 			  : scale * scale * b->wanted_most;
-	return bits((l->depth_m > b->near_m) & (l->x_px >= -reach) & (l->y_px >= -reach) &
-		    (l->x_px < 2 * b->middle_x + reach) & (l->y_px < 2 * b->middle_y + reach) &
+	return bits((l->depth_m > b->lens.near_m) & (l->depth_m <= b->lens.far_m) &
+		    (l->x_px >= -reach) & (l->y_px >= -reach) &
+		    (l->x_px < 2 * b->lens.middle_x + reach) &
+		    (l->y_px < 2 * b->lens.middle_y + reach) &
 		    (c->rank < need * STROKE_FADE_MORE(octaves)));
 }
 

@@ -79,8 +79,7 @@ static struct brush brush_of(const frame *f, const visibility_mask *m, const str
 	const struct frame_layer *l)
 {
 	const struct camera *c = &f->camera;
-	struct brush b = { f, l, v, m, (float)c->focal_px, (float)c->width / 2,
-		(float)c->height / 2, (float)c->near_m };
+	struct brush b = { f, l, v, m, lens_of(c) };
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
@@ -99,6 +98,8 @@ static void choose_whole(struct brush *b, struct stroke_chain *to)
 	b->moved_m = stroke_moved_most_m(b->view->chunk, b->layer->ink.scatter, b->copies > 1);
 	if (b->layer->hatch)
 		LANES_OF(b->f->lanes, stroke_hatch)(b, to);
+	else if (b->layer->is_cut)
+		LANES_OF(b->f->lanes, stroke_cut)(b, to);
 	else
 		LANES_OF(b->f->lanes, stroke_contours)(b, to);
 }

@@ -51,7 +51,8 @@ INLINE struct way_lanes way_on_screen(
 	vf x = way[0] - ray[0] * way[2], y = way[1] - ray[1] * way[2];
 	vf part = root(x * x + y * y), unit = 1 / most(part, all(1e-3f));
 	struct way_lanes w = { { x * unit, y * unit }, part };
-	w.slope = -way[2] / (c->depth_m * b->focal_px * most(part, all(1e-3f)));
+	w.slope = -way[2] / (c->depth_m * b->lens.focal_px * most(part, all(1e-3f)) *
+				    LENS_STRETCH(&b->lens, c->depth_m));
 	return w;
 }
 

@@ -41,7 +41,7 @@ static void do_band(const frame *f, const visibility_mask *m, const struct chunk
 	for (uint32_t n = 0; n < count; n++) {
 		float reach = 2 + frame_pipeline(f, views[n].pipeline)->mask.disc *
 					  views[n].chunk->disc_most_m * (float)f->camera.focal_px /
-					  views[n].near_m;
+					  camera_scale_f(&f->camera, views[n].near_m);
 		if (views[n].high_px[1] + reach >= (float)b->from &&
 			views[n].low_px[1] - reach <= (float)(b->from + b->rows))
 			LANES_OF(f->lanes, surface_chunk)(b, f, m, &views[n], &d);

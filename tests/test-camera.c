@@ -11,6 +11,12 @@ static struct camera any_camera(void)
 	return camera_look_at(eye, target, random_between(5, 150), WIDTH, HEIGHT);
 }
 
+static struct camera any_parallel_camera(void)
+{
+	struct camera c = any_camera();
+	return camera_parallel(&c, random_between(2, 60), random_between(1, 50));
+}
+
 static void test_rays_undo_projection(void)
 {
 	for (int i = 0; i < 2000; i++) {
@@ -72,10 +78,10 @@ static void test_planes_agree_with_projection(void)
 {
 	unsigned inside = 0;
 	for (int i = 0; i < 20000; i++) {
-		struct camera c = any_camera();
+		struct camera c = i % 2 ? any_parallel_camera() : any_camera();
 		struct camera_plane plane[SIDES];
-		c.near_m = 5;
-		c.far_m = 40;
+		c.near_m = i % 2 ? c.near_m : 5;
+		c.far_m = i % 2 ? c.far_m : 40;
 		double point[3] = { random_between(-60, 60), random_between(-60, 60),
 			random_between(-60, 60) };
 		camera_frustum_planes(&c, plane);
@@ -91,7 +97,59 @@ static void test_planes_agree_with_projection(void)
 		g_assert_true(seen == in);
 		inside += in;
 	}
-	g_assert_cmpuint(inside, >, 1000);
+	g_assert_cmpuint(inside, >, 800);
+}
+
+/* A pinhole camera in its place shows as much at one depth. */
+static void test_parallel_rays(void)
+{
+	for (int i = 0; i < 2000; i++) {
+		struct camera c = any_parallel_camera();
+		double px[2] = { random_between(0, WIDTH), random_between(0, HEIGHT) },
+		       again[2] = { 0 };
+		double ray[3], point[3], depth = 0, far = c.near_m + random_between(0, 100);
+		g_assert_true(camera_validate(&c, NULL));
+		camera_ray(&c, px, ray);
+		assert_near(ray, c.forward, 0);
+		camera_place(&c, px, far, point);
+		g_assert_true(camera_project(&c, point, again, &depth));
+		g_assert_cmpfloat_with_epsilon(again[0], px[0], 1e-9);
+		g_assert_cmpfloat_with_epsilon(again[1], px[1], 1e-9);
+		g_assert_cmpfloat_with_epsilon(depth, far, 1e-9);
+		struct camera pinhole = c;
+		pinhole.parallel_m = 0;
+		c.near_m = pinhole.near_m = 1e-3;
+		camera_place(&c, px, c.parallel_m, point);
+		g_assert_true(camera_project(&pinhole, point, again, &depth));
+		g_assert_cmpfloat_with_epsilon(again[0], px[0], 1e-9);
+		struct camera moved = camera_shifted(&c, 17, -5), large = camera_scaled(&c, 3);
+		g_assert_true(camera_project(&moved, point, again, &depth));
+		g_assert_cmpfloat_with_epsilon(again[0], px[0] - 17, 1e-9);
+		g_assert_cmpfloat_with_epsilon(again[1], px[1] + 5, 1e-9);
+		g_assert_true(camera_project(&large, point, again, &depth));
+		g_assert_cmpfloat_with_epsilon(again[1], 3 * px[1], 1e-9);
+	}
+}
+
+/* 1200 pixels are 60 m: a metre is 20 of them, near and far; what is before the eye is cut off to the last bit. */
+static void test_parallel_scale(void)
+{
+	const double eye[3] = { 100, 200, 3 }, target[3] = { 100, 300, 3 };
+	struct camera from = camera_look_at(eye, target, 50, WIDTH, HEIGHT),
+		      c = camera_parallel(&from, HEIGHT / 20., 70);
+	double px[2] = { 0 }, depth = 0;
+	for (int i = 0; i < 1000; i++) {
+		double right = random_between(-9, 9), up = random_between(-9, 9),
+		       far = random_between(0, 70);
+		double at[3] = { eye[0] + right, eye[1] + far, eye[2] + up };
+		g_assert_true(camera_project(&c, at, px, &depth));
+		g_assert_cmpfloat_with_epsilon(px[0], WIDTH / 2. + 20 * right, 1e-9);
+		g_assert_cmpfloat_with_epsilon(px[1], HEIGHT / 2. - 20 * up, 1e-9);
+		g_assert_cmpfloat_with_epsilon(depth, c.near_m + far, 1e-9);
+		g_assert_cmpfloat(depth, <=, c.far_m);
+	}
+	const double before[3] = { 101, 200 - 1e-9, 4 };
+	g_assert_false(camera_project(&c, before, px, &depth));
 }
 
 static void test_a_station_sees_by_its_azimuth(void)
@@ -170,6 +228,8 @@ int main(int argc, char **argv)
 	g_test_add_func("/camera/look-at", test_the_target_is_in_the_middle);
 	g_test_add_func("/camera/down-and-up", test_down_and_up);
 	g_test_add_func("/camera/planes", test_planes_agree_with_projection);
+	g_test_add_func("/camera/parallel/rays", test_parallel_rays);
+	g_test_add_func("/camera/parallel/scale", test_parallel_scale);
 	g_test_add_func("/camera/station", test_a_station_sees_by_its_azimuth);
 	g_test_add_func("/camera/scaled", test_scaled);
 	g_test_add_func("/camera/refused", test_bad_cameras);

@@ -141,7 +141,7 @@ static GArray *spots_of(const frame *f)
 		const struct stroke *s = &l->stroke[n];
 		struct spot spot = { .point = s->point, .copy = s->copy };
 		double px[2] = { (double)s->x_px, (double)s->y_px };
-		reproject_seen(&f->camera, px, 1 / (double)s->q, spot.at_m);
+		camera_place(&f->camera, px, 1 / (double)s->q, spot.at_m);
 		g_array_append_val(spots, spot);
 	}
 	stroke_lists_free(l, f->layers);

@@ -273,7 +273,7 @@ static void mark_focus(const struct draw_screen *s, cairo_t *cr, const struct ca
 		px[1] = (double)f->down * c->height;
 		radius_px = (double)f->radius_px * c->height / FRAME_STYLE_HEIGHT;
 	} else if (camera_project(c, at_m, px, &depth_m)) {
-		radius_px = (double)f->radius_m * c->focal_px / depth_m;
+		radius_px = (double)f->radius_m * c->focal_px / camera_scale_m(c, depth_m);
 	} else {
 		return;
 	}

@@ -27,12 +27,15 @@ void write_stroke(uint at, candidate c, choice one, hatch h)
 	vec2 slope = vec2(0.0), along;
 	if (is_contours()) {
 		vec3 seen = way_on_screen(c, h.way[0]);
-		one.edge = line(true, seen.xy, seen.z * lens.x / c.depth_m,
-			-h.way[0].z / (c.depth_m * lens.x * max(seen.z, 1e-3)));
+		one.edge = line(true, seen.xy, seen.z * lens.x / scale_m(c.depth_m),
+			-h.way[0].z / (c.depth_m * lens.x * max(seen.z, 1e-3) * stretch(c.depth_m)));
 	}
 	float half_px = one.growth * shape.x / 2.0 * (1.0 + shape.w * around_zero(c, SALT_LENGTH));
-	if (one.edge.is_there) {
-		float seen = one.edge.px_per_m * c.depth_m / lens.x;
+	if (is_cut()) {
+		half_px = cut_half_px(c, half_px);
+		along = turned_along(one.edge.along, half_px, c);
+	} else if (one.edge.is_there) {
+		float seen = one.edge.px_per_m * scale_m(c.depth_m) / lens.x;
 		half_px *= clamp(is_contours() ? seen : 2.0 * seen, FORESHORTENED, 1.0);
 		along = turned_along(one.edge.along, half_px, c);
 		slope = one.edge.slope * (is_contours() ? normalize(along) : one.edge.along);
@@ -41,7 +44,7 @@ void write_stroke(uint at, candidate c, choice one, hatch h)
 		slope = plane_slope(c, one.normal, half_px);
 	}
 	float word[9] = float[9](c.at.x, c.at.y, along.x, along.y, one.growth * shape.y / 2.0, one.alpha,
-		1.0 / c.depth_m, slope.x, slope.y);
+		is_cut() ? CUT_BEFORE / lens.w : 1.0 / c.depth_m, slope.x, slope.y);
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
 	uint variant = uint(chance(c, SALT_VARIANT) * texels.z);

@@ -67,7 +67,7 @@ float around_zero(candidate c, uint salt)
 
 vec3 ray_of(candidate c)
 {
-	return vec3((c.at - lens.yz) / lens.x, 1.0);
+	return vec3((c.at - lens.yz) / lens.x * rays.x, 1.0);
 }
 
 bool is_hatching()
@@ -92,7 +92,7 @@ line line_of(candidate c)
 	if ((bits & 0xffffu) == NO_DIRECTION)
 		return l;
 	vec3 d = turned(bits), ray = ray_of(c);
-	float scale = lens.x / c.depth_m;
+	float scale = lens.x / scale_m(c.depth_m);
 	vec2 over = (d.xy - ray.xy * d.z) * scale;
 	l.px_per_m = length(over);
 	l.is_there = l.px_per_m > 1e-3 * scale;
@@ -117,10 +117,15 @@ bool is_contours()
 	return contour.x > 0.0;
 }
 
+bool is_cut()
+{
+	return cut.x > 0.0;
+}
+
 /* All points are surface to it, in the order of their own ranks. */
 bool is_whole()
 {
-	return is_hatching() || is_contours();
+	return is_hatching() || is_contours() || is_cut();
 }
 
 /* Comes after the dithering points, as dense as all points are. */
@@ -132,7 +137,7 @@ bool shares_queue(uint kind)
 /* Of the longest ray of depth 1. */
 float ray_most()
 {
-	return length(vec3((lens.yz + shape.x / 2.0) / lens.x, 1.0));
+	return length(vec3((lens.yz + shape.x / 2.0) / lens.x * rays.x, 1.0));
 }
 
 /* That a point fades in over, and what need must be more for them (stroke.h). */
@@ -162,13 +167,13 @@ float wanted_at(candidate c, vec3 normal)
 /* From the focus. */
 float away_from(candidate c)
 {
-	return away_of(ray_of(c) * c.depth_m, colour.w != 0u);
+	return away_of(seen_place(c.at, c.depth_m), colour.w != 0u);
 }
 
 /* The same to a square metre of it. */
 float need_on_surface(float wanted, float depth_m, float cosine)
 {
-	float px_per_m = lens.x / depth_m;
+	float px_per_m = lens.x / scale_m(depth_m);
 	return wanted * px_per_m * px_per_m * cosine;
 }
 
@@ -232,11 +237,11 @@ void scatter(inout candidate c)
 	vec2 at_patch = vec2(chance_by(c, SALT_ACROSS), chance_by(c, SALT_DOWN)) + fract(float(copy) * COPY_STEPS);
 	at_patch = 2.0 * (at_patch - step(1.0, at_patch)) - 1.0;
 	vec3 by = reach_m * (at_patch.x * across + at_patch.y * down);
-	vec3 at = ray_of(c) * c.depth_m + to_camera(by);
+	vec3 at = seen_place(c.at, c.depth_m) + to_camera(by);
 	if (at.z < lens.w)
 		return;
 	c.depth_m = at.z;
-	c.at = lens.yz + lens.x * at.xy / at.z;
+	c.at = lens.yz + lens.x * at.xy / scale_m(at.z);
 }
 
 float fade_of(float rank, float need, float octaves)
@@ -249,7 +254,7 @@ const float HIDDEN_BEHIND = 0.03;
 float shows(ivec2 at, float depth_m)
 {
 	at = clamp(at, ivec2(0), ivec2(size.xy) - 1);
-	float behind = depth_m / mask_depth(texelFetch(mask_keys, at, 0).r) - 1.0;
+	float behind = (depth_m / mask_depth(texelFetch(mask_keys, at, 0).r) - 1.0) * stretch(depth_m);
 	return clamp(1.0 - behind * (1.0 / HIDDEN_BEHIND), 0.0, 1.0);
 }
 
@@ -269,7 +274,7 @@ float opacity_of(candidate c)
 	float degree = float(points[c.index].z >> 16 & 255u) / 255.0;
 	float alpha = opacity.x * (1.0 - opacity.y * chance(c, SALT_OPACITY));
 	alpha *= 1.0 - opacity.z * (1.0 - degree);
-	return opacity.w > 0.0 ? alpha * exp2(-c.depth_m / opacity.w) : alpha;
+	return opacity.w > 0.0 ? alpha * exp2((rays.w - c.depth_m) / opacity.w) : alpha;
 }
 
 /* Need is this * (pixels to its spacing)^2 at most; along edges it is not squared. */
@@ -282,7 +287,7 @@ float need_once(uint kind)
 float need_most(uint n, uint kind)
 {
 	float spacing_most_m = shares_queue(kind) ? views[n].splat.z : views[n].spacing_most_m[kind];
-	float nearest_m = nearest_of(n, kind, views[n].base.w), near = lens.x / nearest_m * spacing_most_m;
+	float nearest_m = nearest_of(n, kind, views[n].base.w), near = lens.x / scale_m(nearest_m) * spacing_most_m;
 	return need_once(kind) * (is_on_edge(kind) ? near : near * near) * more_of(octaves_at(nearest_m));
 }
 
@@ -298,7 +303,7 @@ bool candidate_of(uint n, uint i, out candidate c)
 	uint from = c.kind == 0u ? 0u : end[c.kind - 1u];
 	float many = float(end[c.kind] - from);
 	c.rank = (float(i - from) + 0.5) * (1.0 / many);
-	if (c.rank > need_most(n, c.kind) + 1.0 / many)
+	if (!is_cut() && c.rank > need_most(n, c.kind) + 1.0 / many)
 		return false;
 	uint word = is_whole() ? i : lists[views[n].at.x + i];
 	c.index = views[n].at.x + (word & 0xffffu);
@@ -308,13 +313,16 @@ bool candidate_of(uint n, uint i, out candidate c)
 	c.view = n;
 	c.spacing_m = float((shares_queue(c.kind) ? points[c.index].y : word) >> 16) * UNIT_M;
 	vec3 at = place_of(n, points[c.index]);
-	float nearest_m = nearest_of(n, c.kind, at.z), px_per_m = lens.x / nearest_m, scale = lens.x / at.z;
+	float nearest_m = nearest_of(n, c.kind, at.z), px_per_m = lens.x / scale_m(nearest_m),
+	      scale = lens.x / scale_m(at.z);
 	float around = shape.x / 2.0 + moved_most(n, c.kind) * px_per_m;
 	c.at = lens.yz + at.xy * scale;
 	c.depth_m = at.z;
+	if (is_cut()) /* which of them, cut.glsl tells */
+		return true;
 	float here = c.spacing_m * px_per_m;
 	float need = need_once(c.kind) * (is_on_edge(c.kind) ? here : here * here) * more_of(octaves_at(nearest_m));
-	return at.z > lens.w && all(greaterThanEqual(c.at, vec2(-around))) &&
+	return at.z > lens.w && at.z <= cuts.z && all(greaterThanEqual(c.at, vec2(-around))) &&
 	       all(lessThan(c.at, size.xy + around)) && c.rank < need;
 }
 

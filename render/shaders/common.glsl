@@ -12,6 +12,8 @@ layout(binding = 0) uniform usampler2D mask_keys;
 
 layout(std140, binding = 0) uniform Camera {
 	vec4 lens;         /* focal_px, middle x and y, near_m */
+	vec4 rays;         /* struct lens: fan, parallel_m, 1 / parallel_m, begin_m */
+	vec4 cuts;         /* 1: the near plane cuts; how thick, 0: as the layer has it; nothing is drawn farther than this */
 	vec4 turn[3];      /* site to camera: rows right, down, forward */
 	vec4 size;         /* width, height, px to one of the style, far_m */
 	vec4 paper;        /* linear r g b, grain */
@@ -20,6 +22,24 @@ layout(std140, binding = 0) uniform Camera {
 	vec4 focus;        /* its middle, as the camera sees it; what fades far away from it */
 	vec4 focus_reach;  /* radius_m, 1 / falloff_m, abstraction, 1: there is one; 2: all of that is at depth 1; 3: it is a segment */
 };
+
+/* LENS_SCALE_M() */
+float scale_m(float depth_m)
+{
+	return depth_m * rays.x + rays.y;
+}
+
+/* LENS_STRETCH() */
+float stretch(float depth_m)
+{
+	return rays.x + depth_m * rays.z;
+}
+
+/* The place at a depth that is seen at a place of the picture. */
+vec3 seen_place(vec2 at, float depth_m)
+{
+	return vec3((at - lens.yz) / lens.x * scale_m(depth_m), depth_m);
+}
 
 float light_of_byte(uint b)
 {
@@ -51,7 +71,7 @@ float away_of(vec3 at, bool is_focus)
 		return 0.0;
 	if (focus_reach.w > 2.5)
 		return is_focus ? 0.0 : 1.0;
-	vec3 place = focus_reach.w > 1.5 ? at / at.z : at;
+	vec3 place = focus_reach.w > 1.5 ? vec3(at.xy / scale_m(at.z), 1.0) : at;
 	float part = clamp((distance(place, focus.xyz) - focus_reach.x) * focus_reach.y, 0.0, 1.0);
 	return part * part * (3.0 - 2.0 * part);
 }

@@ -18,7 +18,7 @@ float smooth_weight(candidate c, vec3 normal, out hatch h)
 		return 0.0;
 	vec3 axis = laid_flat(normal, turned(bits)).xyz, across = cross(normal, axis);
 	vec3 eye = -normalize(ray_of(c)), way = laid_flat(normal, eye).xyz;
-	float cosine = dot(eye, normal), px_per_m = lens.x / c.depth_m;
+	float cosine = dot(eye, normal), px_per_m = lens.x / scale_m(c.depth_m);
 	vec3 turn_of = k.x * dot(axis, way) * axis + k.y * dot(across, way) * across;
 	float radial = dot(turn_of, way), most_bent = max(abs(k.x), 1e-3);
 	float outline = 0.0, hinted = 0.0;
@@ -40,7 +40,7 @@ const float STEP_LEAST = 0.03, STEP_SURE = 0.08, STEP_PLACES = 4.0, DIAGONAL = 0
 float is_behind_there(ivec2 at, float depth_m)
 {
 	at = clamp(at, ivec2(0), ivec2(size.xy) - 1);
-	float behind = mask_depth(texelFetch(mask_keys, at, 0).r) / depth_m - 1.0;
+	float behind = (mask_depth(texelFetch(mask_keys, at, 0).r) / depth_m - 1.0) * stretch(depth_m);
 	return clamp((behind - STEP_LEAST) * (1.0 / (STEP_SURE - STEP_LEAST)), 0.0, 1.0);
 }
 

@@ -14,7 +14,7 @@ struct disc {
 bool tilt_disc(uvec4 p, float radius_least, bool backs_hidden, inout disc d)
 {
 	vec3 n = turned(p.w);
-	vec2 ray = (d.at - lens.yz) * (1.0 / lens.x);
+	vec2 ray = (d.at - lens.yz) * (rays.x / lens.x);
 	float aside2 = dot(n.xy, n.xy);
 	d.squash = vec2(0.0);
 	d.tilt = vec2(0.0);
@@ -28,7 +28,7 @@ bool tilt_disc(uvec4 p, float radius_least, bool backs_hidden, inout disc d)
 	cosine2 = min(max(max(cosine2, flat2), 1e-3), 1.0);
 	d.squash = sqrt((1.0 / cosine2 - 1.0) / aside2) * n.xy;
 	float steep = max(abs(along) * lens.x, sqrt(aside2) * max(d.radius * 3.0, lens.x / DISC_STEEPEST));
-	d.tilt = (along >= 0.0 ? -1.0 : 1.0) * d.depth_m / steep * n.xy;
+	d.tilt = (along >= 0.0 ? -1.0 : 1.0) * scale_m(d.depth_m) / steep * n.xy;
 	return true;
 }
 
@@ -37,16 +37,16 @@ bool disc_of(uint n, uint i, float factor, float radius_least, out disc d)
 {
 	uvec4 p = points[views[n].at.x + i];
 	vec3 at = place_of(n, p);
-	float scale = lens.x / at.z;
-	float spacing_px = float(p.y >> 16) * (UNIT_M * lens.x) / at.z;
-	float disc_px = float(p.z & 0xffffu) * (UNIT_M * lens.x) / at.z;
+	float deep = scale_m(at.z), scale = lens.x / deep;
+	float spacing_px = float(p.y >> 16) * (UNIT_M * lens.x) / deep;
+	float disc_px = float(p.z & 0xffffu) * (UNIT_M * lens.x) / deep;
 	float rank = (float(i) + 0.5) * (1.0 / float(views[n].at.z));
 	float part = min(spacing_px * spacing_px * DISC_CROWD, 1.0);
 	d.at = lens.yz + at.xy * scale;
 	d.depth_m = at.z;
 	d.rank = rank / part;
 	d.radius = clamp(0.5 * factor * disc_px / sqrt(part), radius_least, DISC_RADIUS_MOST);
-	if (!(at.z > lens.w && rank < part && all(greaterThan(d.at, vec2(-d.radius))) &&
+	if (!(at.z > lens.w && at.z <= cuts.z && rank < part && all(greaterThan(d.at, vec2(-d.radius))) &&
 		    all(lessThan(d.at, size.xy + d.radius))))
 		return false;
 	if (!tilt_disc(p, radius_least, views[n].mask.w > 0.0, d))

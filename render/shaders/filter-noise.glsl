@@ -68,11 +68,11 @@ void main()
 		b[at] = flat_noise(whole_at);
 		return;
 	}
-	float octave = clamp(log2(near_m * (by[0].x / lens.x)), float(LOWEST), float(LOWEST + OCTAVES - 2));
+	float octave = clamp(log2(scale_m(near_m) * (by[0].x / lens.x)), float(LOWEST), float(LOWEST + OCTAVES - 2));
 	int low = int(floor(octave));
 	float part = octave - float(low);
-	vec2 ray = (whole_at + 0.5 - lens.yz) / lens.x;
-	vec3 from_m = (turn[0].xyz * ray.x + turn[1].xyz * ray.y + turn[2].xyz) * near_m;
+	vec2 way = (whole_at + 0.5 - lens.yz) / lens.x * (scale_m(near_m) / near_m);
+	vec3 from_m = (turn[0].xyz * way.x + turn[1].xyz * way.y + turn[2].xyz) * near_m;
 	float fine = octave_of(from_m, low), coarse = octave_of(from_m, low + 1);
 	b[at] = mix(fine, coarse, part) / sqrt(part * part + (1.0 - part) * (1.0 - part));
 }

@@ -6,7 +6,7 @@ const int LOWEST = -24, OCTAVES = 48, PARAMETERS = 80;
 const float NEXT_LAYER = 0.85, BARE = 0.06;
 
 struct sketched {
-	vec3 ray, normal;
+	vec3 ray, way, normal; /* way: from the eye to it */
 	float depth_m;
 };
 
@@ -14,17 +14,18 @@ sketched sketched_at(ivec2 p)
 {
 	int at = at_of(p);
 	vec3 n = vec3(d[4 * at], d[4 * at + 1], d[4 * at + 2]);
-	vec3 ray = vec3((vec2(p + area.zw) + 0.5 - lens.yz) / lens.x, 1.0);
+	vec2 seen = (vec2(p + area.zw) + 0.5 - lens.yz) / lens.x;
+	vec3 ray = vec3(seen * rays.x, 1.0);
 	float reach = length(ray);
 	if (dot(n, ray) > -0.08 * reach)
 		n = -ray / reach;
-	return sketched(ray, n, depths[at]);
+	return sketched(ray, vec3(seen * (scale_m(depths[at]) / depths[at]), 1.0), n, depths[at]);
 }
 
 float metres_a_pixel(sketched s, vec3 across)
 {
 	float towards = dot(across, s.ray) / dot(s.normal, s.ray);
-	return s.depth_m / lens.x * length(across.xy - towards * s.normal.xy);
+	return scale_m(s.depth_m) / lens.x * length(across.xy - towards * s.normal.xy);
 }
 
 float light_through(int layer, sketched s, int at, float dark)
@@ -37,7 +38,7 @@ float light_through(int layer, sketched s, int at, float dark)
 	float low = floor(octave), part = octave - low;
 	int n = int(low) - LOWEST, entry = 8 + layer * (OCTAVES / 4) + (n >> 2);
 	float cell_m = 0.5 * exp2(low);
-	float place = by[entry][n & 3] + s.depth_m * dot(across, s.ray) / cell_m + 0.7 * min(rule.z / rule.x, 1.0) * c[at];
+	float place = by[entry][n & 3] + s.depth_m * dot(across, s.way) / cell_m + 0.7 * min(rule.z / rule.x, 1.0) * c[at];
 	float number = roundEven(place), away_px = abs(place - number) * cell_m / pixel_m;
 	int which = int(number) + whole[entry][n & 3];
 	float there = (which & 1) != 0 ? 1.0 - part : 1.0;

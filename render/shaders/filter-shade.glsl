@@ -9,7 +9,7 @@ float corners(ivec2 p)
 	float here = depths[at_of(p)], radius_m = by[0].x, sum = 0.0;
 	if (here >= FAR)
 		return 1.0;
-	float reach = min(radius_m * lens.x / here, REACH_MOST_PX * bare.a);
+	float reach = min(radius_m * lens.x / scale_m(here), REACH_MOST_PX * bare.a);
 	int turned = (p.x & 3) | (p.y & 3) << 2;
 	for (int n = 0; n < RING; n++) {
 		float reached = reach * (float(n * 5 % RING) + 1.0) / float(RING);

@@ -18,6 +18,10 @@ bool giver_of(uint n, uint i, out giver g)
 	g.most = 1.0;
 	if (is_on_edge(g.c.kind))
 		return true;
+	if (is_cut()) {
+		g.normal = turned(points[g.c.index].w);
+		return is_in_cut(g.c);
+	}
 	float nearest_m = nearest_of(n, g.c.kind, g.c.depth_m);
 	vec2 place = place_in_queue(g.c);
 	g.rank = place.x;
@@ -91,11 +95,13 @@ choice choice_of(giver g, out candidate c)
 {
 	choice one;
 	c = g.c;
-	if (is_on_edge(c.kind))
+	if (is_cut())
+		one = choice_on_cut(g.normal, c);
+	else if (is_on_edge(c.kind))
 		one = choice_on_edge(c);
 	else
 		one = choice_on_surface(g, c);
-	if (one.alpha > 0.0)
+	if (one.alpha > 0.0 && !is_cut())
 		one.alpha *= opacity_of(c);
 	if (one.alpha < ALPHA_LEAST)
 		one.alpha = 0.0;

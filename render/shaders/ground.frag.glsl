@@ -70,8 +70,8 @@ void main()
 	if (key < MASK_EMPTY && edl[pipeline].y > 0.0)
 		c *= edl_shade(at, edl[pipeline].xy);
 	if (key < MASK_EMPTY && is_flat == 0u && focus.w > 0.0) {
-		vec3 ray = vec3((gl_FragCoord.xy - lens.yz) / lens.x, 1.0);
-		c += focus.w * away_of(ray * mask_depth(key), edl[pipeline].z > 0.0) * (bare - c);
+		vec3 place = seen_place(gl_FragCoord.xy, mask_depth(key));
+		c += focus.w * away_of(place, edl[pipeline].z > 0.0) * (bare - c);
 	}
 	canvas = vec4(c, 1.0);
 }

@@ -8,7 +8,7 @@ const uint WORDS = 10u;
 vec2 plane_slope(candidate c, vec3 normal, float around_px)
 {
 	float steepest = 0.5 / (c.depth_m * max(around_px, 1.0));
-	float away = dot(normal, ray_of(c)) * c.depth_m * lens.x;
+	float away = dot(normal, ray_of(c)) * c.depth_m * lens.x * stretch(c.depth_m);
 	return abs(away) > 1e-6 ? clamp(normal.xy / away, -steepest, steepest) : vec2(0.0);
 }
 

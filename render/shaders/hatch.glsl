@@ -43,7 +43,7 @@ float brightness_of(candidate c, vec3 normal)
 /* 0..1 on the way from near to far. */
 float depth_part(float depth_m)
 {
-	return clamp((depth_m - hatch_light.z) * hatch_light.w, 0.0, 1.0);
+	return clamp((depth_m - rays.w - hatch_light.z) * hatch_light.w, 0.0, 1.0);
 }
 
 /* Into the plane; unit, and what was left of its length. */
@@ -121,7 +121,7 @@ vec3 way_on_screen(candidate c, vec3 way)
 
 float straight_part(float bent, float length_px, float depth_m)
 {
-	return 1.0 / (1.0 + hatch_shape.z * bent * length_px * depth_m * (1.0 / lens.x));
+	return 1.0 / (1.0 + hatch_shape.z * bent * length_px * scale_m(depth_m) * (1.0 / lens.x));
 }
 
 /* Points that give strokes, to a square pixel. */

@@ -20,5 +20,6 @@ layout(std140, binding = 1) uniform Layer {
 	uvec4 hatch_which; /* rows of the X-Toon; enum hatching_follows; enum hatching_colouring; how many pencils */
 	vec4 contour;       /* of contours 1, band_px, outlines, suggestive */
 	vec4 contour_least; /* slant_least, bent_least_per_m, steps; 1: with curvatures */
+	vec4 cut;           /* of cuts 1, thick_m or 0: by the points' spacing */
 	uvec4 colour; /* the ink's bytes; how it blends: enum band_blend; how many strokes a point gives; 1: of what the focus is on */
 };

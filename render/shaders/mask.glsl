@@ -16,7 +16,7 @@ void main()
 	if (i >= views[n].at.w || !disc_of(n, i, rule.x, 0.72, d))
 		return;
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
-	float pushed_m = d.depth_m * (1.0 + rule.z) + rule.y + d.radius * d.depth_m * (1.0 / lens.x);
+	float pushed_m = d.depth_m * (1.0 + rule.z) + rule.y + d.radius * scale_m(d.depth_m) * (1.0 / lens.x);
 	uint pipeline = views[n].pipeline.x, width = uint(size.x);
 	bool is_dot = d.radius < DOT_RADIUS;
 	if (is_dot && (any(lessThan(d.at, vec2(0.0))) || any(greaterThanEqual(d.at, size.xy))))

@@ -18,9 +18,8 @@ void main()
 	if (focus.w > 0.0) {
 		/* Beside things filters may have drawn: as deep as the focus. */
 		float depth_m = is_bare ? max(focus.z, lens.w) : mask_depth(key);
-		vec3 ray = vec3((gl_FragCoord.xy - lens.yz) / lens.x, 1.0);
 		bool is_focus = !is_bare && edl[key & 255u].z > 0.0;
-		colour += focus.w * away_of(ray * depth_m, is_focus) * (min(paper.rgb * up, 1.0) - colour);
+		colour += focus.w * away_of(seen_place(gl_FragCoord.xy, depth_m), is_focus) * (min(paper.rgb * up, 1.0) - colour);
 	}
 	canvas = vec4(colour, 1.0);
 }

@@ -23,8 +23,7 @@ float away_at(ivec2 p, uint key, float depth_m)
 	/* What nothing is behind counts by where it is in the picture: as deep as the focus. */
 	if (depth_m >= FAR)
 		depth_m = max(focus.z, lens.w);
-	vec3 ray = vec3((vec2(p + area.zw) + 0.5 - lens.yz) / lens.x, 1.0);
-	return away_of(ray * depth_m, key < MASK_EMPTY && pushed[key & 255u].z > 0.0);
+	return away_of(seen_place(vec2(p + area.zw) + 0.5, depth_m), key < MASK_EMPTY && pushed[key & 255u].z > 0.0);
 }
 
 void main()

@@ -20,7 +20,8 @@ bool is_highlight(uint n, uint i, uint own, uint from)
 	uvec4 point = points[views[n].at.x + i];
 	float apart_m = float(point.y >> 16) * share.w;
 	float from_light = share_of(from, share.y, apart_m * uintBitsToFloat(parts[views[n].pipeline.y].w));
-	float from_eye = share_of(own, share.x, apart_m * plane.x / place_of(n, point).z);
+	float deep = rays.x > 0.0 ? place_of(n, point).z : 1.0;
+	float from_eye = share_of(own, share.x, apart_m * plane.x / deep);
 	return share.z > 0.0 && from_light - from_eye > share.z;
 }
 

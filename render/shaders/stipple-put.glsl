@@ -5,6 +5,8 @@ layout(std430, binding = 6) buffer Keys {
 	uint texels[];
 };
 
+layout(location = 8) uniform float reach_m; /* nothing farther is seen */
+
 uint key_of(float depth_m, uint point)
 {
 	int steps = clamp((floatBitsToInt(depth_m) - keys.x) >> keys.y, 0, DEPTH_MOST);
@@ -14,7 +16,7 @@ uint key_of(float depth_m, uint point)
 uint place_on_plane(vec3 at)
 {
 	vec2 there = plane.yz + at.xy * (grid.w != 0 ? plane.x : plane.x / at.z);
-	if (!(at.z >= plane.w) || any(lessThan(there, vec2(EDGE))) ||
+	if (!(at.z >= plane.w && at.z <= reach_m) || any(lessThan(there, vec2(EDGE))) ||
 		any(greaterThanEqual(there, vec2(grid.xy) - EDGE)))
 		return OUTSIDE;
 	return uint(int(there.y) * grid.z + int(there.x));

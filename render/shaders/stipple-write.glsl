@@ -13,13 +13,13 @@ const float NEAR = 1e20;
 
 float radius_of(uint n, uint i, float depth_m)
 {
-	float apart_px = float(points[views[n].at.x + i].y >> 16) * share.w * lens.x / depth_m;
+	float apart_px = float(points[views[n].at.x + i].y >> 16) * share.w * lens.x / scale_m(depth_m);
 	return shape.x / 2.0 * min(max(apart_px / (APART * shape.x), 1.0), look.x);
 }
 
 void write_dot(uint at, vec3 seen, float half_px, float alpha)
 {
-	vec2 middle = lens.yz + lens.x * seen.xy / seen.z;
+	vec2 middle = lens.yz + lens.x * seen.xy / scale_m(seen.z);
 	float word[9] = float[9](middle.x, middle.y, half_px, 0.0, half_px, alpha, NEAR, 0.0, 0.0);
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
