@@ -1,5 +1,6 @@
 #include "render/bench-frames.h"
 #include "render/bench-discs.h"
+#include "render/view-parallel.h"
 #include <math.h>
 #include <string.h>
 
@@ -65,7 +66,7 @@ static GArray *candidates(const bench_place *p, frame *f, GError **error)
 	g_autoptr(GPtrArray) views = g_ptr_array_new_with_free_func((GDestroyNotify)view_free);
 	g_autoptr(GPtrArray) names = view_built_in_names(&p->sources);
 	for (guint n = 0; n < names->len; n++)
-		if (strcmp(names->pdata[n], "plan") != 0)
+		if (!view_parallel_is(names->pdata[n]))
 			g_ptr_array_add(views, view_built_in(&p->sources, names->pdata[n]));
 	if (!add_turned(all, f, views, 0, error) || !add_nearer(all, f, views->pdata[0], error))
 		return NULL;

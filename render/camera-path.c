@@ -218,6 +218,13 @@ static bool read_moves(const struct reading *r, camera_path *p)
 	return true;
 }
 
+static bool has_perspective(const struct reading *r, camera_path *p, const view *v)
+{
+	return !view_is_parallel(v) ||
+	       refuse(r, p, "the camera moves in perspective, which the view '%s' has not",
+		       v->name);
+}
+
 static bool add_key(const struct reading *r, camera_path *p, const char *name)
 {
 	g_autoptr(view) v = NULL;
@@ -225,6 +232,8 @@ static bool add_key(const struct reading *r, camera_path *p, const char *name)
 		g_prefix_error(r->error, "path '%s': ", r->spec);
 		return false;
 	}
+	if (!has_perspective(r, p, v))
+		return false;
 	struct key key = key_of(v);
 	if (p->keys->len) { /* the shorter way round */
 		double before = key_value(p, p->keys->len - 1, KEY_HEADING);
@@ -304,7 +313,7 @@ camera_path *camera_path_parse(
 	if (!kind)
 		return NULL;
 	g_autoptr(camera_path) p = path_from(kind, v);
-	bool good = kind->amount.what                     ? read_moves(&r, p)
+	bool good = kind->amount.what ? has_perspective(&r, p, v) && read_moves(&r, p)
 		    : strcmp(kind->name, "stations") == 0 ? read_stations(&r, p)
 							  : read_views(&r, p);
 	return good ? g_steal_pointer(&p) : NULL;

@@ -15,7 +15,7 @@
  * Frame 0 is the view itself, and a path through views meets each of them. Between two, place,
  * heading, elevation and scale go on smoothly: monotone cubic interpolation (Fritsch & Butland 1984),
  * so nothing overshoots, and the ends are at rest; headings turn the shorter way, and nothing rolls.
- * It does not know of walls.
+ * It does not know of walls, and has perspective: parallel views (view.h) are refused.
  *
  * Const after camera_path_parse; any number of threads may ask. */
 #include "render/view-find.h"

@@ -80,6 +80,8 @@ INLINE vf find_in_slab(const struct brush *b, uint32_t i, uint32_t end, struct l
 		       (l.x_px < 2 * b->lens.middle_x + reach) &
 		       (l.y_px < 2 * b->lens.middle_y + reach));
 	c->left &= end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
+	if (c->left) /* leaves have normals, but are no surface */
+		c->left &= bits(load_u8_whole(s->kind + at) != FEATURE_UNDIRECTED);
 	return l.px_per_m;
 }
 

@@ -61,6 +61,7 @@ static bool add_page(struct output *o, const frame *f, const char *file, struct 
 	g_autoptr(vector_page) page = vector_page_new(
 		o->room, f, o->tree, o->size.width_mm, o->size.height_mm, o->title, times);
 	page->has_paper = o->has_paper;
+	page->legend = o->legend;
 	if (o->has_paper && vector_page_wants_ground(f)) {
 		make_room(o, f);
 		draw_below_strokes(o->room, f, &o->large);
@@ -86,6 +87,8 @@ static bool add_picture(struct output *o, painter *p, const frame *f, const char
 	if (!painter_draw(p, f, &o->large, times, error))
 		return false;
 	struct picture_buffer small = small_of(o);
+	if (o->legend)
+		page_legend_print(o->legend, &small, small.width / o->size.width_mm);
 	bool good = o->kind == OUTPUT_FILM ? add_to_film(o, &small, error)
 		    : o->size.on_paper     ? picture_buffer_save_print(&small,
 						     small.width * 25.4 / o->size.width_mm, file, error)

@@ -5,6 +5,7 @@
  *
  * One thread. */
 #include "render/film.h"
+#include "render/page-legend.h"
 #include "render/page-size.h"
 #include "render/painter.h"
 
@@ -23,8 +24,9 @@ struct output {
 	const char *title;
 	const segments *tree;
 	struct page_size size;
-	uint32_t supersample;     /* frames are so many times as large */
-	bool numbered, has_paper; /* paper: of pages */
+	uint32_t supersample;      /* frames are so many times as large */
+	bool numbered, has_paper;  /* paper: of pages */
+	const page_legend *legend; /* NULL: none; of pages and of pictures on paper */
 	double fps;
 	/* Its own; 0 at first. */
 	struct picture_buffer large;

@@ -3,6 +3,7 @@
 #include "render/camera-path.h"
 #include "render/drawn-site.h"
 #include "render/output.h"
+#include "render/page-scale.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -19,10 +20,10 @@
 #define FILM_ORBIT    "orbit:1.2:300"
 
 static char *style_name, *size_text, *view_name, *output, *backend_name, *path_text, *save_name,
-	*title_text;
-static gboolean list_views, times, json, no_paper;
+	*title_text, *scale_text;
+static gboolean list_views, times, json, no_paper, no_frame;
 static int supersample = 2;
-static double dpi = PAGE_DPI_NORMAL, seconds, time_s, fps = FPS_NORMAL;
+static double dpi = PAGE_DPI_NORMAL, seconds, time_s, fps = FPS_NORMAL, cut_m = NAN;
 
 static const GOptionEntry entries[] = {
 	{ "style", 's', 0, G_OPTION_ARG_STRING, &style_name,
@@ -32,8 +33,8 @@ static const GOptionEntry entries[] = {
 		"SIZE" },
 	{ "dpi", 0, 0, G_OPTION_ARG_DOUBLE, &dpi, "Pixels an inch, on paper (default 150)", "N" },
 	{ "view", 'v', 0, G_OPTION_ARG_STRING, &view_name,
-		"A saved view, overview, walk, plan, station-K, or X,Y,Z:X,Y,Z[:FOV] (default "
-		"overview)",
+		"A saved view, overview, walk, station-K, plan, plan:HEIGHT, elevation-north, "
+		"section-a, section:X1,Y1:X2,Y2[:DEPTH], or X,Y,Z:X,Y,Z[:FOV] (default overview)",
 		"VIEW" },
 	{ "output", 'o', 0, G_OPTION_ARG_FILENAME, &output,
 		"Where it goes: .png a picture, .svg or .pdf a page of shapes, .mp4 or .webm a "
@@ -51,6 +52,18 @@ static const GOptionEntry entries[] = {
 		"S" },
 	{ "title", 0, 0, G_OPTION_ARG_STRING, &title_text,
 		"Of a page of shapes (default: the site's name and the view's)", "TEXT" },
+	{ "scale", 0, 0, G_OPTION_ARG_STRING, &scale_text,
+		"Of a plan, elevation or section on paper, as 1:50 (default: the largest of 1:1, "
+		"1:2, "
+		"1:5, 1:10 and so on that fits)",
+		"1:N" },
+	{ "no-frame", 0, 0, G_OPTION_ARG_NONE, &no_frame,
+		"A page at a scale without title, scale bar and north arrow at its edge", NULL },
+	{ "cut", 0, 0, G_OPTION_ARG_DOUBLE, &cut_m,
+		"How thick a slab of what a plan or section cuts is drawn as cut, in metres "
+		"(default: "
+		"as the points' spacing asks for; 0: none)",
+		"M" },
 	{ "no-paper", 0, 0, G_OPTION_ARG_NONE, &no_paper,
 		"A page of strokes alone, without paper and coloured points", NULL },
 	{ "supersample", 0, 0, G_OPTION_ARG_INT, &supersample,
@@ -78,11 +91,14 @@ struct work {
 	struct cli_bar bar;
 	struct draw_times sum;
 	uint32_t frames, count; /* drawn, of so many */
+	double scale;           /* of the page; 0: none */
+	page_legend *legend;
 };
 
 static void work_clear(struct work *w)
 {
 	output_clear(&w->out);
+	page_legend_free(w->legend);
 	frame_free(w->frame);
 	painter_free(w->painter);
 	camera_path_free(w->path);
@@ -109,6 +125,37 @@ static const char *default_path(const struct work *w)
 	return w->site->sources.station_count > 1 ? FILM_STATIONS : FILM_ORBIT;
 }
 
+static bool set_cut(view *v, GError **error)
+{
+	if (isnan(cut_m))
+		return true;
+	if (!v->is_cut) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
+			"--cut: view '%s' cuts nothing; plan:HEIGHT and sections do", v->name);
+		return false;
+	}
+	v->cut_m = cut_m;
+	v->is_cut = cut_m > 0;
+	return true;
+}
+
+static bool is_on_paper(const struct work *w)
+{
+	return output_is_page(w->out.kind) || w->out.size.on_paper;
+}
+
+/* What has parallel rays has one on paper, whoever chooses it. */
+static bool set_scale(struct work *w, GError **error)
+{
+	if (!scale_text && (!is_on_paper(w) || w->path || !view_is_parallel(w->view)))
+		return true;
+	if (!scale_text)
+		w->scale = page_scale_fitting(w->view, &w->out.size, !no_frame);
+	else
+		page_scale_parse(scale_text, &w->scale);
+	return page_scale_set(w->view, &w->out.size, !no_frame, w->scale, error);
+}
+
 static bool find_view(struct work *w, GError **error)
 {
 	const struct view_sources *sources = &w->site->sources;
@@ -120,7 +167,7 @@ static bool find_view(struct work *w, GError **error)
 	const char *along = path_text ? path_text : default_path(w);
 	if (along)
 		w->path = camera_path_parse(along, w->view, sources, error);
-	return !along || w->path;
+	return (!along || w->path) && set_cut(w->view, error) && set_scale(w, error);
 }
 
 static bool open_all(
@@ -196,8 +243,7 @@ static bool draw_frames(struct work *w, GError **error)
 
 static bool save_view(const struct work *w, GError **error)
 {
-	g_autoptr(view) v =
-		view_new(save_name, save_name, w->view->eye_m, w->view->target_m, w->view->fov_deg);
+	g_autoptr(view) v = view_renamed(w->view, save_name, save_name);
 	v->style = g_strdup(w->style);
 	return view_save(v, w->site->site, error);
 }
@@ -235,6 +281,8 @@ static void say_as_json(const struct work *w, const char *file)
 		json_object_set_double_member(o, "width_mm", w->out.size.width_mm);
 		json_object_set_double_member(o, "height_mm", w->out.size.height_mm);
 	}
+	if (w->scale > 0)
+		json_object_set_double_member(o, "scale", w->scale);
 	json_object_set_double_member(o, "seconds_per_frame", w->sum.all_s / w->frames);
 	json_object_set_int_member(o, "strokes_per_frame", w->sum.strokes / w->frames);
 	cli_print_json(o);
@@ -252,6 +300,11 @@ static void say(const struct work *w, const char *file)
 		printf("%u frames, %s and so on\n", w->frames, file);
 	else
 		printf("%s\n", file);
+	if (w->scale > 0) {
+		g_autofree char *scale = page_scale_text(w->scale);
+		printf("%s on %.4g x %.4g mm\n", scale, w->out.size.width_mm,
+			w->out.size.height_mm);
+	}
 	printf("%s; %s\n", w->style, painter_why(w->painter));
 	if (times)
 		print_times(w);
@@ -342,8 +395,17 @@ static int check_usage(struct work *w, enum backend_wish *wish)
 		if (*wish == BACKEND_WISH_GLES)
 			return cli_misuse(COMMAND, "a page of shapes is made by the backend cpu");
 		*wish = BACKEND_WISH_CPU;
-	} else if (title_text || no_paper)
+	} else if (no_paper || (title_text && !w->out.size.on_paper))
 		return cli_misuse(COMMAND, "--title and --no-paper are of pages, .svg or .pdf");
+	double scale;
+	if (scale_text && !page_scale_parse(scale_text, &scale))
+		return cli_misuse(COMMAND, "--scale is 1:N, as in 1:50, not '%s'", scale_text);
+	if (scale_text && (!is_on_paper(w) || path_text || w->out.kind == OUTPUT_FILM))
+		return cli_misuse(COMMAND, "--scale is of one page: .svg, .pdf, or a picture with "
+					   "a --size on paper, as "
+					   "A3-landscape");
+	if (!isnan(cut_m) && !(cut_m >= 0 && cut_m <= 10))
+		return cli_misuse(COMMAND, "--cut goes from 0 to 10 m");
 	if (save_name && !view_name_is_good(save_name))
 		return cli_misuse(COMMAND,
 			"--save-view is 1 to 64 letters of a-z and A-Z, digits, - and _, not '%s'",
@@ -356,6 +418,22 @@ static uint32_t count_frames(const struct work *w)
 	if (w->out.kind == OUTPUT_FILM && seconds > 0)
 		return MAX((uint32_t)lround(seconds * fps), 1);
 	return w->path ? camera_path_frames(w->path) : 1;
+}
+
+/* The day on which the site was begun; a plan's way to the north. */
+static page_legend *legend_of(const struct work *w, const char *title)
+{
+	const char *created = manifest_get_string(site_manifest(w->site->site), "created", NULL);
+	g_autofree char *day = created ? g_strndup(created, strlen("2026-01-31")) : NULL;
+	struct camera c = view_camera(w->view, 2, 2);
+	struct page_legend_desc d = { .width_mm = w->out.size.width_mm,
+		.height_mm = w->out.size.height_mm,
+		.scale = w->scale,
+		.title = title,
+		.date = day,
+		.north_rad = c.forward[2] < -0.999 ? -camera_heading_rad(&c) : (double)NAN };
+	memcpy(d.paper, w->drawing->whole.paper.colour, sizeof d.paper);
+	return page_legend_new(&d);
 }
 
 static bool draw(struct work *w, const char *site_folder, GError **error)
@@ -371,6 +449,8 @@ static bool draw(struct work *w, const char *site_folder, GError **error)
 	w->out.numbered = w->path;
 	w->out.has_paper = !no_paper;
 	w->out.fps = fps;
+	w->legend = w->scale > 0 && !no_frame ? legend_of(w, title) : NULL;
+	w->out.legend = w->legend;
 	w->count = count_frames(w);
 	if (!file || !draw_frames(w, error) || (save_name && !save_view(w, error)))
 		return false;

@@ -102,6 +102,8 @@ void vector_page_paint(const vector_page *p, void *cairo)
 		paint_ground(cr, p);
 	for (guint n = 0; n < p->layers->len; n++)
 		paint_layer(cr, g_ptr_array_index(p->layers, n));
+	if (p->legend)
+		page_legend_paint(p->legend, cr);
 	cairo_restore(cr);
 }
 

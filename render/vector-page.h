@@ -10,6 +10,7 @@
  *
  * One owner; const once it is made. */
 #include "render/draw.h"
+#include "render/page-legend.h"
 #include "render/vector-shape.h"
 
 enum vector_blend {
@@ -51,6 +52,7 @@ struct vector_page {
 	uint8_t paper[3];
 	struct picture_buffer ground; /* rgba NULL: paper alone */
 	GPtrArray *layers;            /* of struct vector_layer, as they lie on each other */
+	const page_legend *legend;    /* NULL: none; the caller's */
 };
 /* The frame fills the page. tree: names; NULL: there are none. room and ret_times as draw_choose. */
 vector_page *vector_page_new(draw_room *room, const frame *f, const segments *tree, double width_mm,

@@ -166,6 +166,41 @@ static bool add_ground(GString *to, const vector_page *p, const char *path, GErr
 	return true;
 }
 
+/* ---- legend ---- */
+
+static void add_legend_shape(GString *to, const struct legend_shape *s)
+{
+	g_string_append(to, "<path d=\"");
+	for (uint32_t n = 0; n < s->corners; n++)
+		g_string_append_printf(
+			to, "%s%.6g %.6g", n ? "L" : "M", s->corner[n][0], s->corner[n][1]);
+	g_string_append(to, "z\"/>\n");
+}
+
+static void add_legend_text(GString *to, const struct legend_text *t)
+{
+	static const char *const anchors[] = {
+		[LEGEND_LEFT] = "start", [LEGEND_MIDDLE] = "middle", [LEGEND_RIGHT] = "end"
+	};
+	g_autofree char *text = g_markup_escape_text(t->text, -1);
+	g_string_append_printf(to,
+		"<text x=\"%.6g\" y=\"%.6g\" font-size=\"%.6g\" text-anchor=\"%s\">%s</text>\n",
+		t->x_mm, t->y_mm, t->size_mm, anchors[t->anchor], text);
+}
+
+static void add_legend(GString *to, const page_legend *l)
+{
+	g_autofree char *looks =
+		g_strdup_printf(" font-family=\"sans-serif\" fill=\"#%02x%02x%02x\"", l->ink[0],
+			l->ink[1], l->ink[2]);
+	add_layer_begin(to, "legend", "Legend", looks);
+	for (guint n = 0; n < l->shapes->len; n++)
+		add_legend_shape(to, &g_array_index(l->shapes, struct legend_shape, n));
+	for (guint n = 0; n < l->texts->len; n++)
+		add_legend_text(to, &g_array_index(l->texts, struct legend_text, n));
+	g_string_append(to, "</g>\n");
+}
+
 /* ---- page ---- */
 
 static void add_head(GString *to, const vector_page *p)
@@ -191,6 +226,8 @@ bool vector_page_save_svg(const vector_page *p, const char *path, GError **error
 		return false;
 	for (guint n = 0; n < p->layers->len; n++)
 		add_layer(text, g_ptr_array_index(p->layers, n), n);
+	if (p->legend)
+		add_legend(text, p->legend);
 	g_string_append(text, "</svg>\n");
 	return files_write(path, text->str, text->len, error);
 }

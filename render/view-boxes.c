@@ -1,5 +1,6 @@
 #include "render/view-boxes.h"
 #include <math.h>
+#include <stdlib.h>
 
 /* Chunks that are enough for views. */
 #define CHUNKS_ENOUGH 1024u
@@ -92,6 +93,68 @@ static void divide(view_boxes *b, const model *m)
 	b->solid_points = (double)MODEL_CHUNK_POINTS / SAMPLE * SOLID_SAMPLES;
 }
 
+/* ---- walls ---- */
+
+/* Of so many points a normal is looked at, and of those that are as upright as this. */
+#define WALL_SAMPLES 200000u
+#define UPRIGHT      0.1f
+#define DEGREES      90
+#define AROUND       3 /* degrees that belong to a peak */
+
+/* What faces headings of one whole degree, a quarter of the circle being all: how much, and its mean part of a degree times that. */
+struct degree {
+	double points, parts;
+};
+
+static void count_walls(const model *m, struct degree ret[DEGREES])
+{
+	uint64_t chunks;
+	const struct model_chunk *chunk = model_chunks(m, &chunks);
+	uint32_t each = (uint32_t)MAX(WALL_SAMPLES / MAX(chunks, 1), 8);
+	for (uint64_t n = 0; n < chunks; n++) {
+		uint32_t samples = MIN(each, chunk[n].points);
+		for (uint32_t i = 0; i < samples; i++) {
+			float v[3];
+			model_unpack_normal(model_points(m)[chunk[n].first + i].normal, v);
+			float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+			if (!(length > 0) || fabsf(v[2]) > UPRIGHT * length)
+				continue;
+			double degrees = atan2((double)v[0], (double)v[1]) * 180 / G_PI + 360,
+			       points = (double)chunk[n].points / samples;
+			struct degree *to = &ret[(int)degrees % DEGREES];
+			to->points += points;
+			to->parts += points * (degrees - floor(degrees));
+		}
+	}
+}
+
+/* Of the degrees around one, those nearest to it counting most. */
+static double peak_at(const struct degree *count, int at)
+{
+	double sum = 0;
+	for (int k = -AROUND; k <= AROUND; k++)
+		sum += count[(at + k + DEGREES) % DEGREES].points * (AROUND + 1 - abs(k));
+	return sum;
+}
+
+/* The mean around the highest peak. */
+static double walls_of(const model *m)
+{
+	struct degree count[DEGREES] = { 0 };
+	double sum = 0, points = 0;
+	int peak = 0;
+	count_walls(m, count);
+	for (int n = 1; n < DEGREES; n++)
+		if (peak_at(count, n) > peak_at(count, peak))
+			peak = n;
+	for (int k = -AROUND; k <= AROUND; k++) {
+		const struct degree *d = &count[(peak + k + DEGREES) % DEGREES];
+		sum += k * d->points + d->parts;
+		points += d->points;
+	}
+	return points > 0 ? (peak + sum / points) * G_PI / 180 : 0;
+}
+
 view_boxes *view_boxes_new(const model *m)
 {
 	g_autoptr(view_boxes) b = g_new0(view_boxes, 1);
@@ -99,6 +162,7 @@ view_boxes *view_boxes_new(const model *m)
 	b->solid_points = SOLID_CHUNK;
 	if (b->count <= CHUNKS_ENOUGH)
 		divide(b, m);
+	b->walls_rad = b->count ? walls_of(m) : 0;
 	return b->count ? g_steal_pointer(&b) : NULL;
 }
 

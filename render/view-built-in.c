@@ -1,11 +1,11 @@
 #include "render/view-find.h"
+#include "render/view-parallel.h"
 #include <math.h>
 #include <string.h>
 
 #define ASPECT(s)      ((s)->aspect > 0 ? (s)->aspect : 4.0 / 3.0)
 #define LOOK_ROWS      72u
 #define OVERVIEW_FOV   40.0
-#define PLAN_FOV       10.0
 #define TRIPOD_M       1.6 /* where the ground was not seen */
 #define HEADINGS       24
 #define GLANCE_MAX_RAD (8 * G_PI / 180)
@@ -55,18 +55,6 @@ static view *overview(const struct view_sources *s)
 			distance = depth;
 		}
 	return view_ahead("overview", "Overview", &best, distance, OVERVIEW_FOV);
-}
-
-static view *plan(const struct view_sources *s)
-{
-	double middle[3];
-	bulk_middle(s, middle);
-	struct camera c = glance(s, middle, 0, -G_PI / 2, PLAN_FOV);
-	double depth = view_frame(s, middle, &c);
-	view *v = view_ahead("plan", "Plan", &c, depth, PLAN_FOV);
-	v->target_m[0] = v->eye_m[0]; /* straight down to the last bit */
-	v->target_m[1] = v->eye_m[1];
-	return v;
 }
 
 /* ---- from where scanners stood ---- */
@@ -177,8 +165,8 @@ view *view_built_in(const struct view_sources *s, const char *name)
 		return station_view(s, station - 1, name);
 	if (strcmp(name, "overview") == 0)
 		return overview(s);
-	if (strcmp(name, "plan") == 0)
-		return plan(s);
+	if (view_parallel_is(name))
+		return view_parallel_find(s, name, NULL);
 	return s->station_count && strcmp(name, "walk") == 0 ? walk(s) : NULL;
 }
 
@@ -188,7 +176,7 @@ GPtrArray *view_built_in_names(const struct view_sources *s)
 	if (!s->boxes)
 		return names;
 	g_ptr_array_add(names, g_strdup("overview"));
-	g_ptr_array_add(names, g_strdup("plan"));
+	view_parallel_add_names(names);
 	if (s->station_count)
 		g_ptr_array_add(names, g_strdup("walk"));
 	for (size_t k = 1; k <= s->station_count; k++)

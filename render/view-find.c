@@ -1,4 +1,5 @@
 #include "render/view-find.h"
+#include "render/view-parallel.h"
 #include <math.h>
 #include <string.h>
 
@@ -101,11 +102,16 @@ bool view_find(const struct view_sources *s, const char *spec, view **ret, GErro
 		return false;
 	if (saved)
 		return find_saved(s, spec, ret, error);
-	view *v = view_built_in(s, spec);
-	if (!v && !strpbrk(spec, ",:"))
-		return say_unknown(s, spec, error);
-	if (!v)
+	view *v = NULL;
+	if (view_parallel_is(spec)) {
+		if (!s->boxes)
+			return say_unknown(s, spec, error);
+		v = view_parallel_find(s, spec, error);
+	} else if (!(v = view_built_in(s, spec))) {
+		if (!strpbrk(spec, ",:"))
+			return say_unknown(s, spec, error);
 		v = read_places(spec, error);
+	}
 	if (v)
 		*ret = v;
 	return v;

@@ -4,7 +4,7 @@
  *
  *     overview    a bird's: down at 25 to 35 degrees on the bulk of the points, from the side that
  *                 most of them are seen from
- *     plan        straight down from high up through a narrow lens, the site's y axis up
+ *     plan, plan:HEIGHT, elevation-north, section-a and others   by parallel rays, as view-parallel.h tells
  *     walk        a person's, VIEW_PERSON_M above the ground, from where a scanner stood towards the
  *                 middle of the site, or a little past what hides it
  *     station-K   a scanner's, the K-th of those that the model is of (in the order of their numbers),
@@ -23,7 +23,8 @@
  * sentence; eye and target that are none are G_IO_ERROR_INVALID_ARGUMENT. */
 bool view_find(const struct view_sources *s, const char *spec, view **ret, GError **error);
 
-/* The built-in views that these sources have, in the order above; caller frees. */
+/* The built-in views that these sources have, in the order above, without those that need numbers but for one
+ * plan:HEIGHT; caller frees. */
 GPtrArray *view_built_in_names(const struct view_sources *s);
 /* NULL: there is none of that name. */
 view *view_built_in(const struct view_sources *s, const char *name);

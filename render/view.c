@@ -21,6 +21,25 @@ view *view_new(const char *name, const char *title, const double eye_m[3], const
 	return v;
 }
 
+view *view_new_parallel(const char *name, const char *title, const double eye_m[3],
+	const double target_m[3], double height_m)
+{
+	view *v = view_new(name, title, eye_m, target_m, CAMERA_PARALLEL_FOV_DEG);
+	v->height_m = v->span_m[1] = height_m;
+	return v;
+}
+
+view *view_renamed(const view *v, const char *name, const char *title)
+{
+	view *other = view_new(name, title, v->eye_m, v->target_m, v->fov_deg);
+	other->height_m = v->height_m;
+	other->depth_m = v->depth_m;
+	other->is_cut = v->is_cut;
+	other->cut_m = v->cut_m;
+	memcpy(other->span_m, v->span_m, sizeof v->span_m);
+	return other;
+}
+
 void view_free(view *v)
 {
 	if (!v)
@@ -41,6 +60,11 @@ struct camera view_camera(const view *v, uint32_t width, uint32_t height)
 {
 	struct camera c = camera_look_at(v->eye_m, v->target_m, v->fov_deg, width, height);
 	c.far_m = fmax(CAMERA_FAR_M, 10 * distance_m(v->eye_m, v->target_m));
+	if (!view_is_parallel(v))
+		return c;
+	c = camera_parallel(&c, v->height_m, v->depth_m > 0 ? v->depth_m : c.far_m);
+	c.is_cut = v->is_cut;
+	c.cut_m = v->cut_m;
 	return c;
 }
 
@@ -107,6 +131,25 @@ static bool check_place(const double place_m[3], const char *key, const char *pa
 	return true;
 }
 
+static bool check_metres(double m, const char *key, const char *path, GError **error)
+{
+	if (m == 0 || (m >= 1e-3 && m <= VIEW_HEIGHT_MAX_M))
+		return true;
+	return refuse(
+		error, path, "'%s' is %g m; it must be 0.001 to %g", key, m, VIEW_HEIGHT_MAX_M);
+}
+
+static bool check_parallel(const view *v, const char *path, GError **error)
+{
+	if (!(v->height_m >= VIEW_HEIGHT_MIN_M && v->height_m <= VIEW_HEIGHT_MAX_M))
+		return refuse(error, path, "'height_m' is %g m; it must be %g to %g", v->height_m,
+			VIEW_HEIGHT_MIN_M, VIEW_HEIGHT_MAX_M);
+	return check_metres(v->depth_m, "depth_m", path, error) &&
+	       check_metres(v->cut_m, "cut_m", path, error) &&
+	       check_metres(v->span_m[0], "span_m", path, error) &&
+	       check_metres(v->span_m[1], "span_m", path, error);
+}
+
 static bool check(const view *v, const char *path, GError **error)
 {
 	if (!check_name(v->name, path, error) || !check_text(v->title, "title", path, error) ||
@@ -116,6 +159,8 @@ static bool check(const view *v, const char *path, GError **error)
 		return false;
 	if (!(distance_m(v->eye_m, v->target_m) >= 1e-6))
 		return refuse(error, path, "'target_m' is where 'eye_m' is");
+	if (view_is_parallel(v))
+		return check_parallel(v, path, error);
 	if (v->fov_deg >= CAMERA_FOV_MIN_DEG && v->fov_deg <= CAMERA_FOV_MAX_DEG)
 		return true;
 	return refuse(error, path, "'fov_deg' is %g; it must be %g to %g", v->fov_deg,
@@ -156,6 +201,52 @@ static bool read_text(
 	return text || !manifest_has(m, key);
 }
 
+/* What may be missing stays 0. */
+static bool read_metres(const manifest *m, const char *key, double *ret, GError **error)
+{
+	return !manifest_has(m, key) ||
+	       manifest_get_number(m, key, 1e-3, VIEW_HEIGHT_MAX_M, ret, error);
+}
+
+static bool read_cut(const manifest *m, view *v, GError **error)
+{
+	JsonNode *node = manifest_get_node(m, "cut");
+	if (node &&
+		(!JSON_NODE_HOLDS_VALUE(node) || json_node_get_value_type(node) != G_TYPE_BOOLEAN))
+		return refuse(error, manifest_path(m), "'cut' is neither true nor false");
+	v->is_cut = node && json_node_get_boolean(node);
+	return read_metres(m, "cut_m", &v->cut_m, error);
+}
+
+static bool read_parallel(const manifest *m, view *v, GError **error)
+{
+	v->fov_deg = CAMERA_PARALLEL_FOV_DEG;
+	if (!manifest_get_number(
+		    m, "height_m", VIEW_HEIGHT_MIN_M, VIEW_HEIGHT_MAX_M, &v->height_m, error) ||
+		!read_metres(m, "depth_m", &v->depth_m, error) || !read_cut(m, v, error))
+		return false;
+	v->span_m[1] = v->height_m;
+	return !manifest_has(m, "span_m") ||
+	       json_read_numbers(manifest_get_node(m, "span_m"), 2, v->span_m) ||
+	       refuse(error, manifest_path(m), "'span_m' is not two numbers");
+}
+
+static bool read_projection(const manifest *m, view *v, GError **error)
+{
+	const char *how = manifest_has(m, "projection")
+				  ? manifest_get_string(m, "projection", error)
+				  : "perspective";
+	if (!how)
+		return false;
+	if (strcmp(how, "parallel") == 0)
+		return read_parallel(m, v, error);
+	if (strcmp(how, "perspective") != 0)
+		return refuse(error, manifest_path(m),
+			"'projection' is \"%s\"; it must be \"perspective\" or \"parallel\"", how);
+	return manifest_get_number(
+		m, "fov_deg", CAMERA_FOV_MIN_DEG, CAMERA_FOV_MAX_DEG, &v->fov_deg, error);
+}
+
 static view *read_view(const manifest *m, GError **error)
 {
 	g_autoptr(view) v = g_new0(view, 1);
@@ -163,9 +254,7 @@ static view *read_view(const manifest *m, GError **error)
 	if (!v->name || !read_text(m, "title", v->name, &v->title, error) ||
 		!read_text(m, "style", NULL, &v->style, error) ||
 		!read_three(m, "eye_m", v->eye_m, error) || !read_target(m, v, error) ||
-		!manifest_get_number(
-			m, "fov_deg", CAMERA_FOV_MIN_DEG, CAMERA_FOV_MAX_DEG, &v->fov_deg, error) ||
-		!check(v, manifest_path(m), error))
+		!read_projection(m, v, error) || !check(v, manifest_path(m), error))
 		return NULL;
 	return g_steal_pointer(&v);
 }
@@ -192,6 +281,35 @@ view *view_load(const site *s, const char *name, GError **error)
 
 /* ---- writing ---- */
 
+/* What is 0 is said by being missing. */
+static void write_metres(manifest *m, const char *key, double metres)
+{
+	if (metres > 0)
+		manifest_set_number(m, key, metres);
+	else
+		manifest_remove(m, key);
+}
+
+static void write_projection(const view *v, manifest *m)
+{
+	static const char *const keys[] = { "projection", "height_m", "depth_m", "cut", "cut_m",
+		"span_m" };
+	for (size_t n = 0; n < G_N_ELEMENTS(keys); n++)
+		manifest_remove(m, keys[n]);
+	if (!view_is_parallel(v)) {
+		manifest_set_number(m, "fov_deg", v->fov_deg);
+		return;
+	}
+	manifest_remove(m, "fov_deg");
+	manifest_set_string(m, "projection", "parallel");
+	manifest_set_number(m, "height_m", v->height_m);
+	write_metres(m, "depth_m", v->depth_m);
+	write_metres(m, "cut_m", v->cut_m);
+	manifest_set_node(m, "span_m", json_write_numbers(v->span_m, 2));
+	if (v->is_cut)
+		manifest_set_node(m, "cut", json_node_init_boolean(json_node_alloc(), TRUE));
+}
+
 static void write_view(const view *v, manifest *m)
 {
 	manifest_set_int(m, "schema", VIEW_SCHEMA);
@@ -199,7 +317,7 @@ static void write_view(const view *v, manifest *m)
 	manifest_set_string(m, "title", v->title);
 	manifest_set_node(m, "eye_m", json_write_numbers(v->eye_m, 3));
 	manifest_set_node(m, "target_m", json_write_numbers(v->target_m, 3));
-	manifest_set_number(m, "fov_deg", v->fov_deg);
+	write_projection(v, m);
 	if (v->style)
 		manifest_set_string(m, "style", v->style);
 	else

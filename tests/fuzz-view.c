@@ -13,7 +13,9 @@ static void check_same(const view *a, const view *b)
 		g_assert_true(a->eye_m[k] == b->eye_m[k]);
 		g_assert_true(a->target_m[k] == b->target_m[k]);
 	}
-	g_assert_true(a->fov_deg == b->fov_deg);
+	g_assert_true(a->fov_deg == b->fov_deg && a->height_m == b->height_m &&
+		      a->depth_m == b->depth_m && a->is_cut == b->is_cut && a->cut_m == b->cut_m &&
+		      a->span_m[0] == b->span_m[0] && a->span_m[1] == b->span_m[1]);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -144,9 +144,9 @@ static void test_through_views(struct place *place, gconstpointer data)
 	m.sources.site = place->site;
 	save(place, a);
 	save(place, b);
-	g_autoptr(view) overview = find(&m, "overview"), plan = find(&m, "plan");
+	g_autoptr(view) overview = find(&m, "overview"), walk = find(&m, "walk");
 	g_autoptr(camera_path) p = path(&m, "views:a,b:10", a);
-	g_autoptr(camera_path) all = path(&m, "views:a,overview,plan,b,a:7", a);
+	g_autoptr(camera_path) all = path(&m, "views:a,overview,walk,b,a:7", a);
 	g_assert_cmpuint(camera_path_frames(p), ==, 11);
 	assert_at_view(p, 0, a);
 	assert_at_view(p, 10, b);
@@ -156,7 +156,7 @@ static void test_through_views(struct place *place, gconstpointer data)
 	g_assert_cmpfloat_with_epsilon(camera_heading_rad(&c), G_PI / 2, 1e-12);
 	g_assert_cmpfloat_with_epsilon(c.focal_px, sqrt(from.focal_px * to.focal_px), 1e-9);
 	assert_at_view(all, 7, overview);
-	assert_at_view(all, 14, plan);
+	assert_at_view(all, 14, walk);
 	assert_at_view(all, 28, a);
 	g_array_unref(m.chunks);
 }
@@ -187,27 +187,36 @@ static const struct {
 			    "(stations[:FRAMES])" },
 	{ "views", "path 'views': two views are the least (views:A,B,C[:FRAMES])" },
 	{ "views:plan", "path 'views:plan': two views are the least (views:A,B,C[:FRAMES])" },
-	{ "views:plan,x", "path 'views:plan,x': there is no view 'x'; there are: overview, plan, "
-			  "walk, station-1, station-2, station-3; or eye and target in metres, as "
-			  "in 0,-10,2:0,0,1" },
+	{ "views:walk,x",
+		"path 'views:walk,x': there is no view 'x'; there are: overview, plan, plan:1.2, "
+		"elevation-north, elevation-south, elevation-east, elevation-west, section-a, "
+		"section-b, walk, station-1, station-2, station-3; or eye and target in metres, as "
+		"in 0,-10,2:0,0,1" },
+	{ "views:walk,section-a:9",
+		"path 'views:walk,section-a:9': the camera moves in perspective, which the view "
+		"'section-a' has not (views:A,B,C[:FRAMES])" },
 };
 
 static void test_bad_paths(struct model_site *m, gconstpointer data)
 {
-	g_autoptr(view) v = any_view("x"), plan = find(m, "plan");
-	g_autoptr(GError) steep = NULL, few = NULL;
+	g_autoptr(view) v = any_view("x"), plan = find(m, "plan"), down = find(m, "1,2,50:1,2,0");
+	g_autoptr(GError) steep = NULL, few = NULL, parallel = NULL;
 	(void)data;
 	for (size_t i = 0; i < G_N_ELEMENTS(bad_paths); i++) {
 		g_autoptr(GError) error = NULL;
 		g_assert_null(camera_path_parse(bad_paths[i].spec, v, &m->sources, &error));
 		g_assert_cmpstr(error->message, ==, bad_paths[i].message);
 	}
-	g_assert_null(camera_path_parse("pan", plan, &m->sources, &steep));
+	g_assert_null(camera_path_parse("orbit", plan, &m->sources, &parallel));
+	g_assert_cmpstr(parallel->message, ==,
+		"path 'orbit': the camera moves in perspective, which the view 'plan' has not "
+		"(orbit[:DEGREES[:FRAMES]])");
+	g_assert_null(camera_path_parse("pan", down, &m->sources, &steep));
 	g_assert_cmpstr(steep->message, ==,
 		"path 'pan': the view is too steep to pan, more than 80 degrees "
 		"(pan[:PIXELS[:FRAMES]])");
 	m->sources.station_count = 1;
-	g_assert_null(camera_path_parse("stations", plan, &m->sources, &few));
+	g_assert_null(camera_path_parse("stations", v, &m->sources, &few));
 	g_assert_cmpstr(few->message, ==,
 		"path 'stations': the site has 1 stations; two are the least (stations[:FRAMES])");
 }

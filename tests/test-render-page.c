@@ -187,6 +187,58 @@ static void film_without_ffmpeg(void)
 	g_assert_null(strstr(names, "b.mp4"));
 }
 
+/* ---- scales ---- */
+
+static void page_has_its_scale(void)
+{
+	g_autofree char *path = in_folder("s.svg"), *text = NULL;
+	g_auto(answer) a = commands_run("render", oak, "--view", "section:100,202:106,202",
+		"--scale", "1:50", "--size", "A4-landscape", "-o", path, "--json", "--supersample",
+		"1", "--save-view", "hall");
+	commands_assert_done(&a);
+	g_autoptr(JsonNode) n = commands_json(&a);
+	JsonObject *o = json_node_get_object(n);
+	g_assert_cmpfloat(json_object_get_double_member(o, "scale"), ==, 50);
+	g_assert_true(g_file_get_contents(path, &text, NULL, NULL));
+	g_assert_nonnull(strstr(text, "id=\"legend\""));
+	g_assert_nonnull(strstr(text, ">1:50</text>"));
+	g_assert_nonnull(strstr(text, ">2026-11-23</text>"));
+	g_assert_nonnull(strstr(text, "inkscape:label=\"cut"));
+	/* Its saved view has one too, chosen; and the edge can be left out. */
+	g_auto(answer) b = commands_run("render", oak, "--view", "hall", "--size", "A5-landscape",
+		"-o", path, "--supersample", "1", "--no-frame");
+	commands_assert_done(&b);
+	g_assert_nonnull(strstr(b.out, "1:50 on 210 x 148 mm"));
+	g_autofree char *bare = NULL;
+	g_assert_true(g_file_get_contents(path, &bare, NULL, NULL));
+	g_assert_null(strstr(bare, "legend"));
+}
+
+static void scale_refusals(void)
+{
+	static const struct {
+		const char *view, *option, *value, *names;
+		int status;
+	} cases[] = {
+		{ "plan", "--scale", "50", "--scale is 1:N", 2 },
+		{ "plan", "--scale", "1:0", "--scale is 1:N", 2 },
+		{ "plan", "--scale", "1:10", "view 'plan' does not fit", 1 },
+		{ "walk", "--scale", "1:50", "view 'walk' has perspective", 1 },
+		{ "plan", "--cut", "0.05", "view 'plan' cuts nothing", 1 },
+		{ "plan:1", "--cut", "99", "--cut goes from 0 to 10 m", 2 },
+		{ "plan:x", "--time", "0", "what follows plan: is how many metres", 1 },
+		{ "section:1,2", "--time", "0", "a section is two places", 1 },
+		{ "plan", "--path", "orbit", "the camera moves in perspective", 1 },
+	};
+	for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+		g_autofree char *path = in_folder("r.pdf");
+		g_auto(answer) a = commands_run("render", oak, "--view", cases[i].view,
+			cases[i].option, cases[i].value, "--size", "A4", "-o", path);
+		commands_assert_refused(&a, cases[i].status, cases[i].names);
+		g_assert_false(g_file_test(path, G_FILE_TEST_EXISTS));
+	}
+}
+
 static void refusals(void)
 {
 	static const struct {
@@ -211,6 +263,8 @@ int main(int argc, char **argv)
 	g_test_add_func("/render-page/svg-has-shapes", svg_has_shapes);
 	g_test_add_func("/render-page/pdf-has-its-paper", pdf_has_its_paper);
 	g_test_add_func("/render-page/print-knows-its-size", print_knows_its_size);
+	g_test_add_func("/render-page/scale", page_has_its_scale);
+	g_test_add_func("/render-page/scale/refusals", scale_refusals);
 	g_test_add_func("/render-page/film-is-one", film_is_one);
 	g_test_add_func("/render-page/film-without-ffmpeg", film_without_ffmpeg);
 	g_test_add_func("/render-page/refusals", refusals);

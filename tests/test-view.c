@@ -9,6 +9,11 @@ static void assert_same(const view *a, const view *b)
 	g_assert_cmpmem(a->eye_m, sizeof a->eye_m, b->eye_m, sizeof b->eye_m);
 	g_assert_cmpmem(a->target_m, sizeof a->target_m, b->target_m, sizeof b->target_m);
 	g_assert_cmpfloat(a->fov_deg, ==, b->fov_deg);
+	g_assert_cmpfloat(a->height_m, ==, b->height_m);
+	g_assert_cmpfloat(a->depth_m, ==, b->depth_m);
+	g_assert_cmpfloat(a->cut_m, ==, b->cut_m);
+	g_assert_true(a->is_cut == b->is_cut);
+	g_assert_cmpmem(a->span_m, sizeof a->span_m, b->span_m, sizeof b->span_m);
 }
 
 /* ---- saved ---- */
@@ -21,6 +26,16 @@ static void write_file(const struct place *p, const char *name, const char *text
 	g_assert_true(files_write(path, text, strlen(text), NULL));
 }
 
+static void make_parallel(view *v, int i)
+{
+	v->fov_deg = CAMERA_PARALLEL_FOV_DEG;
+	v->height_m = random_between(0.1, 300);
+	v->depth_m = i % 2 ? random_between(0.1, 300) : 0;
+	v->is_cut = i % 4 > 1;
+	v->cut_m = i % 4 > 2 ? 0.05 : 0;
+	v->span_m[1] = v->height_m / 2;
+}
+
 static void test_saved_views_are_the_same(struct place *p, gconstpointer data)
 {
 	(void)data;
@@ -28,6 +43,8 @@ static void test_saved_views_are_the_same(struct place *p, gconstpointer data)
 		g_autoptr(GError) error = NULL;
 		g_autoptr(view) v = any_view("gate-1");
 		v->style = i % 2 ? g_strdup("ink") : NULL;
+		if (i % 3 == 0)
+			make_parallel(v, i);
 		save(p, v);
 		g_autoptr(view) again = view_load(p->site, "gate-1", &error);
 		g_assert_no_error(error);
@@ -119,6 +136,18 @@ static const struct {
 	{ "{\"schema\":1,\"name\":\"gate\"," PLACES "}", "'fov_deg' is missing" },
 	{ "{\"schema\":1,\"name\":\"gate\"," PLACES ",\"fov_deg\":171}",
 		"'fov_deg' is 171; it must be 1 to 170" },
+	{ "{\"schema\":1,\"name\":\"gate\"," PLACES ",\"projection\":\"round\"}",
+		"'projection' is \"round\"; it must be \"perspective\" or \"parallel\"" },
+	{ "{\"schema\":1,\"name\":\"gate\"," PLACES ",\"projection\":\"parallel\"}",
+		"'height_m' is missing" },
+	{ "{\"schema\":1,\"name\":\"gate\"," PLACES ",\"projection\":\"parallel\",\"height_m\":0}",
+		"'height_m' is 0; it must be 0.01 to 100000" },
+	{ "{\"schema\":1,\"name\":\"gate\"," PLACES
+	  ",\"projection\":\"parallel\",\"height_m\":9,\"cut\":1}",
+		"'cut' is neither true nor false" },
+	{ "{\"schema\":1,\"name\":\"gate\"," PLACES
+	  ",\"projection\":\"parallel\",\"height_m\":9,\"span_m\":[1]}",
+		"'span_m' is not two numbers" },
 };
 
 static void test_damaged_files(struct place *p, gconstpointer data)
@@ -188,8 +217,99 @@ static void test_plan(struct model_site *m, gconstpointer data)
 	assert_in_picture(v);
 	g_assert_true(v->eye_m[0] == v->target_m[0] && v->eye_m[1] == v->target_m[1]);
 	g_assert_cmpfloat(fabs(v->eye_m[0]), <, 1);
-	g_assert_cmpfloat(v->eye_m[2], >, 100);
-	g_assert_cmpfloat(v->fov_deg, <, 20);
+	g_assert_true(view_is_parallel(v) && !v->is_cut);
+	g_assert_cmpfloat(v->eye_m[2], >, 7);
+}
+
+/* Walls stand at x = -20 and 20 and y = 15, 0.5 m thick either way, from the ground at -1.6 to 6.4. */
+static void test_plan_that_cuts(struct model_site *m, gconstpointer data)
+{
+	g_autoptr(view) v = find(m, "plan:2.5");
+	struct camera c = view_camera(v, WIDTH, HEIGHT);
+	const double above[3] = { 1, 2, 0.95 }, below[3] = { 1, 2, 0.85 };
+	double px[2], depth;
+	(void)data;
+	g_assert_true(c.is_cut);
+	g_assert_cmpfloat_with_epsilon(v->eye_m[2], 0.9, 1e-9);
+	g_assert_false(camera_project(&c, above, px, &depth));
+	g_assert_true(camera_project(&c, below, px, &depth));
+	g_assert_cmpfloat_with_epsilon(v->span_m[0], 41, 1);
+}
+
+static void assert_looks(struct model_site *m, const char *spec, double heading_deg, bool cuts)
+{
+	g_autoptr(view) v = find(m, spec);
+	struct camera c = view_camera(v, WIDTH, HEIGHT);
+	double turned = remainder(camera_heading_rad(&c) - heading_deg * G_PI / 180, 2 * G_PI);
+	g_assert_true(view_is_parallel(v) && v->is_cut == cuts);
+	g_assert_cmpfloat(fabs(turned), <, 1e-9);
+	g_assert_cmpfloat(fabs(camera_elevation_rad(&c)), <, 1e-9);
+}
+
+static void test_elevations(struct model_site *m, gconstpointer data)
+{
+	(void)data;
+	assert_looks(m, "elevation-north", 180, false);
+	assert_looks(m, "elevation-south", 0, false);
+	assert_looks(m, "elevation-east", -90, false);
+	assert_looks(m, "elevation-west", 90, false);
+	g_autoptr(view) v = find(m, "elevation-south");
+	assert_in_picture(v);
+	g_assert_cmpfloat_with_epsilon(v->span_m[1], 8, 0.7);
+	/* Walls that run at 30 degrees are seen from the front. */
+	m->boxes.walls_rad = G_PI / 6;
+	assert_looks(m, "elevation-south", 30, false);
+	assert_looks(m, "elevation-east", -60, false);
+}
+
+/* The court is longer from west to east. */
+static void test_sections(struct model_site *m, gconstpointer data)
+{
+	(void)data;
+	assert_looks(m, "section-a", 0, true);
+	assert_looks(m, "section-b", -90, true);
+	assert_looks(m, "section:-10,3:10,3", 0, true);
+	assert_looks(m, "section:10,3:-10,3", 180, true);
+	assert_looks(m, "section:5,-4:5,9:2.5", -90, true);
+	g_autoptr(view) v = find(m, "section:-10,3:8,3:2.5");
+	struct camera c = view_camera(v, WIDTH, HEIGHT);
+	const double first[3] = { -10, 4, 0 }, second[3] = { 8, 4, 0 }, before[3] = { 0, 2.99, 0 },
+		     behind[3] = { 0, 5.6, 0 };
+	double px[2] = { 0 }, depth = 0;
+	g_assert_true(camera_project(&c, first, px, &depth) && px[0] > 0 && px[0] < WIDTH / 2.);
+	g_assert_true(
+		camera_project(&c, second, px, &depth) && px[0] > WIDTH / 2. && px[0] < WIDTH);
+	g_assert_false(camera_project(&c, before, px, &depth));
+	g_assert_true(camera_project(&c, behind, px, &depth) && depth > c.far_m);
+	g_assert_cmpfloat_with_epsilon(v->span_m[0], 18, 1e-9);
+}
+
+static const struct {
+	const char *spec, *what;
+} bad_parallel[] = {
+	{ "plan:", "what follows plan: is how many metres" },
+	{ "plan:1x", "what follows plan: is how many metres" },
+	{ "plan:nan", "what follows plan: is how many metres" },
+	{ "section:", "a section is two places in metres" },
+	{ "section:1,2", "a section is two places in metres" },
+	{ "section:1,2:3", "a section is two places in metres" },
+	{ "section:1,2:3,4:5:6", "a section is two places in metres" },
+	{ "section:1,2:1,2", "both places of the section are the same" },
+	{ "section:1,2:3,4:0", "a section is 0.01 to 10000 m deep" },
+};
+
+static void test_bad_parallel_views(struct model_site *m, gconstpointer data)
+{
+	(void)data;
+	for (size_t i = 0; i < G_N_ELEMENTS(bad_parallel); i++) {
+		g_autoptr(GError) error = NULL;
+		view *v = NULL;
+		g_autofree char *start = g_strdup_printf(
+			"view '%s': %s", bad_parallel[i].spec, bad_parallel[i].what);
+		g_assert_false(view_find(&m->sources, bad_parallel[i].spec, &v, &error));
+		g_assert_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT);
+		g_assert_true(g_str_has_prefix(error->message, start));
+	}
 }
 
 static void test_stations(struct model_site *m, gconstpointer data)
@@ -352,6 +472,10 @@ static void assert_unknown(const struct view_sources *s, const char *name, const
 	g_assert_cmpstr(error->message, ==, message);
 }
 
+#define BUILT_IN                                                                                   \
+	"overview, plan, plan:1.2, elevation-north, elevation-south, elevation-east, "             \
+	"elevation-west, section-a, section-b, walk, station-1, station-2, station-3"
+
 static void test_which_view(struct place *p, gconstpointer data)
 {
 	struct model_site m;
@@ -360,12 +484,9 @@ static void test_which_view(struct place *p, gconstpointer data)
 	build(&m);
 	m.sources.site = p->site;
 	save(p, gate);
-	assert_unknown(
-		&m.sources, "oval", "gate, overview, plan, walk, station-1, station-2, station-3");
-	assert_unknown(&m.sources, "station-4",
-		"gate, overview, plan, walk, station-1, station-2, station-3");
-	assert_unknown(&m.sources, "station-01",
-		"gate, overview, plan, walk, station-1, station-2, station-3");
+	assert_unknown(&m.sources, "oval", "gate, " BUILT_IN);
+	assert_unknown(&m.sources, "station-4", "gate, " BUILT_IN);
+	assert_unknown(&m.sources, "station-01", "gate, " BUILT_IN);
 	g_autoptr(view) found = find(&m, "gate");
 	assert_same(found, gate);
 	save(p, plan); /* what people saved goes first */
@@ -392,6 +513,10 @@ int main(int argc, char **argv)
 	ADD_PLACE("/view/save-refused", test_saving_refuses);
 	ADD_COURT("/view/overview", test_overview);
 	ADD_COURT("/view/plan", test_plan);
+	ADD_COURT("/view/plan/cut", test_plan_that_cuts);
+	ADD_COURT("/view/elevations", test_elevations);
+	ADD_COURT("/view/sections", test_sections);
+	ADD_COURT("/view/parallel/refused", test_bad_parallel_views);
 	ADD_COURT("/view/stations", test_stations);
 	ADD_COURT("/view/walk", test_walk);
 	ADD_PLACE("/view/where-scanners-stood", test_where_scanners_stood);

@@ -7,7 +7,7 @@ bool is_in_cut(candidate c)
 {
 	float given_m = cuts.y > 0.0 ? cuts.y : cut.y;
 	float thick_m = given_m > 0.0 ? given_m : clamp(c.spacing_m * CUT_SPACINGS, CUT_LEAST_M, CUT_MOST_M);
-	return cuts.x > 0.0 && c.depth_m >= lens.w && c.depth_m <= lens.w + thick_m;
+	return cuts.x > 0.0 && points[c.index].z >> 24 != UNDIRECTED && c.depth_m >= lens.w && c.depth_m <= lens.w + thick_m;
 }
 
 /* Moves it onto the cut. */
