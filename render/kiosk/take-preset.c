@@ -1,19 +1,20 @@
 #include "render/kiosk/take-preset.h"
+#include "render/view-parallel.h"
 #include <glib/gi18n.h>
 #include <string.h>
 
 static const struct take_preset pictures[] = {
 	{ "screen", N_("Screen, 1920 × 1080"), "png", "1920x1080" },
 	{ "screen-4k", N_("4K, 3840 × 2160"), "png", "3840x2160" },
-	{ "a4", N_("A4, 300 dpi"), "png", "3508x2480" },
-	{ "a3", N_("A3, 300 dpi"), "png", "4961x3508" },
+	{ "a4", N_("A4, 300 dpi"), "png", "A4-landscape", .dpi = 300 },
+	{ "a3", N_("A3, 300 dpi"), "png", "A3-landscape", .dpi = 300 },
 	{ NULL },
 };
 static const struct take_preset drawings[] = {
-	{ "pdf-a3", N_("PDF, A3"), "pdf", .paper = "A3" },
-	{ "pdf-a4", N_("PDF, A4"), "pdf", .paper = "A4" },
-	{ "pdf-a1", N_("PDF, A1"), "pdf", .paper = "A1" },
-	{ "svg-a3", N_("SVG, A3"), "svg", .paper = "A3" },
+	{ "pdf-a3", N_("PDF, A3"), "pdf", "A3-landscape" },
+	{ "pdf-a4", N_("PDF, A4"), "pdf", "A4-landscape" },
+	{ "pdf-a1", N_("PDF, A1"), "pdf", "A1-landscape" },
+	{ "svg-a3", N_("SVG, A3"), "svg", "A3-landscape" },
 	{ NULL },
 };
 /* Thirty frames are a second: four from station to station, twenty-four once around. */
@@ -64,15 +65,16 @@ const struct take_preset *take_preset_find(enum export_kind kind, const char *id
 }
 
 char *take_stem(
-	enum export_kind kind, const struct take_preset *p, const char *style, const char *view)
+	enum export_kind kind, const struct take_preset *p, const char *style, const char *seen)
 {
 	if (kind == EXPORT_REPORT)
 		return g_strdup("report");
 	if (kind == EXPORT_POINTS)
 		return g_strdup(p->spacing_m > 0 ? "points-1cm" : "points");
-	if (p == take_presets(kind))
-		return g_strdup_printf("%s-%s", style, view);
-	return g_strdup_printf("%s-%s-%s", style, view, p->id);
+	char *stem = p == take_presets(kind) ? g_strdup_printf("%s-%s", style, seen)
+					     : g_strdup_printf("%s-%s-%s", style, seen, p->id);
+	return g_strdelimit(
+		stem, ":", '-'); /* which drives of other systems do not know in names */
 }
 
 const char *take_job(enum export_kind kind)
@@ -86,8 +88,14 @@ static void add_text(GVariantDict *d, const char *name, const char *value)
 		g_variant_dict_insert(d, name, "s", value);
 }
 
+/* A camera that moves has perspective. */
+static const char *view_of_film(const char *seen)
+{
+	return view_parallel_is(seen) ? "overview" : seen;
+}
+
 GVariant *take_options(enum export_kind kind, const struct take_preset *p, const char *style,
-	const char *view, const char *output)
+	const char *seen, const char *output)
 {
 	g_auto(GVariantDict) d = G_VARIANT_DICT_INIT(NULL);
 	add_text(&d, "output", output);
@@ -96,9 +104,10 @@ GVariant *take_options(enum export_kind kind, const struct take_preset *p, const
 			g_variant_dict_insert(&d, "spacing", "d", p->spacing_m);
 	} else if (kind != EXPORT_REPORT) {
 		add_text(&d, "style", style);
-		add_text(&d, "view", view);
+		add_text(&d, "view", kind == EXPORT_FILM ? view_of_film(seen) : seen);
 		add_text(&d, "size", p->size);
-		add_text(&d, "paper", p->paper);
+		if (p->dpi > 0)
+			g_variant_dict_insert(&d, "dpi", "d", p->dpi);
 		add_text(&d, "path", p->path);
 	} else if (!strcmp(p->id, "plain"))
 		g_variant_dict_insert(&d, "no-maps", "b", TRUE);

@@ -59,11 +59,19 @@ char *words_view(const char *name)
 	} known[] = {
 		{ "overview", N_("Overview") },
 		{ "plan", N_("Plan") },
+		{ "elevation-north", N_("Elevation from the north") },
+		{ "elevation-south", N_("Elevation from the south") },
+		{ "elevation-east", N_("Elevation from the east") },
+		{ "elevation-west", N_("Elevation from the west") },
+		{ "section-a", N_("Section along the building") },
+		{ "section-b", N_("Section across the building") },
 		{ "walk", N_("Standing in it") },
 	};
 	for (size_t i = 0; i < G_N_ELEMENTS(known); i++)
 		if (!strcmp(known[i].name, name))
 			return g_strdup(_(known[i].words));
+	if (g_str_has_prefix(name, "plan:"))
+		return g_strdup_printf(_("Plan at %s m"), name + strlen("plan:"));
 	if (g_str_has_prefix(name, "station-"))
 		return g_strdup_printf(_("From station %s"), name + strlen("station-"));
 	return g_strdup(name);
