@@ -58,7 +58,7 @@ check-tests: all tests
 slow_tests := $(addprefix $(BUILD)/tests/,test-cloud-align test-align-command test-scan-faults test-align-scans \
 	test-register-site test-commands-damage test-world test-preset test-segmentation-truth)
 # Fingers wait for pictures: instrumented ones come too late for taps that are meant to be double.
-screen_tests := $(BUILD)/tests/test-kiosk-keys $(BUILD)/tests/test-kiosk-sites $(BUILD)/tests/test-kiosk-bring $(BUILD)/tests/test-kiosk-workflow $(BUILD)/tests/test-kiosk-hostile $(BUILD)/tests/test-kiosk-rig $(BUILD)/tests/test-kiosk-speed $(BUILD)/tests/test-kiosk-safety
+screen_tests := $(BUILD)/tests/test-kiosk-plans $(BUILD)/tests/test-kiosk-keys $(BUILD)/tests/test-kiosk-sites $(BUILD)/tests/test-kiosk-bring $(BUILD)/tests/test-kiosk-workflow $(BUILD)/tests/test-kiosk-hostile $(BUILD)/tests/test-kiosk-rig $(BUILD)/tests/test-kiosk-speed $(BUILD)/tests/test-kiosk-safety
 asan := BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1'
 check-sanitized:
 	$(MAKE) $(side_by_side) $(asan) all tests

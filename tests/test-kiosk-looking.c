@@ -161,6 +161,89 @@ static void test_goes_there(void)
 	}
 }
 
+/* ---- drawings ---- */
+
+static view *any_section(GRand *chance)
+{
+	double eye[3], target[3], heading = g_rand_double_range(chance, -3, 3);
+	for (int k = 0; k < 3; k++)
+		eye[k] = g_rand_double_range(chance, -50, 50);
+	target[0] = eye[0] + 5 * sin(heading);
+	target[1] = eye[1] + 5 * cos(heading);
+	target[2] = eye[2];
+	view *v = view_new_parallel("x", "x", eye, target, g_rand_double_range(chance, 3, 60));
+	v->is_cut = true;
+	v->depth_m = 12;
+	return v;
+}
+
+static double plane_of(const struct looking *l)
+{
+	struct camera c = looking_camera(l, WIDTH, HEIGHT);
+	double at = c.near_m;
+	for (int k = 0; k < 3; k++)
+		at += c.eye_m[k] * c.forward[k];
+	return at;
+}
+
+/* A place on it stays under the finger, whatever moves or scales it; the cut stays where it is, and so does its direction. */
+static void test_drawings_follow_fingers(void)
+{
+	g_autoptr(GRand) chance = g_rand_new_with_seed(17);
+	for (int n = 0; n < TIMES; n++) {
+		g_autoptr(view) v = any_section(chance);
+		struct looking l = looking_of_view(v), was = l;
+		double px[2] = { g_rand_double_range(chance, 0, WIDTH),
+			g_rand_double_range(chance, 0, HEIGHT) },
+		       at[3], now[2];
+		struct camera c = looking_camera(&l, WIDTH, HEIGHT);
+		camera_place(&c, px, c.near_m + 1, at);
+		looking_drag(&l, 40, -25, HEIGHT);
+		project(&l, at, now);
+		g_assert_cmpfloat(hypot(now[0] - px[0] - 40, now[1] - px[1] + 25), <, 1e-6);
+		looking_pan(&l, -40, 25, HEIGHT);
+		looking_zoom(&l, g_rand_double_range(chance, 0.5, 2), px[0] - WIDTH / 2.,
+			px[1] - HEIGHT / 2., HEIGHT);
+		looking_twist(&l, 0.5);
+		project(&l, at, now);
+		g_assert_cmpfloat(hypot(now[0] - px[0], now[1] - px[1]), <, 1e-6);
+		struct looking there = looking_at(&l, at, 2);
+		project(&there, at, now);
+		g_assert_cmpfloat(hypot(now[0] - WIDTH / 2., now[1] - HEIGHT / 2.), <, 1e-6);
+		g_assert_cmpfloat(fabs(plane_of(&there) - plane_of(&was)), <, 1e-9);
+		g_assert_cmpfloat(there.heading_rad, ==, was.heading_rad);
+	}
+}
+
+static void test_drawings_are_kept(void)
+{
+	g_autoptr(GRand) chance = g_rand_new_with_seed(18);
+	const double above[3] = { 4, 5, 6 }, below[3] = { 4, 5, 0 };
+	g_autoptr(view) plan = view_new_parallel("p", "P", above, below, 20);
+	struct looking down = looking_of_view(plan);
+	g_assert_cmpfloat(down.elevation_rad, ==, -G_PI / 2);
+	for (int n = 0; n < TIMES; n++) {
+		g_autoptr(view) v = any_section(chance);
+		struct looking l = looking_of_view(v);
+		g_autoptr(view) kept = looking_view(&l, "k", "K", 1.5);
+		g_assert_cmpfloat(distance(kept->eye_m, v->eye_m), <, 1e-9);
+		g_assert_cmpfloat(distance(kept->target_m, v->target_m), <, 1e-9);
+		g_assert_true(kept->height_m == v->height_m && kept->is_cut && kept->depth_m == 12);
+		/* On the way from a walk all is in perspective until it is there. */
+		struct looking from = any_looking(chance, LOOKING_FROM),
+			       end = looking_between(&from, &l, 1);
+		g_assert_cmpint(end.mode, ==, LOOKING_PARALLEL);
+		for (int k = 0; k < 20; k++) {
+			struct looking at = looking_between(&from, &l, k / 20.);
+			struct camera c = looking_camera(&at, WIDTH, HEIGHT);
+			g_assert_true(camera_validate(&c, NULL) && c.parallel_m == 0);
+		}
+		struct looking both = looking_between(&down, &l, 0.5);
+		struct camera c = looking_camera(&both, WIDTH, HEIGHT);
+		g_assert_true(camera_validate(&c, NULL) && c.parallel_m > 0);
+	}
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -170,5 +253,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/looking/twist", test_twist);
 	g_test_add_func("/looking/stays-a-view", test_stays_a_view);
 	g_test_add_func("/looking/goes-there", test_goes_there);
+	g_test_add_func("/looking/drawings/fingers", test_drawings_follow_fingers);
+	g_test_add_func("/looking/drawings/kept", test_drawings_are_kept);
 	return g_test_run();
 }

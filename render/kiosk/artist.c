@@ -147,7 +147,8 @@ static double coarser_of(uint32_t size)
 static frame *find_frame(artist *a, uint32_t size, const struct camera *c, GError **error)
 {
 	frame **f = &a->frame[size];
-	if (*f && ((*f)->camera.width != c->width || (*f)->camera.height != c->height))
+	if (*f && ((*f)->camera.width != c->width || (*f)->camera.height != c->height ||
+			  (*f)->camera.is_cut != c->is_cut))
 		g_clear_pointer(f, frame_free);
 	if (!*f) {
 		*f = frame_new_coarse(a->scene, a->drawing, c, coarser_of(size), error);

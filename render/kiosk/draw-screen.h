@@ -1,7 +1,7 @@
 #ifndef RENDER_KIOSK_DRAW_SCREEN_H
 #define RENDER_KIOSK_DRAW_SCREEN_H
 /* What the parts of the screen Draw share: the picture (screen-draw.c), the strip of styles (draw-strip.c), the panel that changes how a
- * thing is drawn (draw-panel.c), and light and focus by touch (draw-accents.c). */
+ * thing is drawn (draw-panel.c), and light and focus by touch (draw-accents.c), and where one looks from (draw-views.c). */
 #include "render/kiosk/easel.h"
 #include "render/kiosk/kiosk.h"
 #include "render/style-edit.h"
@@ -71,6 +71,12 @@ void draw_accents_end(struct draw_screen *s);
 void draw_accents_stop(struct draw_screen *s);
 /* After the edit has changed otherwise. */
 void draw_accents_refresh(struct draw_screen *s);
+
+/* ---- draw-views.c ---- */
+GtkWidget *draw_views_tools(struct draw_screen *s);
+/* A built-in view; mode: of one in perspective. */
+void draw_views_look_from(
+	struct draw_screen *s, const char *name, enum looking_mode mode, double seconds);
 
 /* ---- draw-panel.c ---- */
 GtkWidget *draw_panel_new(struct draw_screen *s);

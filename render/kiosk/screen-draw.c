@@ -2,8 +2,6 @@
 #include "render/kiosk/draw-screen.h"
 #include "render/kiosk/screens.h"
 
-#define WALK_SECONDS 1.4
-#define LOOK_SECONDS 0.9
 #define ONE_SLIDE_US 2500000
 /* A better one takes over when it stands in the person's own folder; else this is the first. */
 #define FIRST_STYLE "figure-7c"
@@ -81,94 +79,7 @@ void draw_screen_will_slide(struct draw_screen *s, const char *what, const char 
 	s->last_slid_us = now_us;
 }
 
-/* ---- where to look from ---- */
-
-static void look_from(
-	struct draw_screen *s, const char *name, enum looking_mode mode, double seconds)
-{
-	g_autoptr(view) v = view_built_in(&s->site->sources, name);
-	if (!v)
-		return;
-	struct looking to = looking_of_view(v);
-	to.mode = mode;
-	easel_look(s->easel, &to, seconds);
-	gtk_toggle_button_set_active(GTK_TOGGLE_BUTTON(s->around), mode == LOOKING_FROM);
-}
-
-static void overview_pressed(GtkButton *b, gpointer user_data)
-{
-	struct draw_screen *s = user_data;
-	(void)b;
-	s->station = 0;
-	look_from(s, "overview", LOOKING_AROUND, LOOK_SECONDS);
-}
-
-static void plan_pressed(GtkButton *b, gpointer user_data)
-{
-	struct draw_screen *s = user_data;
-	(void)b;
-	s->station = 0;
-	look_from(s, "plan", LOOKING_AROUND, LOOK_SECONDS);
-}
-
-static void walk_by(struct draw_screen *s, int by)
-{
-	guint n = s->site->stations->len;
-	if (!n)
-		return;
-	s->station = s->station ? (s->station - 1 + n + (guint)(by + (int)n)) % n + 1 : 1;
-	g_autofree char *name = g_strdup_printf("station-%u", s->station);
-	look_from(s, name, LOOKING_FROM, WALK_SECONDS);
-	const struct view_station *at =
-		&g_array_index(s->site->stations, struct view_station, s->station - 1);
-	g_autofree char *said = g_strdup_printf(_("At scan %u"), at->number);
-	kiosk_say(s->kiosk, said);
-}
-
-static void next_pressed(GtkButton *b, gpointer user_data)
-{
-	(void)b;
-	walk_by(user_data, 1);
-}
-
-static void previous_pressed(GtkButton *b, gpointer user_data)
-{
-	(void)b;
-	walk_by(user_data, -1);
-}
-
-/* Round things, or round oneself. */
-static void around_toggled(GtkToggleButton *b, gpointer user_data)
-{
-	struct draw_screen *s = user_data;
-	struct looking l = easel_looking(s->easel);
-	enum looking_mode mode = gtk_toggle_button_get_active(b) ? LOOKING_FROM : LOOKING_AROUND;
-	if (l.mode == mode)
-		return;
-	l.mode = mode;
-	easel_look(s->easel, &l, 0);
-}
-
-static void save_view_pressed(GtkButton *b, gpointer user_data)
-{
-	struct draw_screen *s = user_data;
-	struct looking l = easel_looking(s->easel);
-	double eye[3];
-	g_autoptr(GError) error = NULL;
-	g_autoptr(GDateTime) now = g_date_time_new_now_local();
-	g_autofree char *name = g_date_time_format(now, "view-%Y%m%d-%H%M%S");
-	g_autofree char *title = g_date_time_format(now, _("View of %H:%M"));
-	(void)b;
-	looking_eye(&l, eye);
-	g_autoptr(view) v = view_new(name, title, eye, l.focus_m, l.fov_deg);
-	v->style = g_strdup(s->style_name);
-	if (!view_save(v, s->site->site, &error)) {
-		kiosk_complain_of(s->kiosk, error);
-		return;
-	}
-	g_autofree char *said = g_strdup_printf(_("Kept as \"%s\"."), title);
-	kiosk_say(s->kiosk, said);
-}
+/* ---- buttons ---- */
 
 static void adjust_pressed(GtkButton *b, gpointer user_data)
 {
@@ -250,7 +161,7 @@ static void loaded(GObject *source, GAsyncResult *result, gpointer user_data)
 	}
 	s->site = d;
 	easel_set_site(s->easel, d);
-	look_from(s, d->stations->len ? "walk" : "overview", LOOKING_AROUND, 0);
+	draw_views_look_from(s, d->stations->len ? "walk" : "overview", LOOKING_AROUND, 0);
 	draw_strip_fill(s);
 	draw_screen_use_style(s, FIRST_STYLE);
 	gtk_stack_set_visible_child_name(GTK_STACK(s->stack), "draw");
@@ -260,28 +171,7 @@ static void loaded(GObject *source, GAsyncResult *result, gpointer user_data)
 
 static GtkWidget *tools(struct draw_screen *s)
 {
-	s->around = gtk_toggle_button_new();
-	gtk_button_set_child(
-		GTK_BUTTON(s->around), gtk_image_new_from_icon_name("view-refresh-symbolic"));
-	gtk_widget_set_name(s->around, "draw-around");
-	gtk_widget_set_tooltip_text(s->around, _("Look around from here"));
-	gtk_accessible_update_property(GTK_ACCESSIBLE(s->around), GTK_ACCESSIBLE_PROPERTY_LABEL,
-		_("Look around from here"), -1);
-	g_signal_connect(s->around, "toggled", G_CALLBACK(around_toggled), s);
-	GtkWidget *column = kit_column(8,
-		kit_button("draw-overview", "go-home-symbolic", NULL, _("Whole site"), NULL,
-			G_CALLBACK(overview_pressed), s),
-		kit_button("draw-plan", "view-grid-symbolic", NULL, _("Plan"), NULL,
-			G_CALLBACK(plan_pressed), s),
-		kit_button("draw-previous", "go-up-symbolic", NULL, _("Station before"), NULL,
-			G_CALLBACK(previous_pressed), s),
-		kit_button("draw-next", "go-down-symbolic", NULL, _("Next station"), NULL,
-			G_CALLBACK(next_pressed), s),
-		s->around,
-		kit_button("draw-keep-view", "bookmark-new-symbolic", NULL, _("Keep this view"),
-			NULL, G_CALLBACK(save_view_pressed), s),
-		NULL);
-	GtkWidget *all = kit_row(8, column, draw_accents_tools(s), NULL);
+	GtkWidget *all = kit_row(8, draw_views_tools(s), draw_accents_tools(s), NULL);
 	gtk_widget_set_halign(all, GTK_ALIGN_START);
 	gtk_widget_set_valign(all, GTK_ALIGN_START);
 	return kit_margin(all, 12);
