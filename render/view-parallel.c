@@ -8,8 +8,9 @@
 /* What is seen through windows and gates must not make a picture small: so many of the points may be beyond each edge, but where nearly
  * all reach not much farther these are in it. */
 #define FAR_PART     0.01
-#define STRAY_PART   0.001
-#define NOT_FAR      1.15
+#define STRAY_PART   0.0005
+#define NOT_FAR      1.3
+#define NOT_FAR_UP   2.5 /* roofs and towers, of which little is seen, belong to it */
 #define HEIGHT_MAX_M 1e4
 
 static const char elevation[] = "elevation-", section[] = "section:", plan_at[] = "plan:";
@@ -99,13 +100,13 @@ static void reach_but(const struct view_sources *s, const struct region *r, cons
 	ret_m[1] = percentile(all, (1 - stray) * sum, low, high);
 }
 
-static void reach(
-	const struct view_sources *s, const struct region *r, const double axis[3], double ret_m[2])
+static void reach(const struct view_sources *s, const struct region *r, const double axis[3],
+	double not_far, double ret_m[2])
 {
 	double nearly[2];
 	reach_but(s, r, axis, FAR_PART, ret_m);
 	reach_but(s, r, axis, STRAY_PART, nearly);
-	if (nearly[1] - nearly[0] < NOT_FAR * (ret_m[1] - ret_m[0]))
+	if (nearly[1] - nearly[0] < not_far * (ret_m[1] - ret_m[0]))
 		memcpy(ret_m, nearly, sizeof nearly);
 }
 
@@ -120,9 +121,9 @@ static view *frame_view(const struct view_sources *s, const char *name, const ch
 	if (across_m)
 		memcpy(across, across_m, sizeof across);
 	else
-		reach(s, r, right, across);
-	reach(s, r, up, upright);
-	reach(s, r, r->along, deep);
+		reach(s, r, right, NOT_FAR, across);
+	reach(s, r, up, up[2] > 0 ? NOT_FAR_UP : NOT_FAR, upright);
+	reach(s, r, r->along, NOT_FAR, deep);
 	double from = dot(r->from_m, r->along);
 	double span[2] = { fmax(across[1] - across[0], 0.1), fmax(upright[1] - upright[0], 0.1) };
 	double ahead = fmax((deep[0] + deep[1]) / 2 - from, 0.1);
