@@ -35,7 +35,7 @@ static void look_at_chunk(const scene *s, uint32_t n, const struct camera *cam, 
 	for (uint32_t i = 0; i < c->count; i++) {
 		double place[3], at[2], depth;
 		scene_position(s, c, i, place);
-		if (!camera_project(cam, place, at, &depth))
+		if (!camera_project(cam, place, at, &depth) || depth > cam->far_m)
 			continue;
 		double disc_m = s->disc[c->first + i] * SCENE_UNIT_M;
 		double aside = hypot(at[0] - px[0], at[1] - px[1]);

@@ -73,6 +73,30 @@ static void test_leaves(void)
 	g_assert_cmpfloat(fabs(picked.place_m[1] - 205), <, 0.05);
 }
 
+/* By parallel rays, from y_m on and so deep: the ball, and what is there once it is cut off. */
+static bool pick_cut(double y_m, double depth_m, const double place_m[3], struct scene_picked *ret)
+{
+	const double eye[3] = { 103, y_m, 4.2 }, target[3] = { 103, y_m + 1, 4.2 };
+	struct camera from = camera_look_at(eye, target, 60, 640, 480),
+		      c = camera_parallel(&from, 5, depth_m);
+	double at[3] = { place_m[0], y_m + 0.5, place_m[2] }, px[2] = { 0 }, depth = 0;
+	g_assert_true(camera_project(&c, at, px, &depth));
+	return scene_pick(made_shared_court(), &c, NULL, px, RADIUS_PX, ret);
+}
+
+static void test_parallel(void)
+{
+	static const double ball_m[3] = { 102, 203, 4.2 };
+	struct scene_picked picked;
+	g_assert_true(pick_cut(200, 10, ball_m, &picked));
+	g_assert_cmpuint(picked.leaf, ==, MADE_LEAF + 1);
+	g_assert_cmpfloat(hypot(picked.place_m[0] - 102, picked.place_m[2] - 4.2), <, 0.2);
+	g_assert_true(pick_cut(203.7, 10, ball_m, &picked));
+	g_assert_cmpuint(picked.leaf, ==, MADE_LEAF);
+	g_assert_cmpfloat(fabs(picked.place_m[1] - 205), <, 0.05);
+	g_assert_false(pick_cut(203.7, 1, ball_m, &picked));
+}
+
 static void test_nothing(void)
 {
 	const scene *s = made_shared_court();
@@ -89,6 +113,7 @@ int main(int argc, char **argv)
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/scene-pick/front", test_front);
 	g_test_add_func("/scene-pick/leaves", test_leaves);
+	g_test_add_func("/scene-pick/parallel", test_parallel);
 	g_test_add_func("/scene-pick/nothing", test_nothing);
 	return g_test_run();
 }
