@@ -190,7 +190,9 @@ bool build_model_is_due(
 		return false;
 	g_autoptr(model) m = model_open(site_path(s), &damage);
 	char *why = NULL;
-	if (m)
+	if (m && !model_in_short(m).tones)
+		why = g_strdup("the model does not tell its points in short yet");
+	else if (m)
 		why = model_inputs_difference(inputs,
 			json_object_get_member(product_manifest(model_file(m)), "made_from"));
 	else if (g_error_matches(damage, G_IO_ERROR, G_IO_ERROR_NOT_FOUND))

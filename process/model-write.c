@@ -1,6 +1,7 @@
 #include "process/model-write.h"
 #include "firmware-io/crc32c.h"
 #include "process/chunk-order.h"
+#include "process/model-coarse.h"
 #include <string.h>
 
 #define BATCH_CHUNKS 64u
@@ -12,6 +13,7 @@ struct waiting {
 
 struct model_writer {
 	product_writer *file;
+	model_coarse *coarse;
 	double cell_m;
 	unsigned block_shift;
 	uint64_t count; /* of the points before the batch */
@@ -31,7 +33,9 @@ model_writer *model_writer_new(const char *path, unsigned level, GError **error)
 {
 	g_autoptr(model_writer) w = g_new0(model_writer, 1);
 	w->file = product_writer_new(path, error);
-	if (!w->file || !product_writer_begin(w->file, "points", sizeof(struct model_point), error))
+	w->coarse = w->file ? model_coarse_new(path, error) : NULL;
+	if (!w->coarse ||
+		!product_writer_begin(w->file, "points", sizeof(struct model_point), error))
 		return NULL;
 	w->cell_m = morton_cell_m(level);
 	w->block_shift = model_cube_shift(MODEL_BLOCK_M, w->cell_m);
@@ -48,6 +52,7 @@ void model_writer_free(model_writer *w)
 	if (!w)
 		return;
 	product_writer_free(w->file);
+	model_coarse_free(w->coarse);
 	g_free(w->waiting);
 	g_free(w->done);
 	g_clear_pointer(&w->chunks, g_array_unref);
@@ -138,8 +143,9 @@ static bool write_batch(model_writer *w, GError **error)
 		w->batch[i].first = w->count;
 		w->count += w->batch[i].points;
 		g_array_append_val(w->chunks, w->batch[i]);
-		if (!product_writer_append(w->file, w->done + (size_t)i * MODEL_CHUNK_POINTS,
-			    w->batch[i].points, error))
+		const struct model_point *done = w->done + (size_t)i * MODEL_CHUNK_POINTS;
+		if (!model_coarse_add(w->coarse, &w->batch[i], done, error) ||
+			!product_writer_append(w->file, done, w->batch[i].points, error))
 			return false;
 	}
 	w->batched = 0;
@@ -206,6 +212,8 @@ bool model_writer_take(model_writer *w, const model *from, const struct model_pi
 		moved.first = w->count;
 		w->count += moved.points;
 		g_array_append_val(w->chunks, moved);
+		if (!model_coarse_add(w->coarse, c, model_points(from) + c->first, error))
+			return false;
 	}
 	w->is_cut = true;
 	product_forget(model_file(from), first, taken * sizeof *first);
@@ -245,6 +253,8 @@ bool model_writer_finish(model_writer *w, model_part *const *part, size_t parts,
 	       product_writer_append(w->file, w->chunks->data, w->chunks->len, error) &&
 	       product_writer_begin(w->file, "pieces", sizeof(struct model_piece), error) &&
 	       product_writer_append(w->file, w->pieces->data, w->pieces->len, error) &&
+	       model_coarse_write(w->coarse, w->file,
+		       (const struct model_chunk *)(void *)w->chunks->data, error) &&
 	       write_dropped(w->file, part, parts, error) &&
 	       product_writer_finish(
 		       w->file, MODEL_KIND, MODEL_VERSION, g_steal_pointer(&m), error);

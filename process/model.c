@@ -8,6 +8,7 @@ struct model {
 	const struct model_chunk *chunks;
 	const struct model_point *points;
 	uint64_t chunk_count, point_count;
+	struct model_short in_short;
 };
 
 static bool damaged(const model *m, uint64_t chunk, const char *what, GError **error)
@@ -45,6 +46,44 @@ static bool check_chunks(const model *m, GError **error)
 	return damaged(m, m->chunk_count, "points are left over after the last chunk", error);
 }
 
+/* Groups that all chunks are in, one after another, and their points. */
+static bool check_groups(const model *m, GError **error)
+{
+	const struct model_short *s = &m->in_short;
+	uint64_t chunk = 0, first = 0;
+	for (uint64_t i = 0; i < s->groups; i++) {
+		const struct model_chunk *g = &s->group[i];
+		if (g->reserved[0] != chunk || !g->reserved[1] ||
+			g->reserved[1] > MODEL_GROUP_CHUNKS ||
+			g->reserved[1] > m->chunk_count - chunk || g->first != first ||
+			g->points < 1 || g->points > MODEL_CHUNK_POINTS ||
+			g->points > s->points - first || g->leaf != m->chunks[chunk].leaf)
+			return damaged(
+				m, chunk, "its group is not the one after that before", error);
+		for (int k = 0; k < 3; k++)
+			if (!isfinite(g->centre_m[k]) || !(g->half_size_m[k] >= 0) ||
+				!isfinite(g->half_size_m[k]))
+				return damaged(m, chunk, "the box of its group is no box", error);
+		chunk += g->reserved[1];
+		first += g->points;
+	}
+	return (chunk == m->chunk_count && first == s->points) ||
+	       damaged(m, chunk, "the groups are not those of all chunks", error);
+}
+
+static bool find_short(model *m, GError **error)
+{
+	struct model_short s = { 0 };
+	uint64_t words;
+	s.group = product_section(m->file, "groups", sizeof *s.group, &s.groups, NULL);
+	s.point = product_section(m->file, "coarse", sizeof *s.point, &s.points, NULL);
+	s.tones = product_section(m->file, "tones", sizeof(uint32_t), &words, NULL);
+	if (!s.group || !s.point || !s.tones || words * sizeof(uint32_t) != sizeof *s.tones)
+		return true;
+	m->in_short = s;
+	return check_groups(m, error);
+}
+
 static bool check_version(const model *m, GError **error)
 {
 	gint64 version = json_object_get_int_member(product_manifest(m->file), "version");
@@ -71,7 +110,7 @@ model *model_open_file(const char *path, GError **error)
 			  m->file, "chunks", sizeof *m->chunks, &m->chunk_count, error)) ||
 		!(m->points = product_section(
 			  m->file, "points", sizeof *m->points, &m->point_count, error)) ||
-		!check_chunks(m, error))
+		!check_chunks(m, error) || !find_short(m, error))
 		return NULL;
 	return g_steal_pointer(&m);
 }
@@ -104,6 +143,11 @@ const struct model_chunk *model_chunks(const model *m, uint64_t *ret_count)
 const struct model_point *model_points(const model *m)
 {
 	return m->points;
+}
+
+struct model_short model_in_short(const model *m)
+{
+	return m->in_short;
 }
 
 const product *model_file(const model *m)

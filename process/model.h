@@ -55,6 +55,18 @@ struct model_chunk {
 };
 _Static_assert(sizeof(struct model_chunk) == 64, "the file's own layout");
 
+/* Chunks that stand together in short (model-coarse.h): one point in so many of so many chunks. */
+#define MODEL_GROUP_CHUNKS 64u
+/* In short how light all points are: numbers of points. */
+#define MODEL_TONES_STEP   7u
+#define MODEL_TONES_SAMPLE 64u
+struct model_tones {
+	uint32_t lightness[256];   /* of one in MODEL_TONES_STEP, where these have a colour */
+	uint32_t intensity[65536]; /* and where they have none */
+	uint32_t sample[65536]; /* of the first MODEL_TONES_SAMPLE of each chunk that have none */
+};
+_Static_assert(sizeof(struct model_tones) == 4 * (256 + 2 * 65536), "the file's own layout");
+
 /* Const after it was opened; any number of threads may read. */
 typedef struct model model;
 char *model_path(const char *site_path); /* SITE/model/points.model; caller frees */
@@ -67,10 +79,26 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(model, model_free)
 uint64_t model_count(const model *m);
 const struct model_chunk *model_chunks(const model *m, uint64_t *ret_count);
 const struct model_point *model_points(const model *m); /* all, by chunk.first */
+/* What it says in short of its points; all NULL and 0 in files of before it did. Groups have their points in ret->point, by first, and
+ * their chunks: reserved[0] is the first one's number, reserved[1] how many there are. */
+struct model_short {
+	const struct model_chunk *group;
+	uint64_t groups;
+	const struct model_point *point;
+	uint64_t points;
+	const struct model_tones *tones;
+};
+struct model_short model_in_short(const model *m);
 const product *model_file(const model *m); /* manifest: what it was made from; product_forget */
 /* One chunk: whoever pages chunks in can check each. */
 bool model_verify_chunk(const model *m, uint64_t chunk, GError **error);
 bool model_verify(const model *m, GError **error); /* all checksums, chunk by chunk */
+
+/* Of a point's colour, 0 to 255, as the eye weighs it. */
+static inline uint8_t model_lightness(const uint8_t rgba[4])
+{
+	return (uint8_t)((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8);
+}
 
 /* Within 0.01 degrees. A normal that is not finite or of no length becomes none; none unpacks to 0 0 0. */
 void model_pack_normal(const float normal[3], int16_t ret[2]);

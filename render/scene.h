@@ -62,7 +62,7 @@ uint64_t scene_serial(void);
 /* Of a point's colour, as the eye weighs it; without one 128. */
 static inline uint8_t scene_lightness(const uint8_t rgba[4])
 {
-	return rgba[3] ? (uint8_t)((77 * rgba[0] + 150 * rgba[1] + 29 * rgba[2] + 128) >> 8) : 128;
+	return rgba[3] ? model_lightness(rgba) : 128;
 }
 
 static inline void scene_position(
