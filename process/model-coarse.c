@@ -73,7 +73,7 @@ static void count_tones(model_coarse *m, const struct model_point *point, uint32
 
 static uint32_t coarse_of(const struct model_chunk *c)
 {
-	return (c->points + MODEL_GROUP_CHUNKS - 1) / MODEL_GROUP_CHUNKS;
+	return model_gives(c->points, MODEL_COARSE_ONE_IN);
 }
 
 bool model_coarse_add(model_coarse *m, const struct model_chunk *c, const struct model_point *point,
@@ -126,25 +126,38 @@ static uint32_t place_of(uint32_t turn)
 	return place;
 }
 
+uint32_t model_turns(const uint32_t *gives, uint32_t members, struct model_turn *ret)
+{
+	uint32_t most = 0, count = 0;
+	for (uint32_t n = 0; n < members; n++)
+		most = MAX(most, gives[n]);
+	for (uint32_t round = 0; round < most; round++)
+		for (uint32_t turn = 0; turn < MODEL_GROUP_CHUNKS; turn++) {
+			uint32_t n = place_of(turn);
+			if (n >= members)
+				continue;
+			for (uint32_t i = round * gives[n] / most;
+				i < (round + 1) * gives[n] / most; i++)
+				ret[count++] = (struct model_turn){ (uint16_t)n, (uint16_t)i };
+		}
+	return count;
+}
+
 /* from: the points of each chunk, one chunk behind the other. */
 static void take_turns(const struct model_chunk *chunk, const struct model_chunk *g,
 	const struct model_point *from, struct model_point *to)
 {
-	uint32_t begin[MODEL_GROUP_CHUNKS], most = 0, at = 0, count = g->reserved[1];
-	for (uint32_t n = 0; n < count; n++) {
+	uint32_t gives[MODEL_GROUP_CHUNKS], begin[MODEL_GROUP_CHUNKS], at = 0;
+	struct model_turn turn[MODEL_CHUNK_POINTS];
+	for (uint32_t n = 0; n < g->reserved[1]; n++) {
 		begin[n] = at;
-		at += coarse_of(&chunk[n]);
-		most = MAX(most, coarse_of(&chunk[n]));
+		at += gives[n] = coarse_of(&chunk[n]);
 	}
-	for (uint32_t round = 0; round < most; round++)
-		for (uint32_t turn = 0; turn < MODEL_GROUP_CHUNKS; turn++) {
-			uint32_t n = place_of(turn);
-			if (n >= count)
-				continue;
-			uint32_t own = coarse_of(&chunk[n]);
-			for (uint32_t i = round * own / most; i < (round + 1) * own / most; i++)
-				*to++ = moved(from[begin[n] + i], &chunk[n], g);
-		}
+	uint32_t count = model_turns(gives, g->reserved[1], turn);
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t n = turn[i].member;
+		to[i] = moved(from[begin[n] + turn[i].place], &chunk[n], g);
+	}
 }
 
 static bool write_group(model_coarse *m, product_writer *file, const struct model_chunk *chunk,

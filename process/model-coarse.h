@@ -7,6 +7,20 @@
  * One thread. Until it is written, the points wait in a file without a name beside the model's. */
 #include "process/model.h"
 
+#define MODEL_COARSE_ONE_IN 64u
+
+/* In which turns points are taken from up to MODEL_GROUP_CHUNKS members that give so many each, at most MODEL_CHUNK_POINTS in all: of
+ * each that comes the member, and its place among those. Returns how many. */
+struct model_turn {
+	uint16_t member, place;
+};
+uint32_t model_turns(const uint32_t *gives, uint32_t members, struct model_turn *ret);
+/* What a chunk of so many points gives to a part of one in so many. */
+static inline uint32_t model_gives(uint32_t all, uint32_t one_in)
+{
+	return (all + one_in - 1) / one_in;
+}
+
 typedef struct model_coarse model_coarse;
 /* path: the model's. */
 model_coarse *model_coarse_new(const char *path, GError **error);

@@ -3,8 +3,10 @@
 #include "firmware-io/crc32c.h"
 #include "firmware-io/files.h"
 #include "process/product-format.h"
+#include <errno.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Pages that were summed up are given back, so that checking a great file does not fill the memory. */
@@ -17,6 +19,8 @@ struct product {
 	char *path;
 	const uint8_t *bytes;
 	size_t length;
+	dev_t device; /* which file it is */
+	ino_t inode;
 	const struct product_header *header;
 	const struct product_entry *table;
 	JsonNode *manifest;
@@ -147,7 +151,13 @@ static bool map(product *p, GError **error)
 	if (fd < 0)
 		return false;
 	void *bytes = p->length ? mmap(NULL, p->length, PROT_READ, MAP_SHARED, fd, 0) : NULL;
-	bool ok = bytes != MAP_FAILED || files_fail(error, p->path, "map");
+	struct stat about;
+	bool ok = (bytes != MAP_FAILED && fstat(fd, &about) == 0) ||
+		  files_fail(error, p->path, "map");
+	if (ok) {
+		p->device = about.st_dev;
+		p->inode = about.st_ino;
+	}
 	close(fd);
 	p->bytes = ok ? bytes : NULL;
 	return ok;
@@ -228,6 +238,40 @@ bool product_verify(const product *p, GError **error)
 	for (uint32_t i = 0; i < p->header->sections; i++)
 		if (!verify_section(p, &p->table[i], error))
 			return false;
+	return true;
+}
+
+int product_reopen(const product *p, GError **error)
+{
+	size_t length;
+	struct stat about;
+	int fd = files_open_plain(p->path, &length, error);
+	if (fd < 0)
+		return -1;
+	if (fstat(fd, &about) == 0 && about.st_dev == p->device && about.st_ino == p->inode)
+		return fd;
+	g_set_error(error, PRODUCT_ERROR, PRODUCT_ERROR_DAMAGED,
+		"%s: was made anew while it was opened", p->path);
+	close(fd);
+	return -1;
+}
+
+bool product_read(
+	const product *p, int fd, const void *from, size_t bytes, void *to, GError **error)
+{
+	off_t at = (const uint8_t *)from - p->bytes;
+	while (bytes) {
+		ssize_t n = pread(fd, to, bytes, at);
+		if (n < 0 && errno != EINTR)
+			return files_fail(error, p->path, "read");
+		if (n == 0)
+			return damaged(p, error, "is shorter than it was when it was opened");
+		if (n < 0)
+			continue;
+		to = (uint8_t *)to + n;
+		at += n;
+		bytes -= (size_t)n;
+	}
 	return true;
 }
 

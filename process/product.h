@@ -42,6 +42,13 @@ bool product_verify(const product *p, GError **error);
  * larger than memory calls it behind itself. */
 void product_forget(const product *p, const void *from, size_t bytes);
 
+/* The file that is mapped once more, to be read without the mapping: what the disk fails to give is an error then, and ends nobody. An error
+ * when there is another file by its name now. Close it. */
+int product_reopen(const product *p, GError **error);
+/* Reads a part of a section so. Any thread. */
+bool product_read(
+	const product *p, int fd, const void *from, size_t bytes, void *to, GError **error);
+
 typedef struct product_writer product_writer;
 product_writer *product_writer_new(const char *path, GError **error);
 /* Sections are written one after another; append may be called any number of times. */
