@@ -59,6 +59,8 @@ static float disc_margin_px(const frame *f, const struct chunk_view *v)
 
 bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_view *ret)
 {
+	if (c->is_aside)
+		return false;
 	double from_eye[3], at[3], half[3][3];
 	for (int k = 0; k < 3; k++)
 		from_eye[k] = c->centre_m[k] - f->eye_m[k];

@@ -158,7 +158,7 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct lane_candidat
 	const struct way_lanes *w, int k, float alpha, float larger)
 {
 	const struct ink_step *ink = &b->layer->ink;
-	uint32_t point = (uint32_t)c->point[k];
+	uint32_t point = (uint32_t)c->id[k];
 	const float *turn = b->layer->turn[(int)(stroke_chance(point, SALT_ANGLE) * 256)];
 	float x = w->along[0][k], y = w->along[1][k];
 	struct stroke s = { .x_px = c->x_px[k],
@@ -204,7 +204,7 @@ INLINE void try_points(
 	vf need = c->need * STROKE_FADE_MORE(c->octaves);
 	vf alpha = shown * h.weight * ink->opacity * fade_of(c->rank, need, c->octaves) *
 		   (1 - b->f->focus.amount * c->away) *
-		   (1 - ink->opacity_variation * lanes_chance(c->point, SALT_OPACITY));
+		   (1 - ink->opacity_variation * lanes_chance(c->id, SALT_OPACITY));
 	for (int k = 0; k < LANES && ink->fade_m > 0; k++)
 		alpha[k] *= exp2f((b->lens.begin_m - c->depth_m[k]) / ink->fade_m);
 	struct way_lanes w = way_on_screen(b, c, h.way);

@@ -157,7 +157,8 @@ static void describe(const frame *f, const stipple_plan *p, const struct gles_sl
 	const struct scene_chunk *c = &f->scene->chunk[chunk];
 	struct chunk_view v;
 	stipple_plane_view(&p->light, f->scene, c, &v);
-	*ret = (struct gles_view){ .at = { c->first - slab->first, c->first, c->count },
+	*ret = (struct gles_view){ .at = { c->first - slab->first, scene_id(f->scene, c->first),
+					   c->count },
 		.pipeline = { 0, chunk } };
 	memcpy(ret->base, v.base, sizeof v.base);
 	for (int k = 0; k < 3; k++)
@@ -174,8 +175,9 @@ static GArray *view_from_light(
 	for (uint32_t k = 0; k < d->scene.slabs; k++) {
 		const struct gles_slab *slab = &d->scene.slab[k];
 		struct gles_run run = { .slab = k, .first = count };
-		for (uint32_t n = slab->first_chunk; n < slab->first_chunk + slab->chunks; n++)
-			if (s->plan->is_lit[n])
+		for (uint32_t n = 0; n < f->scene->chunks; n++)
+			if (s->plan->is_lit[n] &&
+				gles_scene_slab(&d->scene, &f->scene->chunk[n]) == k)
 				describe(f, s->plan, slab, n, &view[count++]);
 		run.count = count - run.first;
 		g_array_append_val(runs, run);
@@ -205,7 +207,7 @@ static bool is_lit(const struct gles_stippled *s, const frame *f)
 static bool renew(
 	gles_draw *d, struct gles_stippled *s, const frame *f, uint32_t layer, GError **error)
 {
-	if (s->plan && s->plan->serial == f->serial)
+	if (stipple_plan_is_of(s->plan, f, layer))
 		return true;
 	forget(d->c, s);
 	s->plan = stipple_plan_new(f, layer);

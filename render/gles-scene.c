@@ -1,10 +1,13 @@
 #include "render/gles-scene.h"
 #include "render/scene-bend.h"
+#include "render/scene-pager.h"
 #include <string.h>
 
 enum { POINT_BYTES = 16, LOOK_BYTES = 8, LIST_BYTES = 4, BEND_BYTES = 2 };
 /* Points that are copied at once. */
 #define PIECE (1u << 18)
+/* Points that are not worth more threads. */
+#define FEW (1u << 14)
 
 /* ---- slabs ---- */
 
@@ -26,21 +29,33 @@ static void split(gles_scene *g, const scene *s, uint32_t most)
 	for (uint32_t n = 0; n < s->chunks; n++) {
 		const struct scene_chunk *chunk = &s->chunk[n];
 		if (!last || !fits(last, chunk, most)) {
-			struct gles_slab next = { .first_chunk = n, .first = chunk->first };
+			struct gles_slab next = { .first = chunk->first };
 			g_array_append_val(slabs, next);
 			last = &g_array_index(slabs, struct gles_slab, slabs->len - 1);
 		}
-		last->chunks++;
 		last->count = chunk->first + chunk->count - last->first;
 	}
 	g->slabs = slabs->len;
 	g->slab = (struct gles_slab *)(void *)g_array_free(slabs, FALSE);
 }
 
-uint32_t gles_scene_slab(const gles_scene *g, uint32_t chunk)
+/* A power of two of points each, which no chunk stands across (scene-pager.h). */
+static void split_memory(gles_scene *g, const scene *s, uint32_t most)
+{
+	uint32_t all = scene_pager_points(s->pager), each = SCENE_PAGER_WITHIN;
+	while (2 * each <= most && each < all)
+		each *= 2;
+	g->slabs = (all + each - 1) / each;
+	g->slab = g_new0(struct gles_slab, g->slabs);
+	for (uint32_t n = 0; n < g->slabs; n++)
+		g->slab[n] = (struct gles_slab){ .first = n * each, .count = each };
+	g->held = g_new0(uint32_t, all / SCENE_PAGER_ALIGNED + 1);
+}
+
+uint32_t gles_scene_slab(const gles_scene *g, const struct scene_chunk *c)
 {
 	uint32_t n = g->slabs - 1;
-	while (n > 0 && g->slab[n].first_chunk > chunk)
+	while (n > 0 && g->slab[n].first > c->first)
 		n--;
 	return n;
 }
@@ -55,7 +70,7 @@ static uint32_t pair(uint32_t low, uint32_t high)
 static void take_points(const scene *s, uint32_t from, uint32_t count, void *to)
 {
 	uint32_t(*out)[4] = to;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (count > FEW)
 	for (uint32_t n = 0; n < count; n++) {
 		uint32_t at = from + n;
 		out[n][0] = pair(s->q[0][at], s->q[1][at]);
@@ -68,7 +83,7 @@ static void take_points(const scene *s, uint32_t from, uint32_t count, void *to)
 static void take_looks(const scene *s, uint32_t from, uint32_t count, void *to)
 {
 	uint32_t(*out)[2] = to;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (count > FEW)
 	for (uint32_t n = 0; n < count; n++) {
 		memcpy(&out[n][0], s->rgba[from + n], 4);
 		memcpy(&out[n][1], s->direction[from + n], 4);
@@ -78,7 +93,7 @@ static void take_looks(const scene *s, uint32_t from, uint32_t count, void *to)
 static void take_lists(const scene *s, uint32_t from, uint32_t count, void *to)
 {
 	uint32_t *out = to;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (count > FEW)
 	for (uint32_t n = 0; n < count; n++)
 		out[n] = pair(s->list[from + n], s->list_spacing[from + n]);
 }
@@ -88,22 +103,86 @@ static void take_bends(const scene *s, uint32_t from, uint32_t count, void *to)
 	memcpy(to, scene_bend(s)[from], (size_t)count * BEND_BYTES);
 }
 
-static GLuint upload(const struct gles_functions *gl, const scene *s, const struct gles_slab *slab,
-	uint32_t bytes, void (*take)(const scene *, uint32_t, uint32_t, void *), void *piece)
+typedef void take_part(const scene *s, uint32_t from, uint32_t count, void *to);
+
+static GLuint make_buffer(const struct gles_functions *gl, uint32_t count, uint32_t bytes)
 {
 	GLuint name;
 	gl->GenBuffers(1, &name);
 	gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, name);
 	/* Whole words. */
-	gl->BufferData(GL_SHADER_STORAGE_BUFFER, ((GLsizeiptr)slab->count * bytes + 3) / 4 * 4,
-		NULL, GL_STATIC_DRAW);
-	for (uint32_t at = 0; at < slab->count; at += PIECE) {
-		uint32_t count = MIN(PIECE, slab->count - at);
-		take(s, slab->first + at, count, piece);
-		gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)at * bytes,
-			(GLsizeiptr)count * bytes, piece);
-	}
+	gl->BufferData(GL_SHADER_STORAGE_BUFFER, ((GLsizeiptr)count * bytes + 3) / 4 * 4, NULL,
+		GL_STATIC_DRAW);
 	return name;
+}
+
+/* Points of the scene, into the buffer of the slab that they are in. */
+static void put(const struct gles_functions *gl, const scene *s, const struct gles_slab *slab,
+	GLuint name, uint32_t from, uint32_t points, uint32_t bytes, take_part *take, void *piece)
+{
+	gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, name);
+	for (uint32_t at = 0; at < points; at += PIECE) {
+		uint32_t count = MIN(PIECE, points - at);
+		take(s, from + at, count, piece);
+		gl->BufferSubData(GL_SHADER_STORAGE_BUFFER,
+			(GLintptr)(from - slab->first + at) * bytes, (GLsizeiptr)count * bytes,
+			piece);
+	}
+}
+
+static GLuint upload(const struct gles_functions *gl, const scene *s, const struct gles_slab *slab,
+	uint32_t bytes, take_part *take, void *piece)
+{
+	GLuint name = make_buffer(gl, slab->count, bytes);
+	put(gl, s, slab, name, slab->first, slab->count, bytes, take, piece);
+	return name;
+}
+
+/* ---- with a pager ---- */
+
+static void put_chunk(const struct gles_functions *gl, const scene *s, struct gles_slab *slab,
+	const struct scene_chunk *c, void *piece)
+{
+	const struct {
+		GLuint *name;
+		uint32_t bytes;
+		take_part *take;
+	} part[] = { { &slab->points, POINT_BYTES, take_points },
+		{ &slab->looks, LOOK_BYTES, take_looks }, { &slab->lists, LIST_BYTES, take_lists },
+		{ &slab->bends, BEND_BYTES, take_bends } };
+	for (size_t n = 0; n < G_N_ELEMENTS(part); n++) {
+		if (!*part[n].name)
+			*part[n].name = make_buffer(gl, slab->count, part[n].bytes);
+		put(gl, s, slab, *part[n].name, c->first, c->count, part[n].bytes, part[n].take,
+			piece);
+	}
+}
+
+static bool follow(const gles_context *c, gles_scene *g, const scene *s, GError **error)
+{
+	g_autofree void *piece = g_malloc((size_t)PIECE * POINT_BYTES);
+	for (uint32_t n = 0; n < s->chunks; n++) {
+		const struct scene_chunk *chunk = &s->chunk[n];
+		uint32_t *held = &g->held[chunk->first / SCENE_PAGER_ALIGNED];
+		if (*held == chunk->stamp)
+			continue;
+		put_chunk(&c->gl, s, &g->slab[gles_scene_slab(g, chunk)], chunk, piece);
+		*held = chunk->stamp;
+	}
+	g->turn = s->turn;
+	return gles_context_check(c, "copying the points to the GPU", error);
+}
+
+static bool hold_paged(const gles_context *c, gles_scene *g, const scene *s, GError **error)
+{
+	if (g->serial != s->serial) {
+		gles_scene_clear(c, g);
+		split_memory(g, s, points_most(c));
+	} else if (g->turn == s->turn)
+		return true;
+	bool good = follow(c, g, s, error);
+	g->serial = good ? s->serial : 0;
+	return good;
 }
 
 /* ---- all ---- */
@@ -116,11 +195,14 @@ void gles_scene_clear(const gles_context *c, gles_scene *g)
 		c->gl.DeleteBuffers(G_N_ELEMENTS(names), names);
 	}
 	g_free(g->slab);
+	g_free(g->held);
 	memset(g, 0, sizeof *g);
 }
 
 bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GError **error)
 {
+	if (s->pager)
+		return hold_paged(c, g, s, error);
 	if (g->serial == s->serial)
 		return true;
 	gles_scene_clear(c, g);
@@ -140,7 +222,7 @@ bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GErro
 
 bool gles_scene_hold_bends(const gles_context *c, gles_scene *g, const scene *s, GError **error)
 {
-	if (!g->slabs || g->slab[0].bends)
+	if (s->pager || !g->slabs || g->slab[0].bends)
 		return true;
 	g_autofree void *piece = g_malloc((size_t)PIECE * BEND_BYTES);
 	for (uint32_t n = 0; n < g->slabs; n++)

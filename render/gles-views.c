@@ -18,12 +18,11 @@ static int by_key(const void *a, const void *b)
 				: (x->view > y->view) - (x->view < y->view);
 }
 
-static struct place *sort(
-	const frame *f, const gles_scene *g, const struct chunk_view *views, uint32_t count)
+static struct place *sort(const gles_scene *g, const struct chunk_view *views, uint32_t count)
 {
 	struct place *p = g_new(struct place, count + 1);
 	for (uint32_t n = 0; n < count; n++) {
-		uint32_t slab = gles_scene_slab(g, (uint32_t)(views[n].chunk - f->scene->chunk));
+		uint32_t slab = gles_scene_slab(g, views[n].chunk);
 		p[n] = (struct place){ views[n].pipeline * g->slabs + slab, n };
 	}
 	qsort(p, count, sizeof *p, by_key);
@@ -39,8 +38,10 @@ static void describe(const frame *f, const struct lens *l, const struct gles_sla
 	*ret = (struct gles_view){ .mask = { mask->disc, mask->offset_m, mask->offset_relative,
 					   mask->backs == BACKS_HIDDEN },
 		.splat = { 0, 0, c->spacing_most_m, c->disc_most_m },
-		.at = { c->first - slab->first, c->first, c->count, disc_prefix(l, v) },
+		.at = { c->first - slab->first, scene_id(f->scene, c->first), c->count,
+			disc_prefix(l, v) },
 		.pipeline = { v->pipeline, (uint32_t)(c - f->scene->chunk), c->leaf } };
+	memcpy(&ret->pipeline[3], &c->part, sizeof c->part);
 	memcpy(ret->base, v->base, sizeof v->base);
 	ret->base[3] = v->near_m;
 	for (int k = 0; k < 3; k++)
@@ -72,7 +73,7 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 {
 	v->view = views;
 	v->count = count;
-	g_autofree struct place *place = sort(f, g, views, v->count);
+	g_autofree struct place *place = sort(g, views, v->count);
 	g_autofree struct gles_view *block = g_new(struct gles_view, v->count + 1);
 	if (!v->runs)
 		v->runs = g_array_new(FALSE, FALSE, sizeof(struct gles_run));

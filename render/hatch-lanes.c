@@ -18,7 +18,8 @@ INLINE void own_colour(
 	}
 }
 
-INLINE void hatch_colour(const struct brush *b, uint32_t point, uint32_t shade, uint8_t ret[3])
+INLINE void hatch_colour(
+	const struct brush *b, uint32_t point, uint32_t id, uint32_t shade, uint8_t ret[3])
 {
 	const struct frame_hatch *h = b->layer->hatch;
 	const struct hatching_step *step = &h->step;
@@ -36,7 +37,7 @@ INLINE void hatch_colour(const struct brush *b, uint32_t point, uint32_t shade, 
 	} else
 		for (int k = 0; k < 3; k++)
 			rgb[k] = (float)h->rgba[shade][k] * (1 / 255.f);
-	pencil_box_draw(&h->pencils, hue_shift_deg, stroke_chance(point, SALT_PENCIL), rgb);
+	pencil_box_draw(&h->pencils, hue_shift_deg, stroke_chance(id, SALT_PENCIL), rgb);
 	for (int k = 0; k < 3; k++)
 		ret[k] = (uint8_t)(255 * rgb[k] + 0.5f);
 }
@@ -56,7 +57,7 @@ INLINE void turn_ways(const struct brush *b, const struct lane_candidates *c,
 {
 	const float own = b->layer->hatch->step.line_angle_deg * (float)(G_PI / 180);
 	vi n = __builtin_convertvector(
-		lanes_chance(c->point, stroke_salt(2 * c->copy, SALT_ANGLE)) * 256, vi);
+		lanes_chance(c->id, stroke_salt(2 * c->copy, SALT_ANGLE)) * 256, vi);
 	vf cosine = (vf)gather(b->layer->turn, 2 * n, 4),
 	   sine = (vf)gather(&b->layer->turn[0][1], 2 * n, 4);
 	vf across = cosine * cosf(own) - sine * sinf(own),
@@ -87,7 +88,7 @@ INLINE struct pen_lanes pen_of(const struct brush *b, const struct lane_candidat
 		.copy = 2 * c->copy + (uint32_t)which };
 	vf length_px = growth * ink->length_px;
 	vf varied = 1 + ink->length_variation *
-				lanes_around_zero(c->point, stroke_salt(p.copy, SALT_LENGTH));
+				lanes_around_zero(c->id, stroke_salt(p.copy, SALT_LENGTH));
 	p.half_px = 0.5f * length_px * varied *
 		    straight_part(b, h->bent[which], length_px, c->depth_m) *
 		    least(most(p.way.part, all(SHORTEST_SEEN)), all(1));
@@ -105,7 +106,7 @@ INLINE struct stroke stroke_of_pen(
 		.half_width_px = half_width_px,
 		.alpha = p->alpha[k],
 		.q = 1 / c->depth_m[k],
-		.point = (uint32_t)c->point[k],
+		.point = (uint32_t)c->id[k],
 		.copy = (uint8_t)p->copy };
 	for (int n = 0; n < 2; n++)
 		s.slope[n] = p->slope[n][k];
@@ -118,7 +119,7 @@ INLINE vf second_of(
 {
 	const float w = HATCH_CROSS_FADE, bend = 2 * w * (1 - w), end = w / (2 * (1 - w));
 	vf part = h->chance * b->layer->hatch->step.cross, left = 1 - part,
-	   chance = lanes_chance(c->point, SALT_CROSS);
+	   chance = lanes_chance(c->id, SALT_CROSS);
 	vf limit = choose(part < end, root(bend * part),
 		choose(left < end, 1 - root(bend * left), part * (1 - w) + w / 2));
 	return clamp01((limit - chance * (1 - w)) * (1 / w));
@@ -132,7 +133,7 @@ INLINE void write_strokes(const struct brush *b, const struct lane_candidates *c
 		int k = __builtin_ctz(left);
 		struct stroke *s = &block->stroke[block->count++];
 		*s = stroke_of_pen(c, p, k, growth[k] * b->layer->ink.width_px / 2);
-		hatch_colour(b, s->point, (uint32_t)h->shade[k], s->rgb);
+		hatch_colour(b, (uint32_t)c->point[k], s->point, (uint32_t)h->shade[k], s->rgb);
 	}
 }
 

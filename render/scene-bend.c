@@ -27,12 +27,25 @@ const float *scene_bend_table(void)
 	return table;
 }
 
+const uint8_t *scene_bend_halves(void)
+{
+	static uint8_t table[UINT16_MAX + 1];
+	static gsize made;
+	if (g_once_init_enter(&made)) {
+		for (uint32_t n = 0; n <= UINT16_MAX; n++)
+			table[n] = scene_bend_pack(model_unpack_half((uint16_t)n));
+		g_once_init_leave(&made, 1);
+	}
+	return table;
+}
+
 static void read_chunk(const model *m, const struct model_chunk *chunk, uint8_t (*k)[2])
 {
 	const struct model_point *p = model_points(m) + chunk->first;
+	const uint8_t *of_half = scene_bend_halves();
 	for (uint32_t i = 0; i < chunk->points; i++) {
-		k[chunk->first + i][0] = scene_bend_pack(model_unpack_half(p[i].k1));
-		k[chunk->first + i][1] = scene_bend_pack(model_unpack_half(p[i].k2));
+		k[chunk->first + i][0] = of_half[p[i].k1];
+		k[chunk->first + i][1] = of_half[p[i].k2];
 	}
 	product_forget(model_file(m), p, chunk->points * sizeof *p);
 }
@@ -52,6 +65,8 @@ const uint8_t (*scene_bend(const scene *s))[2]
 	struct scene_bend_plane *b = s->bend;
 	if (!b)
 		return NULL;
+	if (!b->model) /* a pager fills it */
+		return b->k;
 	if (g_once_init_enter(&b->made)) {
 		read_all(s, b);
 		g_once_init_leave(&b->made, 1);

@@ -15,12 +15,14 @@ uint8_t scene_bend_pack(float per_m);
 /* 1/m, of all bytes. */
 const float *scene_bend_table(void);
 
-/* For scene.c. */
+/* For scene.c and scene-pager.c. */
 struct scene_bend_plane {
-	const model *model;
+	const model *model; /* NULL: k is there, and filled by others */
 	gsize made;
 	uint8_t (*k)[2];
 };
+/* scene_bend_pack() of all half floats. */
+const uint8_t *scene_bend_halves(void);
 void scene_bend_free(struct scene_bend_plane *b); /* NULL is fine */
 
 #endif

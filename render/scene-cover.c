@@ -118,8 +118,11 @@ static void draw_side(scene_cover *w, const scene *s, const struct scene_chunk *
 		cover_disc(w, at, s->disc[at->point] * (SCENE_UNIT_M * DISC / 2) * scale);
 	}
 	for (int y = 0; y < SIDE; y++)
-		for (int x = 0; x < SIDE; x++)
-			w->shown[y / BLOCK][x / BLOCK] += w->covered[y][x];
+		for (int x = 0; x < SIDE; x += 8) {
+			uint64_t eight;
+			memcpy(&eight, &w->covered[y][x], sizeof eight); /* each 0 or 1 */
+			w->shown[y / BLOCK][x / BLOCK] += (float)__builtin_popcountll(eight);
+		}
 }
 
 /* Of the blocks around. */

@@ -1,4 +1,5 @@
 #include "render/scene-pick.h"
+#include "render/scene-pager.h"
 #include <math.h>
 
 /* Points so much behind the front one belong to the same surface: a part of its depth, and of their own spacing. */
@@ -88,7 +89,7 @@ static const struct candidate *choose(const scene *s, const GArray *found)
 	return best;
 }
 
-bool scene_pick(const scene *s, const struct camera *c, const uint8_t *leaves, const double px[2],
+static bool pick(const scene *s, const struct camera *c, const uint8_t *leaves, const double px[2],
 	double radius_px, struct scene_picked *ret)
 {
 	double from_m[3], ray[3];
@@ -106,4 +107,13 @@ bool scene_pick(const scene *s, const struct camera *c, const uint8_t *leaves, c
 	ret->depth_m = k->depth_m;
 	ret->leaf = s->chunk[k->chunk].leaf;
 	return true;
+}
+
+bool scene_pick(const scene *s, const struct camera *c, const uint8_t *leaves, const double px[2],
+	double radius_px, struct scene_picked *ret)
+{
+	scene_pager_hold(s);
+	bool found = pick(s, c, leaves, px, radius_px, ret);
+	scene_pager_release(s);
+	return found;
 }

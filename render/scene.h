@@ -5,11 +5,19 @@
  * order of their ranks, so that any first part of a list is a uniform subset: the continuous resolution queue (Xu & Chen 2004,
  * sections 6.3 and 7.4), for the mask and for each layer alike.
  *
- * Const after it was made: any number of threads may read. */
+ * Where that is more than memory may be taken, some of it is there at a time (scene-pager.h), and all else as some points of many
+ * chunks together: the chunks are then those that the last turn has chosen, in view as fine as they are there and wanted, and
+ * beside it coarse. They are in the order of the model's.
+ *
+ * Const after it was made: any number of threads may read. Of a scene with a pager whoever draws makes the turns, between its own frames,
+ * and others that read hold scene_pager_hold meanwhile. */
 #include "process/features.h"
 #include "process/model.h"
 
 #define SCENE_UNIT_M 1e-4f /* of lengths in it */
+/* Of a scene without a pager: indices of points are so many at most. */
+#define SCENE_POINTS_MOST (INT32_MAX - 4096u)
+#define SCENE_POINT_BYTES 28u
 
 struct scene_chunk {
 	float centre_m[3]; /* from the scene's origin */
@@ -18,6 +26,9 @@ struct scene_chunk {
 	float spacing_least_m, spacing_most_m, disc_most_m;
 	uint32_t first, count;
 	uint32_t leaf;
+	float part; /* 1; less where these points stand for others too, which are not among them: so many of all */
+	uint32_t stamp; /* of a pager: whenever other points stand where these do, another one */
+	bool is_aside;  /* the last turn has it out of view: it is not drawn */
 	float list_spacing_most_m[FEATURE_KINDS];
 	uint32_t kind_end
 		[FEATURE_KINDS]; /* of its part of list: where the points of each kind end, counted from first */
@@ -30,6 +41,8 @@ struct scene {
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
 	struct scene_bend_plane *bend; /* scene-bend.h */
+	struct scene_pager *pager;     /* NULL: all points are there */
+	uint32_t turn;                 /* of the pager: rises when the chunks become others */
 	void *memory;                  /* of all that follows */
 	/* Of each point. */
 	uint16_t *q[3];
@@ -44,6 +57,7 @@ struct scene {
 	uint8_t *kind, *degree;
 	/* Indices in the chunk, kind by kind, each in the order of ranks; and as many spacings among points of the same kind. */
 	uint16_t *list, *list_spacing;
+	uint32_t *id; /* with a pager: which point of the model it is; NULL: that of its index */
 	/* Of coloured points, 0..1: a twentieth is darker, a twentieth is lighter; 0 and 1 without any. */
 	float darkest, lightest;
 	float dither_per_m2, tone_exponent; /* that the dithering points were chosen with */
@@ -51,6 +65,8 @@ struct scene {
 /* Reads all of the model once, and gives its memory back behind itself; the model must stay as long as the scene, for what is read of it
  * later (scene-bend.h). G_IO_ERROR_NO_SPACE when it is too large: 2^31 points. */
 scene *scene_new(const model *m, GError **error);
+/* The same where that takes no more memory than so; else with a pager, which takes no more than that or the least that it can do with (SCENE_PAGER_LEAST). 0: half of the machine's memory. A model that is not told in short (process/model.h) is read whole. */
+scene *scene_new_within(const model *m, uint64_t memory_bytes, GError **error);
 /* Room for so many points and chunks, to be filled by whoever made it; chunks and lists are 0, all else is not yet written. */
 scene *scene_alloc(uint32_t count, uint32_t chunks);
 void scene_free(scene *s); /* NULL is fine */
@@ -64,6 +80,18 @@ static inline uint8_t scene_lightness(const uint8_t rgba[4])
 {
 	return rgba[3] ? model_lightness(rgba) : 128;
 }
+
+/* What chance knows a point by: the same whenever it is there. */
+static inline uint32_t scene_id(const scene *s, uint32_t point)
+{
+	return s->id ? s->id[point] : point;
+}
+
+/* The chunk of the model that has the point with this id: ids from first on, below end. All 0: none has. */
+struct scene_owner {
+	uint32_t first, end, leaf;
+};
+struct scene_owner scene_owner_of(const scene *s, uint32_t id);
 
 static inline void scene_position(
 	const scene *s, const struct scene_chunk *c, uint32_t i, double ret_m[3])

@@ -43,7 +43,10 @@ void LANES_NAME(stipple_project)(const struct stipple_plane *p, const scene *s,
 			at[k] = v->base[k] + q[0] * v->axis[0][k] + q[1] * v->axis[1][k] +
 				q[2] * v->axis[2][k];
 		store_mask(ret_place + i, place_of(p, at));
-		store_mask(ret_key + i, key_of(p, at[2], (int32_t)first + order));
+		vi id = (int32_t)first + order;
+		if (s->id)
+			id = load_mask((const int32_t *)(const void *)(s->id + first));
+		store_mask(ret_key + i, key_of(p, at[2], id));
 	}
 }
 

@@ -232,6 +232,7 @@ stipple_plan *stipple_plan_new(const frame *f, uint32_t layer)
 	uint32_t coarser = (uint32_t)lroundf(log2f(f->ink_px / f->px)),
 		 level = (uint32_t)lroundf(f->layer[layer].stipple->level);
 	p->serial = f->serial;
+	p->turn = f->scene->turn;
 	p->layer = layer;
 	p->levels = STIPPLE_LEVELS_MOST - MIN(coarser, STIPPLE_LEVELS_MOST - 1);
 	p->level = level - MIN(coarser, level);

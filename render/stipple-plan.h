@@ -10,6 +10,7 @@
 typedef struct stipple_plan stipple_plan;
 struct stipple_plan {
 	uint64_t serial; /* the frame's */
+	uint32_t turn;   /* the scene's */
 	uint32_t layer;
 	/* [chunks + 1]: the slot of each chunk's first point that takes part, a multiple of LANES; and how many do, its first ones. */
 	uint32_t *slot, *part;
@@ -24,6 +25,11 @@ struct stipple_plan {
 };
 /* Of all but the camera. */
 stipple_plan *stipple_plan_new(const frame *f, uint32_t layer);
+/* NULL: of none. */
+static inline bool stipple_plan_is_of(const stipple_plan *p, const frame *f, uint32_t layer)
+{
+	return p && p->serial == f->serial && p->turn == f->scene->turn && p->layer == layer;
+}
 void stipple_plan_free(stipple_plan *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(stipple_plan, stipple_plan_free)
 

@@ -105,7 +105,7 @@ static void look_from_light(stipple *s, const frame *f)
 
 static void renew(stipple *s, const frame *f, uint32_t layer)
 {
-	if (s->plan && s->plan->serial == f->serial && s->plan->layer == layer)
+	if (stipple_plan_is_of(s->plan, f, layer))
 		return;
 	forget(s);
 	s->plan = stipple_plan_new(f, layer);
@@ -249,7 +249,7 @@ static struct stroke stroke_of(const stipple *s, const frame *f, const struct fr
 		.alpha = l->ink.opacity * (left_out ? 1 - f->light.amount : 1) *
 			 (1 - f->focus.amount * frame_away(&f->focus, d->at_m, l->is_focus)),
 		.q = 1 / d->at_m[2],
-		.point = d->point };
+		.point = scene_id(f->scene, d->point) };
 	memcpy(one.rgb, l->ink.ink, 3);
 	return one;
 }

@@ -34,7 +34,7 @@ struct brush {
 
 /* A point that may become a stroke. */
 struct candidate {
-	uint32_t point, copy; /* struct stroke */
+	uint32_t point, id, copy; /* of the scene; struct stroke */
 	float rank, spacing_m;
 	float x_px, y_px, depth_m;
 	float normal[3]; /* as the camera sees it; 0 0 0: none */

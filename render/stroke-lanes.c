@@ -38,11 +38,11 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c,
 	struct stroke s = { .x_px = c->x_px,
 		.y_px = c->y_px,
 		.alpha = alpha,
-		.point = c->point,
+		.point = c->id,
 		.copy = (uint8_t)c->copy };
-	float half_px = growth * ink->length_px / 2 *
-			(1 + ink->length_variation *
-					around_zero(c->point, stroke_salt(c->copy, SALT_LENGTH)));
+	float half_px =
+		growth * ink->length_px / 2 *
+		(1 + ink->length_variation * around_zero(c->id, stroke_salt(c->copy, SALT_LENGTH)));
 	s.half_width_px = growth * ink->width_px / 2;
 	s.q = 1 / c->depth_m;
 	if (line) {
@@ -171,6 +171,7 @@ void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
 		find_candidates(b, i, end, &c);
 		if (!c.left)
 			continue;
+		find_ids(b, &c);
 		fetch(b, &c);
 		if (is_on_edge(b))
 			try_on_edges(b, &c, to);

@@ -44,6 +44,7 @@ INLINE vf nearest_of(const struct brush *b, vf depth_m)
 
 struct lane_candidates {
 	vi point; /* of the scene; so many as there may be in it fit (scene.h) */
+	vi id;    /* scene_id(), of those that are left */
 	uint32_t copy;
 	vf rank;    /* of its kind in the chunk, then: points to a square metre before it */
 	vf most;    /* no rank above it is drawn */
@@ -79,6 +80,12 @@ INLINE vf fade_of(vf rank, vf need, vf octaves)
 {
 	vf fade = least(log2_of(need / rank) / octaves, all(1));
 	return where(rank < need, fade);
+}
+
+/* What chance knows the points by. */
+INLINE void find_ids(const struct brush *b, struct lane_candidates *c)
+{
+	c->id = b->f->scene->id ? gather(b->f->scene->id, c->point, 4) : c->point;
 }
 
 /* Of planes of the scene. */
@@ -126,7 +133,9 @@ INLINE void find_place(const struct brush *b, vi lightness, struct lane_candidat
 	if (b->layer->is_queue) {
 		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * SCENE_UNIT_M;
 		c->last = 1 / (spacing_m * spacing_m);
-		vf there = least((vf)gather(b->layer->dithering_per_m2, lightness, 4), c->last);
+		vf there = least(
+			(vf)gather(b->layer->dithering_per_m2, lightness, 4) * b->view->chunk->part,
+			c->last);
 		c->rank = b->kind == FEATURE_DITHER ? c->rank * there
 						    : there + c->rank * (c->last - there);
 	} else
@@ -181,7 +190,7 @@ INLINE void rays_of(const struct brush *b, const struct lane_candidates *c, vf r
 INLINE vf place_in_patch(const struct lane_candidates *c, uint32_t salt, float step)
 {
 	float steps = (float)c->copy * step;
-	vf at = lanes_chance(c->point, salt) + (steps - (float)(int)steps);
+	vf at = lanes_chance(c->id, salt) + (steps - (float)(int)steps);
 	return 2 * (at - where(at >= 1, all(1))) - 1;
 }
 

@@ -52,8 +52,10 @@ INLINE void row_each(const struct brush *b, struct stroke_chain *to,
 	for (uint32_t i = 0; i < end; i += LANES) {
 		struct lane_candidates c;
 		row_candidates(b, i, end, &c);
-		if (c.left)
-			draw(b, b->view->chunk->first + i, &c, to);
+		if (!c.left)
+			continue;
+		find_ids(b, &c);
+		draw(b, b->view->chunk->first + i, &c, to);
 	}
 }
 

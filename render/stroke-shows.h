@@ -63,7 +63,7 @@ INLINE vf opacity_of(const struct brush *b, const struct lane_candidates *c)
 		alpha *= 1 - b->f->focus.amount * c->away;
 	if (ink->opacity_variation > 0)
 		alpha *= 1 - ink->opacity_variation *
-				     lanes_chance(c->point, stroke_salt(c->copy, SALT_OPACITY));
+				     lanes_chance(c->id, stroke_salt(c->copy, SALT_OPACITY));
 	if (ink->degree > 0)
 		alpha *= 1 -
 			 ink->degree * (1 - gather_u8(b->f->scene->degree, c->point) * (1 / 255.f));
@@ -108,8 +108,8 @@ INLINE void fetch(const struct brush *b, const struct lane_candidates *c)
 
 INLINE struct candidate candidate_of(const struct lane_candidates *l, int k)
 {
-	return (struct candidate){ (uint32_t)l->point[k], l->copy, l->rank[k], l->spacing_m[k],
-		l->x_px[k], l->y_px[k], l->depth_m[k],
+	return (struct candidate){ (uint32_t)l->point[k], (uint32_t)l->id[k], l->copy, l->rank[k],
+		l->spacing_m[k], l->x_px[k], l->y_px[k], l->depth_m[k],
 		{ l->normal[0][k], l->normal[1][k], l->normal[2][k] } };
 }
 

@@ -19,7 +19,7 @@ struct stroke {
 	float q, slope[2];
 	uint8_t rgb[3];
 	uint8_t copy; /* 0: the point itself; else one of its patch's surface. Of hatching twice that, and 1 more of the stroke across */
-	uint32_t point; /* of the scene */
+	uint32_t point; /* its scene_id() */
 };
 
 /* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */

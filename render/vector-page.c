@@ -67,9 +67,9 @@ struct hand {
 	vector_coats *coats;
 	const segments *tree;
 	float mm_per_px;
-	const struct scene_chunk *chunk; /* that the last stroke was of */
-	GHashTable *groups;              /* by segment */
-	GHashTable *paths;               /* by look; those that are not full */
+	struct scene_owner owner; /* of the last stroke */
+	GHashTable *groups;       /* by segment */
+	GHashTable *paths;        /* by look; those that are not full */
 };
 
 static guint look_hash(gconstpointer key)
@@ -116,7 +116,7 @@ static void set_colour(const struct hand *h, const struct stroke *s, float alpha
 static bool look_of(const struct hand *h, const struct stroke *s, union look *ret)
 {
 	float alpha = vector_alpha(&h->shaper, s), width = vector_width_px(&h->shaper, s);
-	*ret = (union look){ .segment = (uint16_t)h->chunk->leaf, .shade = SHADES };
+	*ret = (union look){ .segment = (uint16_t)h->owner.leaf, .shade = SHADES };
 	if (h->to->blend != VECTOR_EACH_DARK)
 		ret->shade =
 			(uint8_t)CLAMP(step_of(opacity_of(h, alpha) * SHADES, s, 0), 0, SHADES);
@@ -129,19 +129,11 @@ static bool look_of(const struct hand *h, const struct stroke *s, union look *re
 
 /* ---- groups ---- */
 
-static int compare_chunks(const void *a, const void *b)
-{
-	const struct scene_chunk *key = a, *c = b;
-	return key->first < c->first ? -1 : key->first >= c->first + c->count;
-}
-
 static void find_chunk(struct hand *h, const struct stroke *s)
 {
-	const scene *all = h->f->scene;
-	if (h->chunk && s->point >= h->chunk->first && s->point < h->chunk->first + h->chunk->count)
-		return;
-	struct scene_chunk key = { .first = s->point };
-	h->chunk = bsearch(&key, all->chunk, all->chunks, sizeof key, compare_chunks);
+	const struct scene_owner *o = &h->owner;
+	if (s->point < o->first || s->point >= o->end)
+		h->owner = scene_owner_of(h->f->scene, s->point);
 }
 
 static struct vector_group *group_of(struct hand *h, uint32_t segment)
@@ -192,7 +184,7 @@ static void add_stroke(struct hand *h, const struct stroke *s)
 	union look look;
 	uint32_t parts = vector_shapes_of(&h->shaper, s, part);
 	find_chunk(h, s);
-	if (!parts || !h->chunk || !look_of(h, s, &look))
+	if (!parts || !h->owner.end || !look_of(h, s, &look))
 		return;
 	look.coat = (uint8_t)vector_coats_take(
 		h->coats, s, h->to->form, vector_width_px(&h->shaper, s));

@@ -93,7 +93,8 @@ static void make_chunk(scene *s, GRand *r, int thing, uint32_t count)
 {
 	const struct made_thing *t = &things[thing];
 	struct scene_chunk *c = &s->chunk[s->chunks++];
-	*c = (struct scene_chunk){ .first = s->count,
+	*c = (struct scene_chunk){ .part = 1,
+		.first = s->count,
 		.count = count,
 		.leaf = segment_of_class(t->class),
 		.spacing_least_m = t->spacing_m,

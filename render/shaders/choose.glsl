@@ -190,7 +190,7 @@ vec2 place_in_queue(candidate c)
 		uint n = lightness_of(looks[c.index].x);
 		float spacing_m = float(points[c.index].y >> 16) * UNIT_M;
 		last = 1.0 / (spacing_m * spacing_m);
-		float there = min(dithering_per_m2[n >> 2][n & 3u], last);
+		float there = min(dithering_per_m2[n >> 2][n & 3u] * uintBitsToFloat(views[c.view].pipeline.w), last);
 		rank = c.kind == DITHER ? c.rank * there : there + c.rank * (last - there);
 	}
 	return vec2(rank, last);

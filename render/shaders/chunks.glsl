@@ -5,8 +5,8 @@ struct chunk_view {
 	vec4 splat;          /* size, radius_least; size 0: shows no points; z: spacing_most_m, w: disc_most_m of all kinds */
 	vec4 spacing_most_m; /* of each kind's list */
 	uvec4 kind_end;
-	uvec4 at; /* first point in the slab and in the scene, count, how many of the first may stand for all */
-	uvec4 pipeline;      /* and the chunk, and its leaf */
+	uvec4 at; /* first point in the slab, what chance knows it by, count, how many of the first may stand for all */
+	uvec4 pipeline;      /* and the chunk, its leaf, bits of the part of all points that it has */
 };
 layout(std430, binding = 0) readonly buffer Points {
 	uvec4 points[]; /* q0 q1, q2 spacing, disc degree kind, normal */
