@@ -1,4 +1,6 @@
 #include "render/drawn-site.h"
+#include <math.h>
+#include <string.h>
 
 drawn_site *drawn_site_new(const char *folder, double aspect, GError **error)
 {
@@ -17,6 +19,25 @@ drawn_site *drawn_site_new(const char *folder, double aspect, GError **error)
 	return g_steal_pointer(&d);
 }
 
+static uint64_t memory_bytes;
+
+bool drawn_site_set_memory(const char *text, GError **error)
+{
+	static const char units[] = "KMGT";
+	char *end = NULL;
+	double number = text ? g_ascii_strtod(text, &end) : 0;
+	const char *unit = text && *end ? strchr(units, g_ascii_toupper(*end)) : NULL;
+	double bytes = unit ? ldexp(number, 10 * (int)(unit - units + 1)) : number;
+	bool good = !text || (end != text && (unit ? !end[1] : !*end));
+	if (good && (!text || (bytes >= 1 << 20 && bytes <= 0x1p50))) {
+		memory_bytes = (uint64_t)bytes;
+		return true;
+	}
+	g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
+		"memory is told as 512M or 4G, and is 1M at least, not '%s'", text);
+	return false;
+}
+
 bool drawn_site_load(drawn_site *d, GError **error)
 {
 	g_autoptr(GError) none = NULL;
@@ -26,7 +47,7 @@ bool drawn_site_load(drawn_site *d, GError **error)
 		g_propagate_error(error, g_steal_pointer(&none));
 		return false;
 	}
-	d->scene = scene_new(d->model, error);
+	d->scene = scene_new_within(d->model, memory_bytes, error);
 	return d->scene;
 }
 

@@ -19,7 +19,10 @@ struct drawn_site {
 /* Without its points: to look for views. aspect is that of the pictures, width by height. Errors are of site_open, model_open and
  * view_stations. */
 drawn_site *drawn_site_new(const char *folder, double aspect, GError **error);
-/* With points and segments. Errors are of segments_load and scene_new. */
+/* How much memory the points of each site may take that is loaded from then on: "4G", "512M", a number of bytes. Until it is said, or NULL:
+ * half of the machine's. More than that comes from the disk as it is looked at (scene-pager.h). Before there are threads. */
+bool drawn_site_set_memory(const char *text, GError **error);
+/* With points and segments. Errors are of segments_load and scene_new_within. */
 bool drawn_site_load(drawn_site *d, GError **error);
 void drawn_site_free(drawn_site *d); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(drawn_site, drawn_site_free)

@@ -1,4 +1,5 @@
 #include "render/gallery.h"
+#include "render/scene-pager.h"
 #include <errno.h>
 
 const char gallery_css[] =
@@ -40,7 +41,7 @@ bool gallery_picture(const drawn_site *d, painter *p, drawing *drawn, const view
 	struct camera c = view_camera(v, o->width, o->height);
 	c = camera_scaled(&c, o->supersample);
 	g_autoptr(frame) f = frame_new(d->scene, drawn, &c, error);
-	if (!f)
+	if (!f || !scene_pager_settle_for(d->scene, &c, f->ink_px, error))
 		return false;
 	struct picture_buffer large = picture_buffer_new(c.width, c.height);
 	bool good = painter_draw(p, f, &large, NULL, error);

@@ -4,6 +4,7 @@
 #include "render/drawn-site.h"
 #include "render/output.h"
 #include "render/page-scale.h"
+#include "render/scene-pager.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +21,7 @@
 #define FILM_ORBIT    "orbit:1.2:300"
 
 static char *style_name, *size_text, *view_name, *output, *backend_name, *path_text, *save_name,
-	*title_text, *scale_text;
+	*title_text, *scale_text, *memory_text;
 static gboolean list_views, times, json, no_paper, no_frame;
 static int supersample = 2;
 static double dpi = PAGE_DPI_NORMAL, seconds, time_s, fps = FPS_NORMAL, cut_m = NAN;
@@ -70,6 +71,10 @@ static const GOptionEntry entries[] = {
 		"Draw so many times as large and reduce (1 to 8; default 2)", "N" },
 	{ "backend", 0, 0, G_OPTION_ARG_STRING, &backend_name, "auto, cpu or gles (default auto)",
 		"WHICH" },
+	{ "memory", 0, 0, G_OPTION_ARG_STRING, &memory_text,
+		"That the points may take, as 512M or 4G; what is more is read as it is needed "
+		"(default: half of the machine's)",
+		"SIZE" },
 	{ "save-view", 0, 0, G_OPTION_ARG_STRING, &save_name,
 		"Keep the view, with the style, under this name", "NAME" },
 	{ "list-views", 0, 0, G_OPTION_ARG_NONE, &list_views, "Only print the site's views", NULL },
@@ -220,7 +225,8 @@ static bool draw_one(struct work *w, uint32_t number, GError **error)
 		     : !(w->frame = frame_new(w->site->scene, w->drawing, &c, error)))
 		return false;
 	w->frame->time_s = time_s + number / fps;
-	if (!output_add(&w->out, w->painter, w->frame, number, &t, error))
+	if (!scene_pager_settle_for(w->site->scene, &c, w->frame->ink_px, error) ||
+		!output_add(&w->out, w->painter, w->frame, number, &t, error))
 		return false;
 	add_times(&w->sum, &t);
 	return true;
@@ -492,6 +498,8 @@ int main(int argc, char **argv)
 	if (argc != 2)
 		return cli_misuse(COMMAND, "which site?");
 	if (!backend_wish_parse(backend_name, &wish, &error))
+		return cli_misuse(COMMAND, "%s", error->message);
+	if (!drawn_site_set_memory(memory_text, &error))
 		return cli_misuse(COMMAND, "%s", error->message);
 	status = check_usage(&w, &wish);
 	return status ? status : run(&w, argv[1], wish);

@@ -1,5 +1,6 @@
 /* What the artist brings of a still view: finer and finer, or, where the drawing changes with time, one picture after the other. */
 #include "render/kiosk/artist.h"
+#include "render/scene-pager.h"
 #include "tests/scene-made.h"
 
 #define WIDTH  320u
@@ -80,9 +81,48 @@ static void test_sways(void)
 	g_main_loop_unref(s.loop);
 }
 
+/* Points that are not there yet come by and by; then the still view becomes finer, and is the same as of all of them. */
+static void test_paged(void)
+{
+	g_auto(made) m = made_new();
+	struct made_plane ground = { .corner_m = { 93, 198, 3 },
+		.a_m = { 20, 0, 0 },
+		.b_m = { 0, 16, 0 },
+		.apart_m = 0.02,
+		.order = MADE_JITTERED,
+		.rgba = { 90, 80, 70, 255 },
+		.dithered = true };
+	made_add_plane(&m, &ground);
+	made_read(&m);
+	g_autoptr(scene) paged = scene_paged(m.model, (uint64_t)64 << 20, NULL);
+	const scene *of[] = { paged, m.scene };
+	GBytes *finest[2];
+	g_assert_nonnull(paged);
+	for (int n = 0; n < 2; n++) {
+		struct sight s = { .loop = g_main_loop_new(NULL, FALSE) };
+		struct artist_watcher w = {
+			.picture = got_picture, .failed = has_failed, .user_data = &s
+		};
+		artist *a = artist_new(of[n], BACKEND_WISH_CPU, &w);
+		struct camera c = before_court();
+		artist_set_drawing(a, made_drawing(MADE_SITE("{\"step\":\"points\"}")));
+		artist_look(a, &c, true);
+		artist_look(a, &c, false);
+		watch(&s, G_MAXUINT);
+		g_assert_cmpuint(s.finest, ==, ARTIST_PICTURES);
+		artist_free(a);
+		finest[n] = g_steal_pointer(&s.last);
+		g_main_loop_unref(s.loop);
+	}
+	g_assert_true(g_bytes_equal(finest[0], finest[1]));
+	g_bytes_unref(finest[0]);
+	g_bytes_unref(finest[1]);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/artist/sways", test_sways);
+	g_test_add_func("/artist/paged", test_paged);
 	return g_test_run();
 }

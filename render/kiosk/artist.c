@@ -1,11 +1,14 @@
 #include "render/kiosk/artist.h"
 #include "render/kiosk/artist-size.h"
 #include "render/kiosk/light-sum.h"
+#include "render/scene-pager.h"
 #include <math.h>
 
-enum task { TASK_WAIT, TASK_QUIT, TASK_LOOK, TASK_FINER, TASK_SMALL, TASK_SWAY };
+enum task { TASK_WAIT, TASK_QUIT, TASK_LOOK, TASK_MORE, TASK_FINER, TASK_SMALL, TASK_SWAY };
 /* From one picture of what sways to the next, at least. */
 #define SWAY_US 40000
+/* From one picture of a still view that points still come to, to the next. */
+#define MORE_US 250000
 
 /* What the thread hands over. Lives until the last of both sides lets go of it. */
 struct post {
@@ -34,6 +37,7 @@ struct artist {
 	bool has_next_accents;
 	struct style_light next_light;
 	struct style_focus next_focus;
+	bool more_came; /* points that were missing */
 	bool has_next_small;
 	GPtrArray *next_small;
 	uint32_t next_small_width, next_small_height;
@@ -53,6 +57,8 @@ struct artist {
 	bool sways;
 	int64_t begin_us, swayed_us; /* when time was 0; when the last picture was begun */
 	uint32_t size;
+	bool is_missing_some; /* in the last still picture */
+	gint64 more_us;       /* when it was begun */
 	struct light_sum sum;
 	GPtrArray *small;
 	uint32_t small_width, small_height, small_next;
@@ -168,12 +174,28 @@ static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GE
 	return f;
 }
 
-static bool draw(artist *a, uint32_t size, const struct camera *c, struct picture_buffer *ret,
-	GError **error)
+/* What is there of the points for a frame, and what to bring for the next ones. false: some are missing. */
+static bool turn_scene(artist *a, const frame *f, bool is_moving)
+{
+	struct scene_pager *pager = a->scene->pager;
+	struct scene_look look = { &f->camera, f->ink_px, is_moving };
+	struct scene_turned turned;
+	if (!pager)
+		return true;
+	scene_pager_turn(pager, &look, &turned);
+	g_autoptr(GError) wrong = scene_pager_error(pager);
+	if (wrong)
+		send_failure(a, wrong);
+	return !turned.missing;
+}
+
+static bool draw(artist *a, uint32_t size, const struct camera *c, bool is_moving,
+	struct picture_buffer *ret, GError **error)
 {
 	frame *f = frame_of_size(a, size, c, error);
 	if (!f)
 		return false;
+	a->is_missing_some = !turn_scene(a, f, is_moving);
 	*ret = picture_buffer_new(c->width, c->height);
 	if (painter_draw(a->painter, f, ret, NULL, error))
 		return true;
@@ -203,7 +225,7 @@ static bool draw_in_time(artist *a, uint32_t pictures, GError **error)
 	struct picture_buffer p;
 	struct camera c = camera_scaled(&a->seen, artist_sizes[a->size]);
 	int64_t begin_us = g_get_monotonic_time();
-	if (!draw(a, a->size, &c, &p, error))
+	if (!draw(a, a->size, &c, true, &p, error))
 		return false;
 	struct artist_picture show = to_show(&p, &a->seen);
 	show.seconds = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
@@ -239,7 +261,8 @@ static bool draw_still(artist *a, GError **error)
 	light_sum_shift(a->sum.pictures, shift_px);
 	struct camera c = camera_shifted(&a->seen, shift_px[0], shift_px[1]);
 	int64_t begin_us = g_get_monotonic_time();
-	if (!draw(a, 0, &c, &p, error))
+	a->more_us = begin_us;
+	if (!draw(a, 0, &c, false, &p, error))
 		return false;
 	light_sum_add(&a->sum, &p);
 	picture_buffer_clear(&p);
@@ -263,6 +286,7 @@ static bool draw_small(artist *a, GError **error)
 	if (!f)
 		return false;
 	f->stop = &a->stop;
+	turn_scene(a, f, true);
 	struct picture_buffer p = picture_buffer_new(c.width, c.height);
 	bool good = painter_draw(a->painter, f, &p, NULL, error);
 	if (good) {
@@ -328,6 +352,8 @@ static enum task next_task(artist *a)
 		return TASK_LOOK;
 	if (a->seen_moving)
 		return TASK_WAIT;
+	if (a->is_missing_some && !a->sways)
+		return a->more_came ? TASK_MORE : TASK_WAIT;
 	if (a->sum.pictures < ARTIST_PICTURES && !a->sways)
 		return TASK_FINER;
 	if (a->small && a->small_next < a->small->len)
@@ -344,12 +370,15 @@ static enum task wait_for_task(artist *a)
 		/* Something else may be wished for until it is time. */
 		if (t == TASK_SWAY && g_get_monotonic_time() < a->swayed_us + SWAY_US)
 			g_cond_wait_until(&a->changed, &a->lock, a->swayed_us + SWAY_US);
+		else if (t == TASK_MORE && g_get_monotonic_time() < a->more_us + MORE_US)
+			g_cond_wait_until(&a->changed, &a->lock, a->more_us + MORE_US);
 		else if (t == TASK_WAIT)
 			g_cond_wait(&a->changed, &a->lock);
 		else
 			break;
 	}
 	g_atomic_int_set(&a->stop, 0);
+	a->more_came = false;
 	a->may_be_stopped = !(t == TASK_LOOK && a->seen_moving);
 	if (a->quit)
 		t = TASK_QUIT;
@@ -365,7 +394,7 @@ static bool run_task(artist *a, enum task t, GError **error)
 		return draw_in_time(a, 0, error);
 	if (t == TASK_SWAY)
 		return draw_in_time(a, 1, error);
-	if (t == TASK_LOOK)
+	if (t == TASK_LOOK || t == TASK_MORE)
 		light_sum_restart(&a->sum, a->seen.width, a->seen.height);
 	return draw_still(a, error);
 }
@@ -405,6 +434,16 @@ static gpointer work(gpointer data)
 
 /* ---- from outside ---- */
 
+/* On a thread of the pager. */
+static void points_came(gpointer data)
+{
+	artist *a = data;
+	g_mutex_lock(&a->lock);
+	a->more_came = true;
+	g_cond_signal(&a->changed);
+	g_mutex_unlock(&a->lock);
+}
+
 artist *artist_new(const scene *s, enum backend_wish wish, const struct artist_watcher *watcher)
 {
 	artist *a = g_new0(artist, 1);
@@ -418,6 +457,8 @@ artist *artist_new(const scene *s, enum backend_wish wish, const struct artist_w
 	g_mutex_init(&a->lock);
 	g_cond_init(&a->changed);
 	a->thread = g_thread_new("artist", work, a);
+	if (s->pager)
+		scene_pager_watch(s->pager, points_came, a);
 	return a;
 }
 
@@ -435,6 +476,8 @@ void artist_free(artist *a)
 {
 	if (!a)
 		return;
+	if (a->scene->pager)
+		scene_pager_watch(a->scene->pager, NULL, NULL);
 	g_mutex_lock(&a->lock);
 	a->quit = true;
 	g_atomic_int_set(&a->stop, 1);

@@ -28,7 +28,7 @@ struct artist_watcher {
 };
 
 typedef struct artist artist;
-/* The scene must live until artist_free. */
+/* The scene must live until artist_free. Of one with a pager it draws what is there, and a still view again while points come to it. */
 artist *artist_new(const scene *s, enum backend_wish wish, const struct artist_watcher *watcher);
 /* Waits for the thread, which stops at once. NULL is fine. */
 void artist_free(artist *a);

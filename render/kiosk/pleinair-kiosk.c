@@ -1,6 +1,7 @@
 /* pleinair kiosk: the touch screen, in a window or filling one, on a folder of sites. */
 #include "acquire/cli.h"
 #include "render/camera.h"
+#include "render/drawn-site.h"
 #include "render/kiosk/kiosk-probe.h"
 #include "render/kiosk/kiosk.h"
 #include "render/kiosk/language.h"
@@ -9,11 +10,12 @@
 #include <errno.h>
 #include <glib-unix.h>
 #include <string.h>
+#include <unistd.h>
 
 #define COMMAND "kiosk"
 
 static struct {
-	char *device, *size, *backend, *theme;
+	char *device, *size, *backend, *theme, *memory;
 	char **drives;
 	gboolean fullscreen, system;
 	double asleep_after_s;
@@ -33,6 +35,10 @@ static const GOptionEntry entries[] = {
 		"Darken after so long without a touch, 0: never [what was chosen last, else 600]",
 		"SECONDS" },
 	{ "backend", 0, 0, G_OPTION_ARG_STRING, &wishes.backend, "Draw with cpu or gles", "NAME" },
+	{ "memory", 0, 0, G_OPTION_ARG_STRING, &wishes.memory,
+		"That the points of a site may take, as 512M or 4G; two may be there at a time "
+		"[what kiosk.conf says, else a quarter of the machine's]",
+		"SIZE" },
 	{ "drives", 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &wishes.drives,
 		"A folder whose folders are drives to copy to; may be repeated", "FOLDER" },
 	{ "system", 0, 0, G_OPTION_ARG_NONE, &wishes.system,
@@ -53,6 +59,15 @@ static gboolean asked_to_end(gpointer user_data)
 	return G_SOURCE_CONTINUE;
 }
 
+/* Of kiosk.conf too: [drawing] memory=2G. */
+static bool take_memory(GError **error)
+{
+	g_autofree char *kept = settings_string("drawing", "memory");
+	g_autofree char *quarter = g_strdup_printf("%" G_GUINT64_FORMAT,
+		(guint64)sysconf(_SC_PHYS_PAGES) * (guint64)sysconf(_SC_PAGESIZE) / 4);
+	return drawn_site_set_memory(wishes.memory ? wishes.memory : kept ? kept : quarter, error);
+}
+
 /* false: *ret_status is the exit status. */
 static bool take_wishes(struct run *r, int *ret_status)
 {
@@ -68,6 +83,10 @@ static bool take_wishes(struct run *r, int *ret_status)
 		return false;
 	}
 	if (!backend_wish_parse(wishes.backend, &r->options.backend, &error)) {
+		cli_misuse(COMMAND, "%s", error->message);
+		return false;
+	}
+	if (!take_memory(&error)) {
 		cli_misuse(COMMAND, "%s", error->message);
 		return false;
 	}

@@ -20,6 +20,8 @@ static void add_chunk(const site_state *s, const struct scene_chunk *c, uint16_t
 {
 	/* Any first part of a chunk is a subset of the whole. */
 	uint32_t n = MIN(c->count, 1024);
+	/* Some that stand for many count as these would. */
+	uint32_t weight = MAX((uint32_t)(0.25f / c->part), 1);
 	for (uint32_t i = 0; i < n; i++) {
 		double p[3];
 		scene_position(s->drawn->scene, c, i, p);
@@ -27,7 +29,7 @@ static void add_chunk(const site_state *s, const struct scene_chunk *c, uint16_t
 		int y = (int)floor((s->plan_north_m - p[1]) / s->plan_m_per_px);
 		if (x >= 0 && y >= 0 && x < (int)SITE_PLAN_SIDE && y < (int)SITE_PLAN_SIDE &&
 			hits[y * (int)SITE_PLAN_SIDE + x] < PLAN_BLACK)
-			hits[y * (int)SITE_PLAN_SIDE + x]++;
+			hits[y * (int)SITE_PLAN_SIDE + x] += (uint16_t)MIN(weight, PLAN_BLACK);
 	}
 }
 
@@ -42,7 +44,7 @@ static void draw_plan(site_state *s)
 		add_chunk(s, &points->chunk[c], hits);
 	s->plan = g_malloc(n);
 	for (size_t i = 0; i < n; i++)
-		s->plan[i] = (uint8_t)(255 * sqrt((double)hits[i] / PLAN_BLACK));
+		s->plan[i] = (uint8_t)(255 * sqrt(fmin((double)hits[i] / PLAN_BLACK, 1)));
 }
 
 /* ---- how the scans fit ---- */

@@ -1,6 +1,7 @@
 #include "render/kiosk/thumbnail.h"
 #include "render/drawn-site.h"
 #include "render/painter.h"
+#include "render/scene-pager.h"
 #include <glib/gstdio.h>
 #include <stdbool.h>
 
@@ -50,7 +51,7 @@ static bool draw(const char *site_path, const char *path, GError **error)
 	struct camera c =
 		view_camera(v, THUMBNAIL_WIDTH * SUPERSAMPLE, THUMBNAIL_HEIGHT * SUPERSAMPLE);
 	g_autoptr(frame) f = frame_new(d->scene, drawn, &c, error);
-	if (!f)
+	if (!f || !scene_pager_settle_for(d->scene, &c, f->ink_px, error))
 		return false;
 	struct picture_buffer large = picture_buffer_new(c.width, c.height);
 	draw_frame(NULL, f, &large, NULL);
