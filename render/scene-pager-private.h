@@ -42,6 +42,7 @@ struct scene_pager {
 	GArray *wants; /* of uint32_t: nodes that are not there, in the order that they are wanted in */
 	uint32_t wanted_units;
 	GArray *there;   /* of uint32_t: nodes that may go again */
+	bool forgets;    /* the next turn begins with the tops alone */
 	uint32_t room;   /* chunks that the scene has memory for */
 	uint64_t choice; /* a sum over the scene's chunks: others have another one */
 	struct {

@@ -387,6 +387,15 @@ static void make_room(scene_pager *p, uint32_t units)
 	g_array_set_size(p->there, kept);
 }
 
+/* Under the lock. */
+static void forget_all(scene_pager *p)
+{
+	for (guint n = 0; n < p->there->len; n++)
+		forget_page(p, n);
+	g_array_set_size(p->there, 0);
+	p->forgets = false;
+}
+
 static uint32_t units_asked(const scene_pager *p)
 {
 	uint32_t sum = 0;
@@ -429,6 +438,8 @@ void scene_pager_turn(scene_pager *p, const struct scene_look *look, struct scen
 	g_rw_lock_writer_lock(&p->reading);
 	if (get_lock(p, look->is_moving)) {
 		take_what_came(p);
+		if (p->forgets)
+			forget_all(p);
 		g_mutex_unlock(&p->lock);
 	}
 	scene_refine(p, look, &turned);
@@ -442,8 +453,8 @@ void scene_pager_turn(scene_pager *p, const struct scene_look *look, struct scen
 		*ret = turned;
 }
 
-/* Until some of what was asked for is there. */
-static GError *wait_for_some(scene_pager *p)
+/* Until all that was asked for is there, or cannot be; *ret_starved: there was no room for it. */
+static GError *wait_for_all(scene_pager *p, bool *ret_starved)
 {
 	GError *error = NULL;
 	uint32_t node;
@@ -451,25 +462,33 @@ static GError *wait_for_some(scene_pager *p)
 	while (!p->error && (p->coming || next_wanted(p, &node)))
 		g_cond_wait(&p->done, &p->lock);
 	error = g_steal_pointer(&p->error);
+	*ret_starved = p->is_starved;
 	g_mutex_unlock(&p->lock);
 	return error;
 }
 
+/* Small nodes may stand so that there is room enough, but in no piece: then it begins anew, where whatever comes fits as long as nothing
+ * goes. */
 bool scene_pager_settle(scene_pager *p, const struct scene_look *look, GError **error)
 {
 	struct scene_look still = *look;
 	struct scene_turned turned;
+	uint32_t starved = 0;
 	still.is_moving = false;
 	for (;;) {
-		GError *wrong = NULL;
+		bool is_starved;
 		scene_pager_turn(p, &still, &turned);
 		if (!turned.missing)
 			return true;
-		wrong = wait_for_some(p);
+		GError *wrong = wait_for_all(p, &is_starved);
 		if (wrong) {
 			g_propagate_error(error, wrong);
 			return false;
 		}
+		starved += is_starved;
+		p->forgets = is_starved && starved == 2;
+		if (starved > 4) /* what is there must do */
+			return true;
 	}
 }
 

@@ -203,6 +203,24 @@ static void test_overview(void)
 	picture_buffer_clear(&first);
 }
 
+/* Many small things leave room in pieces that are of no use to large ones; looking around comes to an end all the same. */
+static void test_pieces(void)
+{
+	g_auto(made) m = made_new();
+	for (int n = 0; n < 400; n++)
+		made_add_ball(&m, (const double[3]){ n % 20, n / 20, 3 }, 0.4, 500 + n * 11,
+			(uint16_t)(MADE_LEAF + n));
+	made_read(&m);
+	g_autoptr(scene) paged = open_paged(m.model, LEAST);
+	g_assert_cmpuint((uint64_t)scene_pager_sums(paged->pager).units_most * SCENE_UNIT_POINTS, <,
+		m.scene->count / 2);
+	for (int n = 0; n < 40; n++) {
+		const double eye[3] = { 10 + n % 7 - 3, -1 + n % 5, 3.5 + n % 3 };
+		struct camera c = camera_towards(eye, n * 0.4, -0.2, n % 2 ? 70 : 25, 480, 360);
+		settle(paged, &c);
+	}
+}
+
 /* A GPU's copies follow what comes and goes. */
 static void test_gles(void)
 {
@@ -360,6 +378,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene-pager/coarse", test_coarse);
 	g_test_add_func("/scene-pager/moving", test_moving);
 	g_test_add_func("/scene-pager/overview", test_overview);
+	g_test_add_func("/scene-pager/pieces", test_pieces);
 	g_test_add_func("/scene-pager/gles", test_gles);
 	g_test_add_func("/scene-pager/fits", test_fits);
 	g_test_add_func("/scene-pager/damaged", test_damaged);
