@@ -12,6 +12,7 @@
 #include "render/bench-coherence.h"
 #include "render/bench-filters.h"
 #include "render/bench-hatching.h"
+#include "render/bench-paging.h"
 #include "render/bench-render.h"
 #include <stdio.h>
 #include <string.h>
@@ -19,7 +20,8 @@
 #define COMMAND "bench"
 
 static gboolean json;
-static double seconds = 60, million_points = 20, memory_mib = 1024;
+/* 0: the default of each bench. */
+static double seconds, million_points = 20, memory_mib;
 static int beams = 1081, repeats = 5, trials = 1000;
 static gint64 seed = 1;
 static int pairs = 8;
@@ -28,11 +30,13 @@ static char **style_list;
 
 static const GOptionEntry entries[] = {
 	{ "seconds", 0, 0, G_OPTION_ARG_DOUBLE, &seconds,
-		"acquire: how long the lidar streams (default 60)", "S" },
+		"acquire: how long the lidar streams (default 60); paging: how long it flies (20)",
+		"S" },
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_folder,
-		"process, segments, render, coherence, filters: a site (default: simulated)",
+		"process, segments, render, coherence, filters, paging: a site (default: "
+		"simulated)",
 		"SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
 		"process, render, hatching, filters: how often each is measured; the least time "
@@ -48,10 +52,12 @@ static const GOptionEntry entries[] = {
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
 		"where simulated scans stay, and are taken from the next time", "FOLDER" },
 	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text,
-		"of pictures (default: render 1600x1200, coherence 1920x1080)", "WxH" },
+		"of pictures (default: render 1600x1200, coherence 1920x1080, paging 1280x800)",
+		"WxH" },
 	{ "style", 0, 0, G_OPTION_ARG_STRING_ARRAY, &style_list,
-		"coherence, hatching: a style; may be given again (default: those of the paper's "
-		"figures)",
+		"coherence, hatching, paging: a style; may be given again but for paging (default: "
+		"those "
+		"of the paper's figures; figure-7d)",
 		"STYLE" },
 	{ "view", 0, 0, G_OPTION_ARG_STRING, &view_name,
 		"coherence: where the paths begin (default walk)", "VIEW" },
@@ -59,17 +65,21 @@ static const GOptionEntry entries[] = {
 		"coherence: pairs of neighbouring frames of each path, at most 39 (default 8)",
 		"N" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
-		"model, export: that the scanners measured; filters: at most in one scene (default "
-		"20)",
+		"model, export: that the scanners measured; filters: at most in one scene; paging: "
+		"of a "
+		"site that is made (default 20)",
 		"N" },
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
-		"model: what building may keep in memory (default 1024)", "MIB" },
+		"model: what building may keep in memory (default 1024); paging: what points may "
+		"take "
+		"(default: half of the machine's)",
+		"MIB" },
 	{ "folder", 0, 0, G_OPTION_ARG_FILENAME, &folder,
 		"model, export: where the site is made, 150 bytes a point (default: of temporary "
 		"files)",
 		"FOLDER" },
 	{ "backend", 0, 0, G_OPTION_ARG_STRING, &backend,
-		"hatching, filters: what draws (default cpu)", "auto|cpu|gles" },
+		"hatching, filters, paging: what draws (default cpu)", "auto|cpu|gles" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
@@ -78,9 +88,10 @@ static int run_acquire(void)
 {
 	g_autoptr(GError) error = NULL;
 	struct bench_acquire_options options = {
-		.seconds = seconds, .beams = (uint32_t)beams, .json = json
+		.seconds = seconds != 0 ? seconds : 60, .beams = (uint32_t)beams, .json = json
 	};
-	if (!(seconds >= 1 && seconds <= 3600) || beams < 100 || beams > 9000 || beams % 6 != 1)
+	if (!(options.seconds >= 1 && options.seconds <= 3600) || beams < 100 || beams > 9000 ||
+		beams % 6 != 1)
 		return cli_misuse(
 			COMMAND, "seconds go from 1 to 3600, beams from 103 to 8995 in steps of 6");
 	return bench_acquire(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
@@ -101,11 +112,11 @@ static int run_model(void)
 {
 	g_autoptr(GError) error = NULL;
 	struct bench_model_options options = { .million_points = million_points,
-		.memory_bytes = (uint64_t)(memory_mib * 1048576),
+		.memory_bytes = (uint64_t)((memory_mib != 0 ? memory_mib : 1024) * 1048576),
 		.folder = folder,
 		.json = json };
 	if (!(million_points >= 1 && million_points <= 10000) ||
-		!(memory_mib >= 64 && memory_mib <= 1e6))
+		options.memory_bytes < (uint64_t)64 << 20 || !(memory_mib <= 1e6))
 		return cli_misuse(COMMAND,
 			"million points go from 1 to 10000, MiB of memory from 64 to 1000000");
 	return bench_model(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
@@ -270,6 +281,26 @@ static int run_filters(void)
 	return bench_filters(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_paging(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_paging_options options = { .place = place_options(),
+		.million_points = million_points,
+		.memory_bytes = (uint64_t)(memory_mib * (1 << 20)),
+		.seconds = seconds > 0 ? seconds : 20,
+		.style = style_list ? style_list[0] : "figure-7d",
+		.backend = backend ? backend : "cpu",
+		.json = json };
+	if (!read_size(size_text ? size_text : "1280x800", &options.width, &options.height) ||
+		!(million_points >= 1 && million_points <= 10000) ||
+		!(memory_mib >= 0 && memory_mib <= 1000000) || !(seconds >= 0 && seconds <= 3600) ||
+		seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND,
+			"sizes go from 64x64 to 8192x8192, million points from 1 to 10000, MiB of "
+			"memory to 1000000, seconds to 3600, seeds from 0 to 1000000000");
+	return bench_paging(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static const struct part {
 	const char *name;
 	int (*run)(void);
@@ -286,6 +317,7 @@ static const struct part {
 	{ "coherence", run_coherence },
 	{ "hatching", run_hatching },
 	{ "filters", run_filters },
+	{ "paging", run_paging },
 	{ NULL },
 };
 
@@ -302,7 +334,7 @@ int main(int argc, char **argv)
 	int status;
 	if (!cli_parse(COMMAND,
 		    "[acquire | process | register | model | export | segments | features | lines "
-		    "| render | coherence | hatching | filters]",
+		    "| render | coherence | hatching | filters | paging]",
 		    "Measures speed, memory and truth on this machine.",
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
 		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
@@ -324,7 +356,8 @@ int main(int argc, char **argv)
 		    "hatching: draws closed things of as many points as two papers have, and tells "
 		    "how long it takes.\n"
 		    "filters: how long filters of pictures take, each alone and in whole frames as "
-		    "two papers have them.\n",
+		    "two papers have them.\n"
+		    "paging: flies through a site that is larger than the memory it may take.\n",
 		    entries, &argc, &argv, &status))
 		return status;
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
@@ -332,7 +365,7 @@ int main(int argc, char **argv)
 		return cli_misuse(COMMAND,
 			"there is no bench '%s': acquire, process, register, model, export, "
 			"segments, "
-			"features, lines, render, coherence, hatching, filters",
+			"features, lines, render, coherence, hatching, filters, paging",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(
