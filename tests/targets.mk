@@ -96,7 +96,7 @@ check-ubsan:
 check-tsan:
 	$(MAKE) BUILD=build-tsan SANITIZE=thread CFLAGS='-O1 -g' CC=clang CXX=clang++ tests-tsan
 .PHONY: tests-tsan
-tests-tsan: $(addprefix $(BUILD)/tests/test-,record record-faults voxels single-trees features-cloud scan-features segments-anew scene-pager)
+tests-tsan: $(addprefix $(BUILD)/tests/test-,record record-faults voxels single-trees features-cloud scan-features segments-anew)
 	OMP_NUM_THREADS=3 TSAN_OPTIONS=ignore_noninstrumented_modules=1 prove --timer --exec 'sh tests/tap.sh $(BUILD)' $^
 
 #: make fuzz            run every fuzz target for a minute (FUZZ_SECONDS=60)
