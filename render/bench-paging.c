@@ -39,7 +39,7 @@ struct bench {
 	double low_m[3], high_m[3];
 	double opened_s, first_s, flown_s;
 	GArray *frame_s; /* of double */
-	double missing, missing_worst;
+	double missing, missing_worst, turn_worst_s;
 	uint64_t points;
 	struct still still[STILLS];
 };
@@ -161,7 +161,9 @@ static bool draw(struct bench *b, const struct camera *c, struct picture_buffer 
 	*ret = (struct scene_turned){ 0 };
 	if (b->scene->pager) {
 		struct scene_look look = look_of(b, c, true);
+		double began_s = now_s();
 		scene_pager_turn(b->scene->pager, &look, ret);
+		b->turn_worst_s = fmax(b->turn_worst_s, now_s() - began_s);
 	}
 	return frame_move(b->frame, c, error) &&
 	       painter_draw(b->painter, b->frame, to, NULL, error);
@@ -255,9 +257,11 @@ static void print_text(struct bench *b)
 		b->flown_s);
 	if (b->scene->pager) {
 		struct scene_pager_sums sums = scene_pager_sums(b->scene->pager);
-		printf("  %-10s %.2f million points in view, %.2f %% missing, %.2f %% at worst\n",
+		printf("  %-10s %.2f million points in view, %.2f %% missing, %.2f %% at worst; "
+		       "choosing them took %.1f ms at worst\n",
 			"", 1e-6 * (double)b->points / b->frame_s->len,
-			100 * b->missing / b->frame_s->len, 100 * b->missing_worst);
+			100 * b->missing / b->frame_s->len, 100 * b->missing_worst,
+			1e3 * b->turn_worst_s);
 		for (int n = 0; n < STILLS; n++)
 			printf("  %-10s complete after %.2f s: %.2f million points%s, %.2f GiB "
 			       "read\n",
@@ -288,6 +292,7 @@ static void print_json(struct bench *b)
 	json_object_set_double_member(j, "frame_median_ms", frame_at(b, 0.5));
 	json_object_set_double_member(j, "frame_95_ms", frame_at(b, 0.95));
 	json_object_set_double_member(j, "frame_worst_ms", frame_at(b, 1));
+	json_object_set_double_member(j, "turn_worst_ms", 1e3 * b->turn_worst_s);
 	json_object_set_double_member(j, "missing", b->missing / b->frame_s->len);
 	json_object_set_double_member(j, "peak_bytes", status_of("VmHWM:"));
 	json_object_set_int_member(j, "points_bytes", (gint64)scene_bytes(b->scene));

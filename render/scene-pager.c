@@ -6,11 +6,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* Vectors read beyond the end, and indices that nobody wrote yet may be any. */
+/* Vectors read beyond the end of a chunk, at most into the next block, which may be written meanwhile: what they get there is masked, but
+ * taken for indices before, and may be any. */
 #define POINTS_BEYOND (UINT16_MAX + 1u + 16u)
 #define THREADS_MOST  8u
-/* Readers give way to whoever draws. */
-#define NICE 5
+/* Readers give way to whoever draws. On two cores frames of a flight took 25 ms in the mean and 72 at most so, with half as many points
+ * missing 43 ms and 240 at 5. */
+#define NICE 12
 /* Room is made for so many units more than are needed now. */
 #define UNITS_SPARE 64u
 
