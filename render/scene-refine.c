@@ -22,12 +22,15 @@ struct view {
 	struct camera_plane plane[SIDES];
 	bool is_around; /* all directions */
 	double eye_m[3], near_m;
+	double parallel_m; /* of struct camera */
 	float px; /* focal length by pixels that are near enough; INFINITY: all points are wanted */
 };
 
 static struct view view_of(const struct camera *c, float ink_px, float near_px)
 {
-	struct view v = { .near_m = c->near_m, .px = (float)c->focal_px / near_px };
+	struct view v = {
+		.near_m = c->near_m, .parallel_m = c->parallel_m, .px = (float)c->focal_px / near_px
+	};
 	struct camera wider = *c;
 	double margin = MARGIN_PX + MARGIN_INK_PX * (double)ink_px;
 	wider.width += 2 * (uint32_t)ceil(margin);
@@ -117,7 +120,9 @@ static void consider(scene_pager *p, const struct view *v, uint32_t node)
 	struct heap_entry one = { v->px, node };
 	if (isfinite(v->px))
 		one.sparse = p->page[node].apart_m * v->px /
-			     (float)fmax(away_m(v, n->centre_m, n->half_m), v->near_m);
+			     (float)(v->parallel_m > 0
+					     ? v->parallel_m
+					     : fmax(away_m(v, n->centre_m, n->half_m), v->near_m));
 	if (one.sparse > 1)
 		push(p->heap, one);
 }
