@@ -28,12 +28,36 @@ struct pen {
 	uint32_t texel_shift;
 	float texel_x[2], texel_y[2], texel_middle[2], texel_end[2];
 	float colour[3];
+	/* Of paint: octaves that it lies higher by, of its place and by what is thick; how thick it must be to cover; depths that it
+	 * reaches, as parts of that of its plane. */
+	float lay, octaves, dry;
+	struct stroke_reach reach_deep;
 };
 
 /* Lines are drawn a pixel wider than they are, with soft edges, which makes those that are thinner than that too strong. */
 INLINE float thinness(float half)
 {
 	return half < 0.5f ? 2 * half / ((half + 0.5f) * (half + 0.5f)) : 1;
+}
+
+/* The one that is sharp for its width. */
+INLINE const struct paint_level *paint_level_of(const struct frame_layer *l, const struct stroke *s)
+{
+	uint32_t n = 0;
+	for (float width = PAINT_SHARP * l->ink.width_px;
+		n + 1 < PAINT_LEVELS && 2 * s->half_width_px < width; width /= 2)
+		n++;
+	return &l->paint->level[n];
+}
+
+INLINE void lay_pen(const struct frame_layer *l, struct pen *p)
+{
+	const struct frame_paint *paint = l->paint;
+	p->lay = (float)p->s->lay * paint->octaves[0] -
+		 0.5f * (paint->octaves[0] * (PAINT_LAYS - 1) + paint->octaves[1]);
+	p->octaves = paint->octaves[1];
+	p->dry = 1 - p->s->alpha;
+	p->reach_deep = stroke_paint_reach(paint, p->s);
 }
 
 INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
@@ -52,12 +76,14 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		p.falloff = 1 / (2 * sigma * sigma);
 	}
 	if (kernel == KERNEL_TEXTURE) {
-		const stroke_texture *t = l->texture;
+		const struct paint_level *level = l->paint ? paint_level_of(l, s) : NULL;
+		const stroke_texture *t = level ? level->texture : l->texture;
 		uint32_t variant =
 			(uint32_t)(stroke_chance(s->point, stroke_salt(s->copy, SALT_VARIANT)) *
 				   (float)t->variants);
-		p.texels = l->texels + frame_texels(l) * variant;
-		p.texel_shift = l->texel_shift;
+		p.texel_shift = level ? level->texel_shift : l->texel_shift;
+		p.texels = (level ? level->texels : l->texels) +
+			   frame_texels(t, p.texel_shift) * variant;
 		float along = (float)t->length / (2 * p.half_length),
 		      across = (float)t->width / (2 * p.half_width);
 		p.texel_x[0] = p.cosine * along * (1 << TEXEL_BITS);
@@ -74,6 +100,8 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 	}
 	bool has_ends = fabsf(p.cosine) > COSINE_LEAST, has_sides = fabsf(p.sine) > COSINE_LEAST;
 	float by_cosine = has_ends ? 1 / p.cosine : 0, by_sine = has_sides ? 1 / p.sine : 0;
+	if (l->paint)
+		lay_pen(l, &p);
 	p.turn[0] = -p.sine * by_cosine;
 	p.turn[1] = p.cosine * by_sine;
 	p.reach[0] = has_ends ? p.reach_along * fabsf(by_cosine) + ROUNDING : REACH_MOST;
@@ -154,10 +182,30 @@ INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 
 /* ---- columns and rows ---- */
 
-INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
+INLINE vi shows(const struct pen *p, enum band_blend blend, const int32_t *keys, vf dx, float dy)
 {
 	vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
-	return q * (vf) * (const vi_loose *)keys >= 1;
+	vf behind = q * (vf) * (const vi_loose *)keys;
+	return blend == BAND_LAID ? (behind >= p->reach_deep.from) & (behind <= p->reach_deep.to)
+				  : behind >= 1;
+}
+
+/* 2^x, and what is between whole powers on straight lines. */
+INLINE vf power_of_two(vf x)
+{
+	return (vf) __builtin_convertvector((x + 127) * (float)(1 << 23), vi);
+}
+
+/* thick: 0..1. */
+INLINE void lay_at(const struct pen *p, vf thick, const struct band_ink *ink, ptrdiff_t at)
+{
+	vf cover = clamp01((thick - p->dry) * (1 / PAINT_COVERS));
+	vf weight = cover * power_of_two(p->lay + p->octaves * thick);
+	store(ink->bare + at, load(ink->bare + at) * (1 - cover));
+	for (int k = 0; k < 3; k++)
+		store(ink->channel[k] + at, load(ink->channel[k] + at) + weight * p->colour[k]);
+	store(ink->weight + at, load(ink->weight + at) + weight);
+	store(ink->height + at, load(ink->height + at) + weight * thick);
 }
 
 INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
@@ -182,10 +230,13 @@ INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum ker
 	enum band_blend blend, const int32_t *keys, ptrdiff_t at, float dy, int left)
 {
 	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
-	vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
+	vf alpha = alpha_at(p, kernel, dx, dy) * (blend == BAND_LAID ? 1 : p->s->alpha);
 	if (keys)
-		alpha = where(shows(p, keys + left, dx, dy), alpha);
-	blend_at(p, blend, alpha, ink, at + left);
+		alpha = where(shows(p, blend, keys + left, dx, dy), alpha);
+	if (blend == BAND_LAID)
+		lay_at(p, alpha, ink, at + left);
+	else
+		blend_at(p, blend, alpha, ink, at + left);
 }
 
 /* The first pixel whose middle is not before x, or 0. */
@@ -218,8 +269,9 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 	for (int k = 0; top + k < end; k++, at += b->pitch) {
 		vf alpha = where(reach2 >= down2[k], across * down[k]);
 		if (m)
-			alpha = where(shows(p, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
-					      (float)(top + k) + 0.5f - s->y_px),
+			alpha = where(
+				shows(p, blend, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
+					(float)(top + k) + 0.5f - s->y_px),
 				alpha);
 		blend_at(p, blend, alpha, ink, at);
 	}
@@ -282,6 +334,7 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 	case BAND_INKED: draw_all(b, l, which, count, m, ink, kernel, BAND_INKED); break;          \
 	case BAND_COLOURED: draw_all(b, l, which, count, m, ink, kernel, BAND_COLOURED); break;    \
 	case BAND_PAINTED: draw_all(b, l, which, count, m, ink, kernel, BAND_PAINTED); break;      \
+	case BAND_LAID: break; /* has a texture */                                                 \
 	}                                                                                          \
 	break
 
@@ -292,6 +345,11 @@ void LANES_NAME(band_draw)(const struct band *b, const struct frame_layer *l,
 	switch (kernel) {
 	case KERNEL_SPRITE: WITH_BLEND(KERNEL_SPRITE);
 	case KERNEL_LINE: WITH_BLEND(KERNEL_LINE);
-	case KERNEL_TEXTURE: WITH_BLEND(KERNEL_TEXTURE);
+	case KERNEL_TEXTURE:
+		if (blend == BAND_LAID) {
+			draw_all(b, l, which, count, m, ink, KERNEL_TEXTURE, BAND_LAID);
+			break;
+		}
+		WITH_BLEND(KERNEL_TEXTURE);
 	}
 }

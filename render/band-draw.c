@@ -2,13 +2,15 @@
 
 static enum kernel kernel_of(const struct frame_layer *l)
 {
-	if (l->texture)
+	if (l->texture || l->paint)
 		return KERNEL_TEXTURE;
 	return step_is_dots(l->step) ? KERNEL_SPRITE : KERNEL_LINE;
 }
 
 enum band_blend band_blend_of(const struct frame_layer *l)
 {
+	if (l->paint)
+		return BAND_LAID;
 	if (l->ink.blend == BLEND_PAINT)
 		return BAND_PAINTED;
 	return l->ink.colour == COLOUR_POINT ? BAND_COLOURED : BAND_INKED;

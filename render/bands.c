@@ -11,9 +11,9 @@ struct reach {
 	uint16_t first, end; /* bands */
 };
 
-static struct reach bands_of(const struct stroke *s, uint32_t height)
+static struct reach bands_of(const struct stroke *s, float more, uint32_t height)
 {
-	float reach = reach_down(s), low = s->y_px - reach, high = s->y_px + reach;
+	float reach = reach_down(s) + more, low = s->y_px - reach, high = s->y_px + reach;
 	if (high < 0 || low >= (float)height)
 		return (struct reach){ 0 };
 	return (struct reach){ (uint16_t)(fmaxf(low, 0) / BAND_ROWS),
@@ -28,13 +28,14 @@ static uint32_t part_end(const struct stroke_blocks *strokes, uint32_t parts)
 	return (uint32_t)((uint64_t)strokes->blocks * parts / PARTS);
 }
 
-static void count_part(const struct stroke_blocks *strokes, uint32_t part, uint32_t height,
-	struct reach *reach, uint32_t *count)
+static void count_part(const struct stroke_blocks *strokes, uint32_t part, float more,
+	uint32_t height, struct reach *reach, uint32_t *count)
 {
 	for (uint32_t k = part_end(strokes, part); k < part_end(strokes, part + 1); k++) {
 		const struct stroke_block *b = strokes->block[k];
 		for (uint32_t n = 0; n < b->count; n++) {
-			struct reach r = reach[b->first + n] = bands_of(&b->stroke[n], height);
+			struct reach r = reach[b->first + n] =
+				bands_of(&b->stroke[n], more, height);
 			for (uint32_t band = r.first; band < r.end; band++)
 				count[band]++;
 		}
@@ -79,16 +80,17 @@ static void fill_part(band_lists *to, const struct stroke_blocks *strokes, uint3
 	}
 }
 
-void band_lists_fill(
-	band_lists *b, const struct stroke_blocks *strokes, uint32_t height, bool single_thread)
+void band_lists_fill(band_lists *b, const struct frame_layer *l,
+	const struct stroke_blocks *strokes, uint32_t height, bool single_thread)
 {
+	float more = l->paint ? BAND_AROUND : 0;
 	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
 	b->end = g_renew(uint32_t, b->end, b->bands + 1);
 	g_autofree struct reach *reach = g_new(struct reach, strokes->count + 1);
 	g_autofree uint32_t *at = g_new0(uint32_t, PARTS * b->bands);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
 	for (uint32_t part = 0; part < PARTS; part++)
-		count_part(strokes, part, height, reach, at + part * b->bands);
+		count_part(strokes, part, more, height, reach, at + part * b->bands);
 	lay_out(b, at);
 #pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
 	for (uint32_t part = 0; part < PARTS; part++)

@@ -3,7 +3,9 @@
 /* A picture is put together in bands of rows, each by one thread, with planes of floats that stay in its cache. */
 #include "render/stroke.h"
 
-#define BAND_ROWS   32
+#define BAND_ROWS 32
+#define BAND_AROUND                                                                                \
+	1 /* rows above and below that strokes of paint are drawn in, for the light that falls on them */
 #define BAND_MARGIN 16 /* columns on either side, that vectors may reach into */
 
 struct band {
@@ -15,7 +17,7 @@ static inline float *band_row(const struct band *b, float *plane, uint32_t y)
 	return plane + (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
 }
 
-/* Which strokes of a layer touch which band, in their order. */
+/* Which strokes of a layer touch which band, or where light falls on them the row above or below, in their order. */
 typedef struct band_lists band_lists;
 /* Zero at first; clear it in the end. */
 struct band_lists {
@@ -24,15 +26,17 @@ struct band_lists {
 	const struct stroke **which;
 	size_t room; /* for so many in which */
 };
-void band_lists_fill(
-	band_lists *b, const struct stroke_blocks *strokes, uint32_t height, bool single_thread);
+/* l: of the strokes. */
+void band_lists_fill(band_lists *b, const struct frame_layer *l,
+	const struct stroke_blocks *strokes, uint32_t height, bool single_thread);
 void band_lists_clear(band_lists *b);
 
 /* What strokes of one layer leave in a band. */
 enum band_blend {
 	BAND_INKED,    /* BLEND_MULTIPLY in one ink: bare alone */
 	BAND_COLOURED, /* BLEND_MULTIPLY in the points' colours: channel alone */
-	BAND_PAINTED   /* BLEND_PAINT: all of them */
+	BAND_PAINTED,  /* BLEND_PAINT: all of them but height */
+	BAND_LAID      /* of a step "paint": all of them */
 };
 enum band_blend band_blend_of(const struct frame_layer *l);
 
@@ -40,6 +44,9 @@ struct band_ink {
 	float *bare;       /* product of 1 - alpha */
 	float *channel[3]; /* product of 1 - alpha (1 - colour); or sum of alpha * colour */
 	float *weight;     /* sum of alpha */
+	/* Of strokes that lie on each other weights have a factor of two to the octaves that they lie higher by (frame-paint.h), which makes
+	 * sums those of what lies highest, whatever came first. Sum of weight * how thick its paint is, 0..1. */
+	float *height;
 };
 /* Draws strokes of the layer over the planes. m may be NULL. */
 void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,

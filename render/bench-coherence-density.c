@@ -110,10 +110,14 @@ static float opacity_of(const struct frame_layer *l, const scene *s, const struc
 	return ink->opacity * (1 - ink->opacity_variation / 2) * faint * away;
 }
 
-/* Of hatching: pressed as its chance is, and as long as it lies on the surface; those across come on top of it. */
+/* Of hatching: pressed as its chance is, and as long as it lies on the surface; those across come on top of it. Of paint: for all
+ * those that are left out where there is little to see. */
 static float weight_of(const frame *f, const struct frame_layer *l, const struct stroke *s)
 {
 	const struct frame_hatch *h = l->hatch;
+	if (l->paint)
+		return (float)s->aslant / 255 /
+		       l->paint->part[l->paint->seen->point[s->point].detail];
 	if (!h)
 		return 1;
 	float brightness = frame_hatch_brightness(f, h, s->point);

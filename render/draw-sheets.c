@@ -242,7 +242,8 @@ static bool draw_sheet(struct sheet_job *s, const struct sheet_plan *p, struct p
 		r->strokes, s->f, j.mask, p->views, p->count, frame_layers_over(s->f, false));
 	s->t.choose_s += draw_lap(&s->since_us);
 	for (uint32_t n = 0; n < s->f->layers; n++) {
-		band_lists_fill(&r->lists[n], &r->of_layer[n], to->height, s->f->single_thread);
+		band_lists_fill(&r->lists[n], &s->f->layer[n], &r->of_layer[n], to->height,
+			s->f->single_thread);
 		s->t.strokes += r->of_layer[n].count;
 	}
 	s->t.bin_s += draw_lap(&s->since_us);
@@ -430,8 +431,8 @@ static void finish(
 			stroke_room_fill_some(r->strokes, s->f, r->joined, views, count, over);
 		s->t.choose_s += draw_lap(&s->since_us);
 		for (uint32_t n = 0; n < s->f->layers; n++) {
-			band_lists_fill(
-				&r->lists[n], &r->of_layer[n], s->to->height, s->f->single_thread);
+			band_lists_fill(&r->lists[n], &s->f->layer[n], &r->of_layer[n],
+				s->to->height, s->f->single_thread);
 			s->t.strokes += r->of_layer[n].count;
 		}
 		s->t.bin_s += draw_lap(&s->since_us);

@@ -29,14 +29,14 @@ static void desk_set_up_points(struct draw_desk *d, uint32_t pitch)
 
 static void desk_set_up(struct draw_desk *d, uint32_t pitch)
 {
-	size_t plane = (size_t)pitch * BAND_ROWS * sizeof(float);
+	size_t plane = (size_t)pitch * (BAND_ROWS + 2 * BAND_AROUND) * sizeof(float);
 	float **all[] = { &d->canvas[0], &d->canvas[1], &d->canvas[2], &d->ink.bare,
 		&d->ink.channel[0], &d->ink.channel[1], &d->ink.channel[2], &d->ink.weight,
-		&d->relief };
+		&d->ink.height, &d->relief };
 	char *at = d->memory = large_new(G_N_ELEMENTS(all) * large_part(plane));
 	for (size_t n = 0; n < G_N_ELEMENTS(all); n++)
 		*all[n] = large_take(&at, plane);
-	for (size_t i = 0; i < (size_t)pitch * BAND_ROWS; i++)
+	for (size_t i = 0; i < plane / sizeof(float); i++)
 		d->ink.bare[i] = 1;
 }
 
@@ -175,7 +175,8 @@ void draw_frame(
 	}
 	band_lists *lists = r->lists;
 	for (uint32_t n = 0; n < f->layers; n++)
-		band_lists_fill(&lists[n], &r->of_layer[n], to->height, f->single_thread);
+		band_lists_fill(
+			&lists[n], &f->layer[n], &r->of_layer[n], to->height, f->single_thread);
 	j.lists = lists;
 	t.bin_s = draw_lap(&since_us);
 	draw_bands(r, &j);

@@ -89,8 +89,9 @@ static void want_at_most(struct frame_layer *l, const scene *s, float lit)
 {
 	memset(l->wanted_most, 0, sizeof l->wanted_most);
 	if (frame_layer_is_whole(l)) {
-		l->wanted_most[FEATURE_NONE] =
-			l->hatch ? frame_hatch_wanted_most(l->hatch) : l->wanted_per_px[0];
+		l->wanted_most[FEATURE_NONE] = l->hatch   ? frame_hatch_wanted_most(l->hatch)
+					       : l->paint ? l->wanted_per_px[0] / PAINT_NARROWEST
+							  : l->wanted_per_px[0];
 		return;
 	}
 	for (int n = 0; n < 256; n++)
@@ -131,19 +132,19 @@ static uint32_t texel_at(const stroke_texture *t, uint32_t variant, int x, int y
 	return stroke_texture_variant(t, variant)[(uint32_t)y * t->length + (uint32_t)x];
 }
 
-static void pack_texels(struct frame_layer *l)
+uint32_t *frame_pack_texels(const stroke_texture *t, uint32_t *ret_shift)
 {
-	const stroke_texture *t = l->texture;
-	l->texel_shift = g_bit_storage(t->length + 1);
-	l->texels = g_new0(uint32_t, frame_texels(l) * t->variants);
+	uint32_t shift = *ret_shift = g_bit_storage(t->length + 1);
+	size_t texels = frame_texels(t, shift);
+	uint32_t *ret = g_new0(uint32_t, texels * t->variants);
 	for (uint32_t v = 0; v < t->variants; v++)
 		for (int y = 0; y <= (int)t->width; y++)
 			for (int x = 0; x <= (int)t->length; x++)
-				l->texels[frame_texels(l) * v + ((uint32_t)y << l->texel_shift) +
-					  (uint32_t)x] = texel_at(t, v, x - 1, y - 1) |
-							 texel_at(t, v, x, y - 1) << 8 |
-							 texel_at(t, v, x - 1, y) << 16 |
-							 texel_at(t, v, x, y) << 24;
+				ret[texels * v + ((uint32_t)y << shift) + (uint32_t)x] =
+					texel_at(t, v, x - 1, y - 1) |
+					texel_at(t, v, x, y - 1) << 8 |
+					texel_at(t, v, x - 1, y) << 16 | texel_at(t, v, x, y) << 24;
+	return ret;
 }
 
 /* Thin lines of hatching are drawn as lines are, which is faster. */
@@ -164,7 +165,7 @@ static bool load_texture(struct frame_layer *l, GError **error)
 			stroke_texture_scaled(whole, (uint32_t)fmaxf(l->ink.length_px + 0.5f, 4),
 				(uint32_t)fmaxf(l->ink.width_px + 0.5f, 2));
 	if (l->texture)
-		pack_texels(l);
+		l->texels = frame_pack_texels(l->texture, &l->texel_shift);
 	return whole;
 }
 
@@ -217,6 +218,23 @@ static void add_contours(struct frame_layer *l, const scene *s, float px)
 			STROKE_FADE_MEAN;
 }
 
+/* It has the texture at all sizes, and as many strokes as cover all. */
+static bool add_paint(
+	struct frame_layer *l, const scene *s, const struct mask_step *mask, GError **error)
+{
+	g_autoptr(stroke_texture) whole = stroke_texture_new(l->ink.texture, error);
+	if (!whole)
+		return false;
+	l->paint = frame_paint_new(l, s, mask, whole);
+	l->ink.colour = COLOUR_POINT;
+	l->ink.blend = BLEND_PAINT;
+	l->ink.spacing_px = 1 / sqrtf(l->paint->wanted_per_px);
+	for (int n = 0; n < 256; n++)
+		l->wanted_per_px[n] =
+			fminf(l->paint->wanted_per_px, FRAME_DENSEST_PER_PX) / STROKE_FADE_MEAN;
+	return true;
+}
+
 static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GError **error)
 {
 	struct frame_layer *l = &f->layer[f->layers];
@@ -244,6 +262,10 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	want(l, f->scene);
 	if (step_is_hatching(step) && !add_hatch(l, f->scene, error))
 		return false;
+	if (step_is_paint(step) &&
+		!add_paint(l, f->scene, &frame_pipeline(f, pipeline)->mask, error))
+		return false;
+	f->is_painted |= l->paint != NULL;
 	if (step_is_contours(step))
 		add_contours(l, f->scene, f->ink_px);
 	l->is_cut = step_is_cut(step);
@@ -554,6 +576,7 @@ void frame_free(frame *f)
 		stroke_texture_free(f->layer[l].texture);
 		g_free(f->layer[l].texels);
 		frame_hatch_free(f->layer[l].hatch);
+		frame_paint_free(f->layer[l].paint);
 	}
 	frame_nets_free(f->nets);
 	g_free(f->relief);

@@ -6,6 +6,7 @@
 #include "render/camera.h"
 #include "render/frame-hatch.h"
 #include "render/frame-nets.h"
+#include "render/frame-paint.h"
 #include "render/lanes-path.h"
 #include "render/lens.h"
 #include "render/paper-texture.h"
@@ -65,6 +66,8 @@ struct frame_layer {
 	float ink_linear[3];
 	struct frame_hatch *hatch; /* NULL: it is no hatching */
 	bool is_contours, is_cut;
+	struct frame_paint *
+		paint; /* NULL: it is none; its textures are of all sizes, and the layer's own is NULL */
 	const uint8_t (*bend)[2]; /* scene-bend.h; NULL: nothing is bent, as far as it matters */
 	/* Directions on the screen, x right and y down: the layer's own, and 256 turns within its variation, as cosine and sine. */
 	float own_way[2], turn[256][2];
@@ -73,14 +76,16 @@ struct frame_layer {
 /* All points are surface to it, whatever kind they are of. */
 static inline bool frame_layer_is_whole(const struct frame_layer *l)
 {
-	return l->hatch || l->is_contours || l->is_cut;
+	return l->hatch || l->is_contours || l->is_cut || l->paint;
 }
 
 /* In one variant: a row more than there are between texels, and a column. */
-static inline size_t frame_texels(const struct frame_layer *l)
+static inline size_t frame_texels(const stroke_texture *t, uint32_t texel_shift)
 {
-	return (size_t)(l->texture->width + 2) << l->texel_shift;
+	return (size_t)(t->width + 2) << texel_shift;
 }
+/* As texels of a layer are; g_free. */
+uint32_t *frame_pack_texels(const stroke_texture *t, uint32_t *ret_shift);
 
 /* Strokes that a point of surface with a normal gives at most: itself and its copies. */
 uint32_t frame_copies(const struct frame_layer *l);
@@ -105,6 +110,7 @@ struct frame {
 	bool single_thread;    /* for tests */
 	double time_s;         /* of what moves by itself */
 	/* Pipelines whose filters are the same are drawn together, as one sheet (frame-sheets.h). */
+	bool is_painted;  /* some layer is paint */
 	bool is_filtered; /* some sheet has filters, or the picture; else there is one sheet */
 	uint32_t sheets;
 	uint8_t sheet_of[PIPELINES_MAX + 1];
@@ -157,6 +163,11 @@ static inline float frame_away(const struct frame_focus *focus, const float at_m
 	part = CLAMP(part, 0, 1);
 	return part * part * (3 - 2 * part);
 }
+
+/* The unit vector towards the light that falls on paint, on the screen: the style's, or from the left above as painters have it. */
+void frame_paint_light(const frame *f, float ret[3]);
+/* The middle of what the chunk is of, as the camera sees it; of scenes that are painted. */
+void frame_paint_crown(const frame *f, const struct scene_chunk *c, float ret_m[3]);
 
 /* Threads that cpu draws it with. */
 uint32_t frame_threads(const frame *f);

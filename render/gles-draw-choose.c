@@ -19,7 +19,7 @@ struct choice {
 	uint32_t layer, capacity;
 	guint run, run_end;
 	uint32_t view, count;
-	bool is_stipple;
+	bool is_stipple, is_paint;
 };
 
 /* Nothing where it is not wanted. */
@@ -27,7 +27,8 @@ static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t laye
 {
 	struct choice c = { .layer = layer,
 		.capacity = capacity_of(&d->strokes[layer]),
-		.is_stipple = f->layer[layer].stipple };
+		.is_stipple = f->layer[layer].stipple,
+		.is_paint = f->layer[layer].paint };
 	const GArray *runs = d->views.runs;
 	if (!(layers >> layer & 1))
 		return c;
@@ -55,7 +56,10 @@ static void go_through(gles_draw *d, const struct choice *c, enum gles_use use)
 		if (!c->is_stipple) {
 			gles_draw_bind_storage(d, 3, slab->looks);
 			gles_draw_bind_storage(d, 4, slab->lists);
-			gles_draw_bind_storage(d, 7, slab->bends ? slab->bends : slab->lists);
+			gles_draw_bind_storage(d, 7,
+				c->is_paint   ? slab->paint
+				: slab->bends ? slab->bends
+					      : slab->lists);
 		}
 		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
 			gl->Uniform1ui(0, r->first + n);

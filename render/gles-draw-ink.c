@@ -3,7 +3,7 @@
 
 static enum gles_use program_of(const struct frame_layer *l)
 {
-	if (l->texture)
+	if (l->texture || l->paint)
 		return GLES_STROKES;
 	return step_is_dots(l->step) ? GLES_SPRITES : GLES_LINES;
 }
@@ -33,10 +33,10 @@ static void draw_strokes(gles_draw *d, const struct frame_layer *l, uint32_t n)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	gl->UseProgram(d->program[program_of(l)]);
-	if (l->texture)
+	if (l->texture || l->paint)
 		gles_draw_bind_texture(d, 1, GL_TEXTURE_2D_ARRAY, d->layers.texture[n]);
 	gl->Enable(GL_BLEND);
-	if (band_blend_of(l) == BAND_PAINTED)
+	if (band_blend_of(l) >= BAND_PAINTED)
 		gl->BlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_SRC_ALPHA);
 	else
 		gl->BlendFunc(GL_ZERO, GL_SRC_COLOR);
@@ -50,8 +50,8 @@ static void clear(gles_draw *d, enum band_blend blend)
 	static const GLfloat ones[] = { 1, 1, 1, 1 }, no_paint[] = { 0, 0, 0, 1 }, zero[4] = { 0 };
 	const struct gles_functions *gl = &d->c->gl;
 	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.ink[blend].frame);
-	gl->ClearBufferfv(GL_COLOR, 0, blend == BAND_PAINTED ? no_paint : ones);
-	if (blend == BAND_PAINTED)
+	gl->ClearBufferfv(GL_COLOR, 0, blend >= BAND_PAINTED ? no_paint : ones);
+	if (blend >= BAND_PAINTED)
 		gl->ClearBufferfv(GL_COLOR, 1, zero);
 }
 
@@ -63,7 +63,7 @@ static void combine(gles_draw *d, enum band_blend blend)
 	gl->UseProgram(d->program[GLES_COMBINE]);
 	gles_draw_bind_texture(d, 3, GL_TEXTURE_2D, ink->plane[0]);
 	gles_draw_bind_texture(d, 4, GL_TEXTURE_2D, ink->plane[1]);
-	if (blend == BAND_PAINTED)
+	if (blend >= BAND_PAINTED)
 		gl->BlendFunc(GL_ONE, GL_SRC_ALPHA);
 	else
 		gl->BlendFunc(GL_ZERO, GL_SRC_COLOR);

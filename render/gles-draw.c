@@ -6,7 +6,7 @@
 /* Camera of common.glsl. */
 struct camera_block {
 	float lens[4], rays[4], cuts[4], turn[3][4], size[4], paper[4], light[256], light_from[4],
-		focus[4], focus_reach[4];
+		focus[4], eye[4], paint_light[4], focus_reach[4];
 };
 
 /* ---- open, close ---- */
@@ -106,6 +106,9 @@ static void set_camera(gles_draw *d, const frame *f)
 	memcpy(b.light, light_of_bytes(), sizeof b.light);
 	memcpy(b.light_from, f->light.from, sizeof f->light.from);
 	b.light_from[3] = f->light.amount;
+	for (int k = 0; k < 3; k++)
+		b.eye[k] = (float)f->eye_m[k];
+	frame_paint_light(f, b.paint_light);
 	memcpy(b.focus, f->focus.at_m, sizeof f->focus.at_m);
 	b.focus[3] = f->focus.amount;
 	b.focus_reach[0] = f->focus.radius_m;
@@ -157,6 +160,9 @@ bool gles_draw_hold(gles_draw *d, const frame *f, GError **error)
 	for (uint32_t n = 0; good && n < f->layers; n++)
 		if (f->layer[n].bend)
 			good = gles_scene_hold_bends(d->c, &d->scene, f->scene, error);
+	for (uint32_t n = 0; good && n < f->layers; n++)
+		if (f->layer[n].paint)
+			good = gles_scene_hold_paint(d->c, &d->scene, f->scene, error);
 	for (uint32_t n = 0; good && n < f->layers; n++)
 		if (!gles_layer_is_direct(&f->layer[n]))
 			good = gles_targets_hold_ink(

@@ -13,6 +13,7 @@ struct layer_block {
 		pencils[PENCIL_BOX_MOST][4];
 	uint32_t hatch_which[4];
 	float contour[4], contour_least[4], cut[4];
+	float paint_size[4], paint_look[4], paint_lay[4], paint_thick[4], paint_part[256];
 	uint32_t colour[4];
 };
 _Static_assert(PENCIL_BOX_MOST == 48, "as layer.glsl has it");
@@ -57,7 +58,7 @@ static void describe_hatch(
 			h->pencils.count },
 	};
 	size_t from = offsetof(struct layer_block, hatch_way);
-	memcpy((char *)ret + from, (char *)&b + from, offsetof(struct layer_block, colour) - from);
+	memcpy((char *)ret + from, (char *)&b + from, offsetof(struct layer_block, contour) - from);
 	memcpy(ret->pencils, h->pencils.pencil, sizeof ret->pencils);
 }
 
@@ -72,8 +73,38 @@ static void describe_contours(const struct frame_layer *l, float px, struct laye
 	ret->contour_least[3] = l->bend != NULL;
 }
 
-/* px: of the picture, to one of strokes. */
-static void describe(const struct frame_layer *l, const scene *s, float px, struct layer_block *ret)
+/* octaves: so much of them. */
+static void describe_paint(
+	const struct frame_paint *p, float thickness_px, float octaves, struct layer_block *ret)
+{
+	const struct paint_step *s = &p->step;
+	float size[] = { 1, s->fine, s->detail, s->follow },
+	      look[] = { s->even, s->contrast, s->warmth, s->hue_variation_deg / 60 },
+	      lay[] = { octaves * p->octaves[0], octaves * p->octaves[1], p->behind, p->behind_m },
+	      thick[] = { 0.5f * thickness_px, s->shine, s->light_variation,
+		      s->lies == LIES_SCREEN };
+	memcpy(ret->paint_size, size, sizeof size);
+	memcpy(ret->paint_look, look, sizeof look);
+	memcpy(ret->paint_lay, lay, sizeof lay);
+	memcpy(ret->paint_thick, thick, sizeof thick);
+	memcpy(ret->paint_part, p->part, sizeof ret->paint_part);
+	ret->hatch_which[3] = p->palette.count;
+	memcpy(ret->pencils, p->palette.pencil, sizeof ret->pencils);
+	ret->texels[0] = (float)p->level[0].texture->length;
+	ret->texels[1] = (float)p->level[0].texture->width;
+	ret->texels[2] = (float)p->level[0].texture->variants;
+}
+
+/* Of the weights of paint: half floats have room for fewer. */
+static float octaves_of(const struct gles_about *about)
+{
+	return about->has_float_blend
+		       ? 1
+		       : PAINT_OCTAVES_HALF / (PAINT_OCTAVES_LAY + PAINT_OCTAVES_PAINT);
+}
+
+static void describe(const struct frame_layer *l, const struct gles_about *about, const frame *f,
+	struct layer_block *ret)
 {
 	const struct ink_step *ink = &l->ink;
 	*ret = (struct layer_block){
@@ -93,11 +124,14 @@ static void describe(const struct frame_layer *l, const scene *s, float px, stru
 	for (int kind = 0; kind < FEATURE_KINDS; kind++)
 		ret->wanted_most[kind] = l->wanted_most[kind];
 	if (l->hatch)
-		describe_hatch(l->hatch, s, l->bend, ret);
+		describe_hatch(l->hatch, f->scene, l->bend, ret);
 	if (l->is_contours)
-		describe_contours(l, px, ret);
+		describe_contours(l, f->ink_px, ret);
 	if (l->is_cut)
 		memcpy(ret->cut, (float[4]){ 1, l->step->cut.thick_m }, sizeof ret->cut);
+	if (l->paint)
+		describe_paint(
+			l->paint, l->paint->step.thickness_px * f->px, octaves_of(about), ret);
 	if (l->texture) {
 		ret->texels[0] = (float)l->texture->length;
 		ret->texels[1] = (float)l->texture->width;
@@ -135,7 +169,7 @@ static void upload_numbers(const gles_context *c, gles_layers *g, const frame *f
 	g_autofree char *all = g_malloc0(bytes);
 	for (uint32_t n = 0; n < f->layers; n++) {
 		struct layer_block block;
-		describe(&f->layer[n], f->scene, f->ink_px, &block);
+		describe(&f->layer[n], &c->about, f, &block);
 		memcpy(all + (size_t)g->layer_bytes * n, &block, sizeof block);
 	}
 	g_autofree struct pipelines_block *pipelines = g_new(struct pipelines_block, 1);
@@ -149,9 +183,8 @@ static void upload_numbers(const gles_context *c, gles_layers *g, const frame *f
 /* ---- textures ---- */
 
 /* With a border of 0 around each variant. */
-static GLuint upload_texture(const struct gles_functions *gl, const stroke_texture *t)
+static void upload_level(const struct gles_functions *gl, const stroke_texture *t, GLint level)
 {
-	GLuint name;
 	GLsizei length = (GLsizei)t->length + 2, width = (GLsizei)t->width + 2;
 	size_t texels = (size_t)length * (size_t)width * t->variants;
 	g_autofree uint8_t *all = g_malloc0(texels);
@@ -159,15 +192,35 @@ static GLuint upload_texture(const struct gles_functions *gl, const stroke_textu
 		for (uint32_t y = 0; y < t->width; y++)
 			memcpy(all + ((size_t)v * (t->width + 2) + y + 1) * (t->length + 2) + 1,
 				stroke_texture_variant(t, v) + (size_t)y * t->length, t->length);
+	gl->TexSubImage3D(GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, length, width, (GLsizei)t->variants,
+		GL_RED, GL_UNSIGNED_BYTE, all);
+}
+
+/* largest: the first level. */
+static GLuint begin_texture(
+	const struct gles_functions *gl, const stroke_texture *largest, GLsizei levels)
+{
+	GLuint name;
 	gl->GenTextures(1, &name);
 	gl->BindTexture(GL_TEXTURE_2D_ARRAY, name);
-	gl->TexStorage3D(GL_TEXTURE_2D_ARRAY, 1, GL_R8, length, width, (GLsizei)t->variants);
-	gl->TexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, length, width, (GLsizei)t->variants,
-		GL_RED, GL_UNSIGNED_BYTE, all);
-	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+	gl->TexStorage3D(GL_TEXTURE_2D_ARRAY, levels, GL_R8, (GLsizei)largest->length + 2,
+		(GLsizei)largest->width + 2, (GLsizei)largest->variants);
+	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER,
+		levels > 1 ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR);
 	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
 	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
 	gl->TexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+	return name;
+}
+
+static GLuint upload_texture(const struct gles_functions *gl, const struct frame_layer *l)
+{
+	GLuint name = begin_texture(gl, l->paint ? l->paint->level[0].texture : l->texture,
+		l->paint ? PAINT_LEVELS : 1);
+	for (uint32_t n = 0; l->paint && n < PAINT_LEVELS; n++)
+		upload_level(gl, l->paint->level[n].texture, (GLint)n);
+	if (!l->paint)
+		upload_level(gl, l->texture, 0);
 	return name;
 }
 
@@ -227,8 +280,8 @@ bool gles_layers_hold(const gles_context *c, gles_layers *g, const frame *f, GEr
 	c->gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	upload_numbers(c, g, f);
 	for (uint32_t n = 0; n < f->layers; n++) {
-		if (f->layer[n].texture)
-			g->texture[n] = upload_texture(&c->gl, f->layer[n].texture);
+		if (f->layer[n].texture || f->layer[n].paint)
+			g->texture[n] = upload_texture(&c->gl, &f->layer[n]);
 		if (f->layer[n].hatch)
 			upload_hatch(&c->gl, g, n, f->layer[n].hatch);
 	}

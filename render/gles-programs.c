@@ -7,7 +7,7 @@
 /* What a program is put together of. A part that begins with a dot is the shader of the step of that name. */
 static const struct row {
 	const char *name;
-	const char *common[10];
+	const char *common[12];
 	const char *vertex, *fragment, *compute;
 } rows[GLES_USES] = {
 	[GLES_CLEAR] = { "clear", { NULL }, .compute = "clear" },
@@ -15,12 +15,13 @@ static const struct row {
 	[GLES_HOLES] = { "holes", { "common" }, "picture.vert", "holes.frag" },
 	[GLES_POINTS] = { "points", { "common", "chunks", "discs" }, .compute = ".points" },
 	[GLES_COUNT] = { "choose-count",
-		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "givers" },
+		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "paint",
+			"givers" },
 		.compute = "choose-count" },
 	[GLES_SCAN] = { "choose-scan", { "prefix" }, .compute = "choose-scan" },
 	[GLES_WRITE] = { "choose-write",
-		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "givers",
-			"hatch-write", "prefix" },
+		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "paint",
+			"givers", "hatch-write", "paint-write", "prefix" },
 		.compute = "choose-write" },
 	[GLES_SPRITES] = { "sprites", { "common", "layer", ".sprites" }, "stroke.vert",
 		"stroke.frag" },

@@ -1,9 +1,10 @@
 #include "render/gles-scene.h"
 #include "render/scene-bend.h"
 #include "render/scene-pager.h"
+#include "render/scene-paint.h"
 #include <string.h>
 
-enum { POINT_BYTES = 16, LOOK_BYTES = 8, LIST_BYTES = 4, BEND_BYTES = 2 };
+enum { POINT_BYTES = 16, LOOK_BYTES = 8, LIST_BYTES = 4, BEND_BYTES = 2, PAINT_BYTES = 8 };
 /* Points that are copied at once. */
 #define PIECE (1u << 18)
 /* Points that are not worth more threads. */
@@ -103,6 +104,12 @@ static void take_bends(const scene *s, uint32_t from, uint32_t count, void *to)
 	memcpy(to, scene_bend(s)[from], (size_t)count * BEND_BYTES);
 }
 
+static void take_paint(const scene *s, uint32_t from, uint32_t count, void *to)
+{
+	_Static_assert(sizeof(struct scene_paint_point) == PAINT_BYTES, "as paint.glsl reads it");
+	memcpy(to, &scene_paint_of(s)->point[from], (size_t)count * PAINT_BYTES);
+}
+
 typedef void take_part(const scene *s, uint32_t from, uint32_t count, void *to);
 
 static GLuint make_buffer(const struct gles_functions *gl, uint32_t count, uint32_t bytes)
@@ -140,6 +147,14 @@ static GLuint upload(const struct gles_functions *gl, const scene *s, const stru
 
 /* ---- with a pager ---- */
 
+static void put_paint(const struct gles_functions *gl, const scene *s, struct gles_slab *slab,
+	const struct scene_chunk *c, void *piece)
+{
+	if (!slab->paint)
+		slab->paint = make_buffer(gl, slab->count, PAINT_BYTES);
+	put(gl, s, slab, slab->paint, c->first, c->count, PAINT_BYTES, take_paint, piece);
+}
+
 static void put_chunk(const struct gles_functions *gl, const scene *s, struct gles_slab *slab,
 	const struct scene_chunk *c, void *piece)
 {
@@ -167,6 +182,8 @@ static bool follow(const gles_context *c, gles_scene *g, const scene *s, GError 
 		if (*held == chunk->stamp)
 			continue;
 		put_chunk(&c->gl, s, &g->slab[gles_scene_slab(g, chunk)], chunk, piece);
+		if (g->is_painted)
+			put_paint(&c->gl, s, &g->slab[gles_scene_slab(g, chunk)], chunk, piece);
 		*held = chunk->stamp;
 	}
 	g->turn = s->turn;
@@ -191,7 +208,7 @@ void gles_scene_clear(const gles_context *c, gles_scene *g)
 {
 	for (uint32_t n = 0; n < g->slabs; n++) {
 		GLuint names[] = { g->slab[n].points, g->slab[n].looks, g->slab[n].lists,
-			g->slab[n].bends };
+			g->slab[n].bends, g->slab[n].paint };
 		c->gl.DeleteBuffers(G_N_ELEMENTS(names), names);
 	}
 	g_free(g->slab);
@@ -228,4 +245,18 @@ bool gles_scene_hold_bends(const gles_context *c, gles_scene *g, const scene *s,
 	for (uint32_t n = 0; n < g->slabs; n++)
 		g->slab[n].bends = upload(&c->gl, s, &g->slab[n], BEND_BYTES, take_bends, piece);
 	return gles_context_check(c, "copying curvatures to the GPU", error);
+}
+
+bool gles_scene_hold_paint(const gles_context *c, gles_scene *g, const scene *s, GError **error)
+{
+	if (g->is_painted || !g->slabs)
+		return true;
+	g_autofree void *piece = g_malloc((size_t)PIECE * PAINT_BYTES);
+	for (uint32_t n = 0; n < s->chunks && s->pager; n++)
+		put_paint(
+			&c->gl, s, &g->slab[gles_scene_slab(g, &s->chunk[n])], &s->chunk[n], piece);
+	for (uint32_t n = 0; n < g->slabs && !s->pager; n++)
+		g->slab[n].paint = upload(&c->gl, s, &g->slab[n], PAINT_BYTES, take_paint, piece);
+	g->is_painted = true;
+	return gles_context_check(c, "copying what is painted to the GPU", error);
 }

@@ -13,6 +13,7 @@ struct gles_slab {
 	GLuint looks;          /* 8: rgba, direction */
 	GLuint lists;          /* 4: list, list_spacing */
 	GLuint bends;          /* 2: k1, k2 (scene-bend.h); 0 until they are asked for */
+	GLuint paint;          /* 8: rgb detail, way (scene-paint.h); 0 until it is asked for */
 	uint32_t first, count; /* of points */
 };
 
@@ -23,11 +24,13 @@ struct gles_scene {
 	uint32_t slabs;
 	/* With a pager: what stands at each eighth point, by scene_chunk's stamp. */
 	uint32_t *held, turn;
+	bool is_painted; /* what is painted is held too */
 };
 /* Nothing is done when it is there already, as it is since the last turn. */
 bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GError **error);
 /* Of the scene that is held; nothing is done when they are there already. */
 bool gles_scene_hold_bends(const gles_context *c, gles_scene *g, const scene *s, GError **error);
+bool gles_scene_hold_paint(const gles_context *c, gles_scene *g, const scene *s, GError **error);
 void gles_scene_clear(const gles_context *c, gles_scene *g);
 uint32_t gles_scene_slab(const gles_scene *g, const struct scene_chunk *c);
 

@@ -94,11 +94,14 @@ bool gles_targets_hold_ink(
 		[BAND_COLOURED] = has_float  ? GL_RGBA32F
 				  : has_half ? GL_RGBA16F
 					     : GL_SRGB8_ALPHA8,
-		[BAND_PAINTED] = has_float ? GL_RGBA32F : GL_RGBA16F };
-	GLenum second = blend != BAND_PAINTED ? 0 : has_float ? GL_R32F : GL_R16F;
+		[BAND_PAINTED] = has_float ? GL_RGBA32F : GL_RGBA16F,
+		[BAND_LAID] = has_float ? GL_RGBA32F : GL_RGBA16F };
+	GLenum sums[] = { [BAND_PAINTED] = has_float ? GL_R32F : GL_R16F,
+		[BAND_LAID] = has_float ? GL_RG32F : GL_RG16F };
+	GLenum second = sums[blend];
 	if (t->ink[blend].frame)
 		return true;
-	if (blend == BAND_PAINTED && !has_half && !has_float) {
+	if (blend >= BAND_PAINTED && !has_half && !has_float) {
 		g_set_error(error, GLES_ERROR, GLES_ERROR_LIMIT,
 			"the GPU cannot mix paint, for it does not draw into half floats");
 		return false;

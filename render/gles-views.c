@@ -29,6 +29,15 @@ static struct place *sort(const gles_scene *g, const struct chunk_view *views, u
 	return p;
 }
 
+static void describe_paint(const frame *f, const struct scene_chunk *c, struct gles_view *ret)
+{
+	const struct scene_paint_chunk *seen =
+		scene_paint_chunk_of(scene_paint_of(f->scene), f->scene, c);
+	frame_paint_crown(f, c, ret->crown);
+	ret->crown[3] = seen->is_leafy ? -seen->cell_m : seen->cell_m;
+	memcpy(&ret->paint[0], seen->rgba, sizeof ret->paint[0]);
+}
+
 static void describe(const frame *f, const struct lens *l, const struct gles_slab *slab,
 	const struct chunk_view *v, struct gles_view *ret)
 {
@@ -48,6 +57,8 @@ static void describe(const frame *f, const struct lens *l, const struct gles_sla
 		memcpy(ret->axis[k], v->axis[k], sizeof v->axis[k]);
 	memcpy(ret->spacing_most_m, c->list_spacing_most_m, sizeof ret->spacing_most_m);
 	memcpy(ret->kind_end, c->kind_end, sizeof ret->kind_end);
+	if (f->is_painted)
+		describe_paint(f, c, ret);
 	if (points) {
 		ret->splat[0] = points->size;
 		ret->splat[1] = fmaxf(points->least_px * f->px / 2, DISC_RADIUS_LEAST);

@@ -68,18 +68,6 @@ INLINE void turn_ways(const struct brush *b, const struct lane_candidates *c,
 	}
 }
 
-/* plane_slope() of what is flat. */
-INLINE void plane_slopes(
-	const struct brush *b, const struct lane_candidates *c, vf reach_px, vf ret[2])
-{
-	vf away = along_of(b, c) * c->depth_m * b->lens.focal_px *
-		  LENS_STRETCH(&b->lens, c->depth_m),
-	   steepest = 0.5f / (c->depth_m * most(reach_px, all(1)));
-	vi some = c->is_flat & (magnitude(away) > 1e-6f);
-	for (int n = 0; n < 2; n++)
-		ret[n] = where(some, least(most(c->normal[n] / away, -steepest), steepest));
-}
-
 INLINE struct pen_lanes pen_of(const struct brush *b, const struct lane_candidates *c,
 	const struct hatch_lanes *h, const vf way[3], int which, vf growth)
 {

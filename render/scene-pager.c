@@ -1,6 +1,7 @@
 #include "render/large.h"
 #include "render/scene-bend.h"
 #include "render/scene-pager-private.h"
+#include "render/scene-paint.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -156,6 +157,7 @@ static void alloc_points(scene_pager *p, scene *s, uint64_t memory_bytes)
 	scene_alloc_points(s, count);
 	s->id = large_new(count * sizeof *s->id);
 	s->bend = g_new0(struct scene_bend_plane, 1);
+	s->paint = g_new0(struct scene_paint_plane, 1);
 	s->bend->k = g_malloc(count * sizeof *s->bend->k);
 }
 
@@ -308,6 +310,20 @@ size_t scene_pager_bytes(const scene_pager *p)
 	return p->bytes;
 }
 
+void scene_pager_boxes(const scene_pager *p,
+	void (*visit)(
+		uint32_t leaf, const float centre_m[3], const float half_m[3], gpointer user_data),
+	gpointer user_data)
+{
+	for (uint32_t n = 0; n < p->tree->first[1]; n++) {
+		const struct scene_node *node = &p->tree->node[n];
+		float centre_m[3];
+		for (int k = 0; k < 3; k++)
+			centre_m[k] = (float)(node->centre_m[k] - p->scene->origin_m[k]);
+		visit(node->leaf, centre_m, node->half_m, user_data);
+	}
+}
+
 static int compare_chunks(const void *a, const void *b)
 {
 	const struct model_chunk *key = a, *c = b;
@@ -445,6 +461,7 @@ void scene_pager_turn(scene_pager *p, const struct scene_look *look, struct scen
 		g_mutex_unlock(&p->lock);
 	}
 	scene_refine(p, look, &turned);
+	scene_paint_follow(p->scene);
 	g_rw_lock_writer_unlock(&p->reading);
 	scene_refine_ahead(p, look);
 	if (get_lock(p, look->is_moving)) {

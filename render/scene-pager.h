@@ -32,6 +32,11 @@ uint32_t scene_pager_points(const scene_pager *p);
 /* For scene_owner_of. */
 struct scene_owner scene_pager_owner_of(const scene_pager *p, uint32_t id);
 size_t scene_pager_bytes(const scene_pager *p); /* that it may take */
+/* The boxes of all chunks of the file, from the scene's origin. */
+void scene_pager_boxes(const scene_pager *p,
+	void (*visit)(
+		uint32_t leaf, const float centre_m[3], const float half_m[3], gpointer user_data),
+	gpointer user_data);
 
 struct scene_look {
 	const struct camera *camera;

@@ -1,6 +1,7 @@
 #include "render/large.h"
 #include "render/scene-bend.h"
 #include "render/scene-pager.h"
+#include "render/scene-paint.h"
 #include "render/scene-take.h"
 #include <math.h>
 #include <stdlib.h>
@@ -19,6 +20,7 @@ void scene_free(scene *s)
 	scene_pager_free(s->pager);
 	large_free(s->memory);
 	scene_bend_free(s->bend);
+	scene_paint_free(s->paint);
 	g_free(s->chunk);
 	g_free(s);
 }
@@ -46,6 +48,7 @@ scene *scene_alloc(uint32_t count, uint32_t chunks)
 {
 	scene *s = g_new0(scene, 1);
 	s->serial = scene_serial();
+	s->paint = g_new0(struct scene_paint_plane, 1);
 	s->count = count;
 	s->chunks = chunks;
 	s->lightest = 1;

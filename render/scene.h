@@ -40,10 +40,11 @@ struct scene {
 	double origin_m[3];
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
-	struct scene_bend_plane *bend; /* scene-bend.h */
-	struct scene_pager *pager;     /* NULL: all points are there */
-	uint32_t turn;                 /* of the pager: rises when the chunks become others */
-	void *memory;                  /* of all that follows */
+	struct scene_bend_plane *bend;   /* scene-bend.h */
+	struct scene_paint_plane *paint; /* scene-paint.h */
+	struct scene_pager *pager;       /* NULL: all points are there */
+	uint32_t turn;                   /* of the pager: rises when the chunks become others */
+	void *memory;                    /* of all that follows */
 	/* Of each point. */
 	uint16_t *q[3];
 	uint16_t *spacing; /* edge of the square of surface that it stands for, 0.1 mm */

@@ -218,6 +218,9 @@ const struct step_kind step_kinds[] = {
 		"strokes" },
 	{ "cut", "Cut", "lines where a plan or section cuts through things", STEP_LAYER,
 		sizeof(struct cut_step), cut_parameters, ink_radius_px, "strokes" },
+	{ "paint", "Brush strokes",
+		"strokes of paint, broad and fine, that lie on each other and follow the form",
+		STEP_LAYER, sizeof(struct paint_step), paint_parameters, ink_radius_px, "strokes" },
 	{ "edl", "Eye-dome lighting", "darkens what lies deeper than what is beside it",
 		STEP_FILTER, sizeof(struct edl_step), edl_parameters, edl_radius_px, "edl" },
 	{ "stipple", "Stippling without normals",
@@ -336,11 +339,16 @@ bool step_is_cut(const struct step *s)
 	return s->kind->parameters == cut_parameters;
 }
 
+bool step_is_paint(const struct step *s)
+{
+	return s->kind->parameters == paint_parameters;
+}
+
 bool step_is_ink(const struct step *s)
 {
 	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
 	       s->kind == step_kind_find("strokes") || s->kind == step_kind_find("stipple") ||
-	       step_is_hatching(s) || step_is_contours(s) || step_is_cut(s);
+	       step_is_hatching(s) || step_is_contours(s) || step_is_cut(s) || step_is_paint(s);
 }
 
 bool step_is_filter(const struct step *s)

@@ -175,6 +175,36 @@ struct cut_step {
 	float thick_m;       /* of the slab; 0: as the points' spacing asks for */
 };
 
+/* Whether strokes of paint lie on surfaces, and are foreshortened with them, or stand on the screen. */
+enum paint_lies {
+	LIES_SURFACE,
+	LIES_SCREEN,
+};
+
+/* Brush strokes of many sizes (Meier 1996, "Painterly Rendering for Animation"; the layers of Hertzmann 1998, chosen by what points know
+ * of themselves). A point's stroke has the size that its rank says: the first ones are broad, and those that the view asks for last
+ * are fine and lie on top (paint-need.h). So coming nearer a stroke grows with the surface that it is on, until it is one of the
+ * broad ones, and finer ones come over it; nothing is painted again.
+ *
+ * Of ink it uses what strokes do, but tone, direction, colour, ink, blend, degree and spacing_px: length_px and width_px are those of
+ * the broadest strokes, and paint has the points' colours. Where strokes overlap, the one that lies higher hides the other. */
+struct paint_step {
+	struct ink_step ink; /* first */
+	int32_t lies;
+	float cover;  /* strokes at every place of what needs none but broad ones */
+	float fine;   /* 0..1: how large the finest are, as a part of the broadest */
+	float detail; /* 0..1: how far only places with details have fine ones; 0: all places have */
+	float follow; /* 0..1: how far strokes turn along edges that are near, and as surface is bent */
+	float even; /* 0..1: how much of their colours broad strokes take from all around that is as large as they are */
+	float contrast;
+	float warmth; /* what is light becomes warmer, what is dark colder; below 0 the other way round */
+	float hue_variation_deg, light_variation; /* by stroke */
+	const char *palette;                      /* pencil-box.h */
+	float thickness_px, shine;                /* of the paint, which light falls on */
+	float wet;                                /* 0..1: how much strokes that overlap mix */
+	float spill; /* part of the distance: so far behind their own are places that strokes still reach over */
+};
+
 /* Points as they are: the colours of all points, blended where surfaces are the same. */
 struct points_step {
 	float size;                             /* factor on the diameter of a point's patch */
@@ -210,8 +240,8 @@ struct step_kind {
 };
 #define STEP_KINDS_MAX 40 /* rows that step_kinds has at most */
 extern const struct step_kind step_kinds
-	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "cut", "edl", "stipple", then filters; ends with a row
-	     * without a name */
+	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "cut", "paint", "edl", "stipple", then filters; ends
+	     * with a row without a name */
 const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
 /* In a table of parameters: that of a kind, or of a section (style.h). NULL: there is none. */
 const struct step_parameter *step_parameter_find(
@@ -229,6 +259,7 @@ struct step {
 		struct hatching_step hatching;
 		struct contours_step contours;
 		struct cut_step cut;
+		struct paint_step paint;
 		struct points_step points;
 		struct edl_step edl;
 		struct stipple_step stipple;
@@ -254,11 +285,13 @@ struct step {
 	};
 };
 _Static_assert(sizeof(struct hatching_step) <= STEP_SIZE_MAX, "the union's size");
+_Static_assert(sizeof(struct paint_step) <= STEP_SIZE_MAX, "the union's size");
 /* With the kind's name as id; parameters that the kind does not have, and padding, are 0. */
 bool step_is_ink(const struct step *s); /* all but points */
 bool step_is_hatching(const struct step *s);
 bool step_is_contours(const struct step *s);
 bool step_is_cut(const struct step *s);
+bool step_is_paint(const struct step *s);
 bool step_is_filter(const struct step *s); /* of pictures: not "edl", which belongs to points */
 bool step_is_dots(const struct step *s);   /* sprites or stipple: round */
 struct step step_defaults(const struct step_kind *kind);

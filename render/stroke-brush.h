@@ -30,6 +30,7 @@ struct brush {
 	uint32_t list_from, list_count; /* of the kind in the chunk */
 	uint32_t copies;                /* that points may give, with themselves */
 	float moved_m;                  /* how far from their points strokes are at most */
+	float crown_m[3]; /* of paint: the middle of the chunk's leaf, as the camera sees it */
 };
 
 /* A point that may become a stroke. */
@@ -47,6 +48,8 @@ struct candidate {
 LANES_DECLARE(void, stroke_choose, (const struct brush *b, struct stroke_chain *to));
 /* The same of hatching, of all kinds of points. */
 LANES_DECLARE(void, stroke_hatch, (const struct brush *b, struct stroke_chain *to));
+/* And of paint. */
+LANES_DECLARE(void, stroke_paint, (const struct brush *b, struct stroke_chain *to));
 /* And of contours. */
 LANES_DECLARE(void, stroke_contours, (const struct brush *b, struct stroke_chain *to));
 /* And of cuts. */

@@ -89,3 +89,47 @@ float stroke_brush(const struct stroke_place *at, uint32_t seed)
 		0.08f * grain_step(0.5f, 0.85f, fabsf(at->across)) * grain_step(0.5f, 0, at->along);
 	return brush_body(at, seed + 4) * wet * (tone + rim);
 }
+
+/* ---- paint ---- */
+
+/* What the hairs of a flat brush leave behind: ridges along the stroke that are not quite straight, thicker at the sides, to which paint
+ * gives way, and at the end, where it is left. */
+static float hairs(const struct stroke_place *at, uint32_t seed)
+{
+	struct stroke_place bent = *at;
+	bent.y += 1.2f * media_noise(at, 110, 1e3f, seed);
+	float ridges = 0.5f * media_noise(&bent, 420, 1.9f, seed + 1) +
+		       0.45f * media_noise(&bent, 200, 4.2f, seed + 2);
+	float side = 0.2f * grain_step(0.45f, 0.8f, fabsf(at->across)),
+	      end = 0.18f * grain_step(0.7f, 0.93f, at->along);
+	return 0.68f + 0.55f * ridges + side + end;
+}
+
+/* Blunt where it is set down, torn where it is lifted. */
+static float flat_body(const struct stroke_place *at, uint32_t seed)
+{
+	float torn = 0.12f * media_noise(at, 1e3f, 3.1f, seed),
+	      begun = 0.05f * media_noise(at, 1e3f, 4, seed + 3);
+	float half = 0.86f + 0.1f * media_noise(at, 70, 1e3f, seed + 1) - 0.12f * at->along;
+	return grain_step(-0.02f, 0.16f, half - fabsf(at->across)) *
+	       grain_step(0.015f, 0.07f, at->along + begun) *
+	       grain_step(0.985f, 0.86f, at->along + torn);
+}
+
+float stroke_bristles(const struct stroke_place *at, uint32_t seed)
+{
+	float thick = hairs(at, seed), dry = grain_step(0.5f, 1, at->along);
+	/* Towards the end hairs run dry. */
+	thick -= dry * (0.3f + 0.9f * fmaxf(media_noise(at, 260, 2.6f, seed + 7), 0));
+	return flat_body(at, seed + 4) * thick;
+}
+
+/* Set down once, round: a touch of a loaded brush, thick at its rim. */
+float stroke_dab(const struct stroke_place *at, uint32_t seed)
+{
+	float u = 2 * at->along - 1;
+	float away = hypotf(u, at->across) / (0.88f + 0.22f * media_noise(at, 60, 9, seed));
+	float rim = 0.25f * grain_step(0.4f, 0.8f, away);
+	float thick = 0.66f + rim + 0.4f * media_noise(at, 90, 3.4f, seed + 1);
+	return grain_step(1, 0.78f, away) * thick;
+}

@@ -16,6 +16,8 @@ float stroke_ink_pen(const struct stroke_place *at, uint32_t seed);
 float stroke_charcoal(const struct stroke_place *at, uint32_t seed);
 float stroke_brush(const struct stroke_place *at, uint32_t seed);
 float stroke_chalk(const struct stroke_place *at, uint32_t seed);
+float stroke_bristles(const struct stroke_place *at, uint32_t seed);
+float stroke_dab(const struct stroke_place *at, uint32_t seed);
 
 /* Noise with features of so many texels along and across: -1..1, mean 0. */
 static inline float media_noise(

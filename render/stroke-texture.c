@@ -13,6 +13,8 @@ const struct stroke_texture_kind stroke_texture_kinds[STROKE_KINDS] = {
 	[STROKE_CHARCOAL] = { "charcoal", "Charcoal", stroke_charcoal },
 	[STROKE_BRUSH] = { "brush", "Brush", stroke_brush },
 	[STROKE_CHALK] = { "chalk", "Chalk", stroke_chalk },
+	[STROKE_BRISTLES] = { "bristles", "Flat brush", stroke_bristles },
+	[STROKE_DAB] = { "dab", "Dab of paint", stroke_dab },
 };
 
 static stroke_texture *texture_of(

@@ -29,6 +29,8 @@ enum stroke_kind {
 	STROKE_CHARCOAL, /* broad, granular, over its own dust; broken edges and streaks */
 	STROKE_BRUSH,    /* begins wet, ends dry, in streaks of bristles */
 	STROKE_CHALK,    /* only on the heights of the tooth; blunt ends */
+	STROKE_BRISTLES, /* how thick a flat brush leaves paint, hair by hair */
+	STROKE_DAB,      /* and a round one that is only set down */
 	STROKE_KINDS
 };
 

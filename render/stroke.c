@@ -19,7 +19,7 @@ float stroke_growth(float need)
 /* ---- room ---- */
 
 /* Blocks that are made at once: a large page of them. */
-#define SLAB 518
+#define SLAB 515
 
 struct stroke_room {
 	GMutex lock;
@@ -85,6 +85,8 @@ static struct brush brush_of(const frame *f, const visibility_mask *m, const str
 		for (int n = 0; n < 3; n++)
 			b.turn[k][n] = (float)row[k][n];
 	b.ray_most = frame_ray_most(f, l);
+	if (l->paint)
+		frame_paint_crown(f, v->chunk, b.crown_m);
 	return b;
 }
 
@@ -100,6 +102,8 @@ static void choose_whole(struct brush *b, struct stroke_chain *to)
 		LANES_OF(b->f->lanes, stroke_hatch)(b, to);
 	else if (b->layer->is_cut)
 		LANES_OF(b->f->lanes, stroke_cut)(b, to);
+	else if (b->layer->paint)
+		LANES_OF(b->f->lanes, stroke_paint)(b, to);
 	else
 		LANES_OF(b->f->lanes, stroke_contours)(b, to);
 }

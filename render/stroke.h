@@ -20,10 +20,12 @@ struct stroke {
 	uint8_t rgb[3];
 	uint8_t copy; /* 0: the point itself; else one of its patch's surface. Of hatching twice that, and 1 more of the stroke across */
 	uint32_t point; /* its scene_id() */
+	/* Of paint: how high it lies, 0 to PAINT_LAYS - 1; what is left of its area for being seen aslant, 255 all. */
+	uint8_t lay, aslant;
 };
 
 /* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */
-#define STROKE_BLOCK 84u
+#define STROKE_BLOCK 78u
 struct stroke_block {
 	struct stroke_block *next; /* of the same layer */
 	uint32_t first, count;     /* strokes before it, and in it */
@@ -78,7 +80,8 @@ static inline float stroke_moved_most_m(const struct scene_chunk *c, float scatt
 
 /* What depends on chance, of one stroke: a salt of its own. */
 enum {
-	SALT_LENGTH = 1,
+	SALT_LAY,
+	SALT_LENGTH,
 	SALT_ANGLE,
 	SALT_OPACITY,
 	SALT_VARIANT,
@@ -88,7 +91,9 @@ enum {
 	SALTS = 8,
 	/* Of points alone. */
 	SALT_CROSS = 1 << 16,
-	SALT_PENCIL
+	SALT_PENCIL,
+	SALT_WARMTH,
+	SALT_HUE
 };
 static inline uint32_t stroke_salt(uint32_t copy, uint32_t salt)
 {
@@ -126,6 +131,25 @@ static inline float stroke_fade(float rank, float need, float octaves)
 		return 0;
 	float fade = __builtin_log2f(need / rank) / octaves;
 	return fade < 1 ? fade : 1;
+}
+
+/* How deep a pixel may be for a stroke of paint to be there, as parts of the depth of its plane. */
+struct stroke_reach {
+	float from, to;
+};
+static inline struct stroke_reach stroke_paint_reach(
+	const struct frame_paint *p, const struct stroke *s)
+{
+	float right = __builtin_fabsf(s->along[0]), down = __builtin_fabsf(s->along[1]);
+	float slack = PAINT_PLANE_ROUGH *
+		      (__builtin_fabsf(s->slope[0]) *
+				      (right * s->half_length_px + down * s->half_width_px) +
+			      __builtin_fabsf(s->slope[1]) *
+				      (down * s->half_length_px + right * s->half_width_px)) /
+		      s->q;
+	if (slack > PAINT_ROUGH_MOST)
+		slack = PAINT_ROUGH_MOST;
+	return (struct stroke_reach){ 1 - slack, p->behind + p->behind_m * s->q + slack };
 }
 
 /* How much larger strokes must be to be as dark as wanted where need is more than there are points for. */

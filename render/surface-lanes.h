@@ -1,7 +1,7 @@
 #ifndef RENDER_SURFACE_LANES_H
 #define RENDER_SURFACE_LANES_H
-/* Directions on surfaces, of eight points at a time: in their planes, on the screen, and how they are bent. Internal to hatch-lanes.c and
- * contour-lanes.c; all is inlined. */
+/* Directions on surfaces, of eight points at a time: in their planes, on the screen, and how they are bent. Internal to hatch-lanes.c,
+ * contour-lanes.c and paint-lanes.c; all is inlined. */
 #include "render/scene-bend.h"
 #include "render/stroke-shows.h"
 
@@ -54,6 +54,18 @@ INLINE struct way_lanes way_on_screen(
 	w.slope = -way[2] / (c->depth_m * b->lens.focal_px * most(part, all(1e-3f)) *
 				    LENS_STRETCH(&b->lens, c->depth_m));
 	return w;
+}
+
+/* plane_slope() of what is flat. */
+INLINE void plane_slopes(
+	const struct brush *b, const struct lane_candidates *c, vf reach_px, vf ret[2])
+{
+	vf away = along_of(b, c) * c->depth_m * b->lens.focal_px *
+		  LENS_STRETCH(&b->lens, c->depth_m),
+	   steepest = 0.5f / (c->depth_m * most(reach_px, all(1)));
+	vi some = c->is_flat & (magnitude(away) > 1e-6f);
+	for (int n = 0; n < 2; n++)
+		ret[n] = where(some, least(most(c->normal[n] / away, -steepest), steepest));
 }
 
 #endif

@@ -186,8 +186,9 @@ static void add_stroke(struct hand *h, const struct stroke *s)
 	find_chunk(h, s);
 	if (!parts || !h->owner.end || !look_of(h, s, &look))
 		return;
-	look.coat = (uint8_t)vector_coats_take(
-		h->coats, s, h->to->form, vector_width_px(&h->shaper, s));
+	look.coat = h->from->paint ? s->lay / (PAINT_LAYS / VECTOR_COATS)
+				   : (uint8_t)vector_coats_take(h->coats, s, h->to->form,
+					     vector_width_px(&h->shaper, s));
 	struct vector_path *p = path_of(h, &look);
 	for (uint32_t n = 0; n < parts; n++)
 		add_shape(h, p, &part[n]);
@@ -231,13 +232,23 @@ static struct vector_layer *layer_new(const struct frame_layer *from, enum vecto
 	return l;
 }
 
+/* Of paint, which hides what it lies on, one coat after the other: those that lie so high. */
+static void add_strokes(struct hand *h, const struct stroke_blocks *strokes, uint32_t coat)
+{
+	for (uint32_t k = 0; k < strokes->blocks; k++)
+		for (uint32_t n = 0; n < strokes->block[k]->count; n++) {
+			const struct stroke *s = &strokes->block[k]->stroke[n];
+			if (!h->from->paint || s->lay / (PAINT_LAYS / VECTOR_COATS) == coat)
+				add_stroke(h, s);
+		}
+}
+
 static void fill_layer(struct hand *h, const struct stroke_blocks *strokes)
 {
 	h->groups = g_hash_table_new(NULL, NULL);
 	h->paths = g_hash_table_new_full(look_hash, look_equal, g_free, NULL);
-	for (uint32_t k = 0; k < strokes->blocks; k++)
-		for (uint32_t n = 0; n < strokes->block[k]->count; n++)
-			add_stroke(h, &strokes->block[k]->stroke[n]);
+	for (uint32_t coat = 0; coat < (h->from->paint ? VECTOR_COATS : 1); coat++)
+		add_strokes(h, strokes, coat);
 	g_ptr_array_sort(h->to->groups, compare_groups);
 	h->to->strokes = strokes->count;
 	h->to->name = name_of(h);

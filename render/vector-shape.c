@@ -9,20 +9,20 @@
 
 /* ---- profiles ---- */
 
-/* Sums of alpha over the columns around a station: of all, squared, and with how far it is from the middle, -1 to 1. */
+/* covers: what is as good as 1, of alpha. Sums of alpha over the columns around a station: of all, squared, and with how far it is from the middle, -1 to 1. */
 struct ink {
 	double all, squares, aside;
 };
 
-static struct ink ink_around(
-	const stroke_texture *t, const uint8_t *alpha, double from, double end, double *ret_columns)
+static struct ink ink_around(const stroke_texture *t, const uint8_t *alpha, double covers,
+	double from, double end, double *ret_columns)
 {
 	struct ink ink = { 0 };
 	uint32_t first = (uint32_t)fmax(from * t->length, 0),
 		 last = (uint32_t)fmin(ceil(end * t->length), t->length);
 	for (uint32_t y = 0; y < t->width; y++)
 		for (uint32_t x = first; x < last; x++) {
-			double a = alpha[y * t->length + x] / 255.0;
+			double a = fmin(alpha[y * t->length + x] / 255.0 / covers, 1);
 			ink.all += a;
 			ink.squares += a * a;
 			ink.aside += a * ((2.0 * y + 1) / t->width - 1);
@@ -32,16 +32,16 @@ static struct ink ink_around(
 }
 
 /* The ink of each part of the length, pushed together until it is as opaque as ink of the stroke is on average. */
-static struct vector_profile profile_of(const stroke_texture *t, uint32_t variant)
+static struct vector_profile profile_of(const stroke_texture *t, double covers, uint32_t variant)
 {
 	const uint8_t *alpha = stroke_texture_variant(t, variant);
 	struct vector_profile p = { 0 };
 	double columns;
-	struct ink whole = ink_around(t, alpha, 0, 1, &columns);
+	struct ink whole = ink_around(t, alpha, covers, 0, 1, &columns);
 	p.opacity = whole.all > 0 ? (float)(whole.squares / whole.all) : 0;
 	for (int n = 0; n < VECTOR_STATIONS && p.opacity > 0; n++) {
 		double at = (double)n / (VECTOR_STATIONS - 1), reach = 0.5 / (VECTOR_STATIONS - 1);
-		struct ink here = ink_around(t, alpha, at - reach, at + reach, &columns);
+		struct ink here = ink_around(t, alpha, covers, at - reach, at + reach, &columns);
 		if (here.all > 0)
 			p.middle[n] = (float)(here.aside / here.all);
 		p.half[n] = (float)(here.all / (columns * t->width * (double)p.opacity));
@@ -49,20 +49,27 @@ static struct vector_profile profile_of(const stroke_texture *t, uint32_t varian
 	return p;
 }
 
+/* Of paint that of the broadest strokes. */
+static const stroke_texture *texture_of(const struct frame_layer *l)
+{
+	return l->paint ? l->paint->level[0].texture : l->texture;
+}
+
 static uint32_t variant_of(const struct vector_shaper *v, const struct stroke *s)
 {
 	return (uint32_t)(stroke_chance(s->point, stroke_salt(s->copy, SALT_VARIANT)) *
-			  (float)v->layer->texture->variants);
+			  (float)texture_of(v->layer)->variants);
 }
 
 struct vector_shaper vector_shaper_of(
 	const struct frame_layer *l, const visibility_mask *m, uint32_t width, uint32_t height)
 {
 	struct vector_shaper v = { .layer = l, .mask = m, .width = width, .height = height };
-	v.form = l->texture ? VECTOR_AREAS : step_is_dots(l->step) ? VECTOR_DOTS : VECTOR_LINES;
-	for (uint32_t n = 0; l->texture && n < MIN(l->texture->variants, STROKE_TEXTURE_VARIANTS);
-		n++)
-		v.profile[n] = profile_of(l->texture, n);
+	const stroke_texture *t = texture_of(l);
+	double covers = l->paint ? PAINT_COVERS : 1;
+	v.form = t ? VECTOR_AREAS : step_is_dots(l->step) ? VECTOR_DOTS : VECTOR_LINES;
+	for (uint32_t n = 0; t && n < MIN(t->variants, STROKE_TEXTURE_VARIANTS); n++)
+		v.profile[n] = profile_of(t, covers, n);
 	return v;
 }
 
@@ -90,7 +97,11 @@ static bool is_seen(
 	int32_t column = (int32_t)x, row = (int32_t)y;
 	float q = s->q + ((float)column + 0.5f - s->x_px) * s->slope[0] +
 		  ((float)row + 0.5f - s->y_px) * s->slope[1];
-	return q * key_as_float(mask_key(v->mask, column, row)) >= 1;
+	float behind = q * key_as_float(mask_key(v->mask, column, row));
+	if (!v->layer->paint)
+		return behind >= 1;
+	struct stroke_reach reach = stroke_paint_reach(v->layer->paint, s);
+	return behind >= reach.from && behind <= reach.to;
 }
 
 /* Of its breadth more than half. */

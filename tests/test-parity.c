@@ -232,6 +232,15 @@ static const struct look {
 		"{\"step\":\"hatching\",\"follows\":\"screen\",\"texture\":\"dot\","
 		"\"length_px\":6,\"width_px\":6,\"spacing_px\":4,\"copies\":40,\"points\":"
 		"\"surface\",\"tooth\":0}" },
+	{ "paint-lit",
+		"{\"step\":\"paint\",\"length_px\":40,\"width_px\":18,\"fine\":0.15,"
+		"\"thickness_px\":4,\"shine\":0.4,\"palette\":[\"#e02020\",\"#f0e020\","
+		"\"#2030c0\"],\"warmth\":0.8,\"light_variation\":0.3,\"spill\":0.5}",
+		LIGHT FOCUS },
+	{ "paint-dabs", "{\"step\":\"paint\",\"texture\":\"dab\",\"lies\":\"screen\",\"wet\":0.8,"
+			"\"points\":\"surface\",\"detail\":0,\"follow\":0.4,\"cover\":0.8,"
+			"\"contrast\":1.4,\"even\":0.2,\"tooth\":0.6,\"angle_variation_deg\":90},"
+			"{\"step\":\"lines\",\"points\":\"features\"}" },
 	{ "contours-all",
 		"{\"step\":\"points\"},{\"step\":\"contours\",\"band_px\":8,\"slant_least\":1,"
 		"\"ink\":\"#802010\"}",

@@ -27,9 +27,10 @@ static void check_row(const struct step_kind *k, const struct step_parameter *p)
 static void test_table(void)
 {
 	static const char *const names[] = { "mask", "points", "sprites", "lines", "strokes",
-		"hatching", "contours", "cut", "edl", "stipple", "kuwahara", "anisotropic-kuwahara",
-		"bilateral", "gaussian", "gaps", "quantise", "dog", "edges", "watercolour", "flow",
-		"oil", "pencil", "grade", "warp", "occlusion", "neural", "inpaint", "composite" };
+		"hatching", "contours", "cut", "paint", "edl", "stipple", "kuwahara",
+		"anisotropic-kuwahara", "bilateral", "gaussian", "gaps", "quantise", "dog", "edges",
+		"watercolour", "flow", "oil", "pencil", "grade", "warp", "occlusion", "neural",
+		"inpaint", "composite" };
 	g_assert_cmpuint(G_N_ELEMENTS(names), <=, STEP_KINDS_MAX);
 	for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
 		const struct step_kind *k = &step_kinds[i];

@@ -45,6 +45,8 @@ static const struct look {
 	[STROKE_CHARCOAL] = { 0.35, 0.5, 0.2, 0.5 },
 	[STROKE_BRUSH] = { 0.38, 0.52, 0.2, 0.7 },
 	[STROKE_CHALK] = { 0.25, 0.4, 0.2, 0.7 },
+	[STROKE_BRISTLES] = { 0.35, 0.55, 0.4, 0.85 },
+	[STROKE_DAB] = { 0.35, 0.55, 0.3, 0.7 },
 };
 
 static void borders_are_empty(const stroke_texture *t)
@@ -151,7 +153,7 @@ static void test_unknown_stroke(void)
 {
 	g_autoptr(GError) error = NULL;
 	g_assert_null(stroke_texture_new("crayon", &error));
-	refuses(error, "'crayon'", "charcoal, brush, chalk, or");
+	refuses(error, "'crayon'", "bristles, dab, or");
 	for (enum stroke_kind k = 0; k < STROKE_KINDS; k++)
 		g_assert_nonnull(strstr(error->message, stroke_texture_kinds[k].name));
 	g_clear_error(&error);

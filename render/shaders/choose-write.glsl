@@ -69,6 +69,8 @@ void main()
 				if (is_hatching())
 					for (uint k = 0u; k < count && at < capacity; k++)
 						write_hatch(at++, c, one, g.h, k);
+				else if (is_paint() && count != 0u)
+					write_paint(at++, c, one, g.p);
 				else if (count != 0u)
 					write_stroke(at++, c, one, g.h);
 			}

@@ -38,7 +38,7 @@ struct line {
 
 /* What becomes of a candidate; alpha 0: nothing. normal 0 0 0: all of one depth. lit: what is left of its colour. */
 struct choice {
-	float alpha, growth, lit;
+	float alpha, growth, lit, size;
 	line edge;
 	vec3 normal;
 };
@@ -75,8 +75,16 @@ bool is_hatching()
 	return hatch_way.w > 0.0;
 }
 
+/* Of a chunk of leaves, which stand any way. */
+bool is_leaf(candidate c)
+{
+	return views[c.view].crown.w < 0.0 && points[c.index].z >> 24 == UNDIRECTED;
+}
+
 float cosine_of(candidate c, vec3 normal)
 {
+	if (paint_size.x > 0.0 && is_leaf(c))
+		return COSINE_UNKNOWN;
 	if (is_hatching() && points[c.index].z >> 24 == UNDIRECTED)
 		return COSINE_UNKNOWN;
 	if ((c.kind == UNDIRECTED && which.y == 0u) || normal == vec3(0.0))
@@ -125,7 +133,7 @@ bool is_cut()
 /* All points are surface to it, in the order of their own ranks. */
 bool is_whole()
 {
-	return is_hatching() || is_contours() || is_cut();
+	return is_hatching() || is_contours() || is_cut() || paint_size.x > 0.0;
 }
 
 /* Comes after the dithering points, as dense as all points are. */
@@ -308,7 +316,7 @@ bool candidate_of(uint n, uint i, out candidate c)
 	uint word = is_whole() ? i : lists[views[n].at.x + i];
 	c.index = views[n].at.x + (word & 0xffffu);
 	c.point = views[n].at.y + (word & 0xffffu);
-	if (is_hatching() && (which.x >> (points[c.index].z >> 24) & 1u) == 0u)
+	if (is_whole() && !is_contours() && (which.x >> (points[c.index].z >> 24) & 1u) == 0u)
 		return false;
 	c.view = n;
 	c.spacing_m = float((shares_queue(c.kind) ? points[c.index].y : word) >> 16) * UNIT_M;

@@ -4,9 +4,11 @@ struct chunk_view {
 	vec4 mask;           /* disc, offset_m, offset_relative; 1 where backs are hidden */
 	vec4 splat;          /* size, radius_least; size 0: shows no points; z: spacing_most_m, w: disc_most_m of all kinds */
 	vec4 spacing_most_m; /* of each kind's list */
+	vec4 crown;          /* of paint: the middle of its leaf, as the camera sees it; cell_m, below 0 where it is leafy */
 	uvec4 kind_end;
 	uvec4 at; /* first point in the slab, what chance knows it by, count, how many of the first may stand for all */
 	uvec4 pipeline;      /* and the chunk, its leaf, bits of the part of all points that it has */
+	uvec4 paint;         /* its mean colour */
 };
 layout(std430, binding = 0) readonly buffer Points {
 	uvec4 points[]; /* q0 q1, q2 spacing, disc degree kind, normal */

@@ -3,7 +3,7 @@
 layout(location = 0) out vec4 canvas;
 layout(binding = 3) uniform sampler2D ink_plane;
 layout(binding = 4) uniform sampler2D weight_plane;
-const uint INKED = 0u, COLOURED = 1u, PAINTED = 2u;
+const uint INKED = 0u, COLOURED = 1u, PAINTED = 2u, LAID = 3u;
 
 /* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
 vec4 on_relief(vec4 bare)
@@ -14,11 +14,45 @@ vec4 on_relief(vec4 bare)
 	return 1.0 - clamp(cover * (1.0 + 4.0 * look.w * relief_at(gl_FragCoord.xy) * bare), 0.0, 1.0);
 }
 
+float thickness_at(ivec2 at)
+{
+	vec2 sum = texelFetch(weight_plane, at, 0).rg;
+	return sum.x > 0.0 ? sum.y / sum.x * (1.0 - texelFetch(ink_plane, at, 0).a) : 0.0;
+}
+
+/* Beside the picture there is none; above and below it is as on its border. */
+float thickness_beside(ivec2 at)
+{
+	return at.x >= 0 && at.x < int(size.x) ? thickness_at(at) : 0.0;
+}
+
+/* What light does to paint: a factor, and what it adds (draw-lanes.c). */
+vec2 light_paint(ivec2 at)
+{
+	const float SHADE = 0.6;
+	int last = int(size.y) - 1;
+	vec2 n = paint_thick.x *
+		 vec2(thickness_beside(at - ivec2(1, 0)) - thickness_beside(at + ivec2(1, 0)),
+			 thickness_at(ivec2(at.x, max(at.y - 1, 0))) - thickness_at(ivec2(at.x, min(at.y + 1, last))));
+	float unit = 1.0 / sqrt(dot(n, n) + 1.0);
+	float facing = dot(vec3(n, 1.0), paint_light.xyz) * unit;
+	float glint = max(2.0 * facing * unit - paint_light.z, 0.0);
+	glint *= glint;
+	glint *= glint;
+	glint *= glint;
+	return vec2(1.0 + SHADE * (facing - paint_light.z), paint_thick.y * glint * glint);
+}
+
 void main()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
 	vec4 ink = texelFetch(ink_plane, at, 0);
-	if (colour.y == PAINTED) {
+	if (colour.y == LAID) {
+		float high = texelFetch(weight_plane, at, 0).r, bare = on_relief(ink.aaaa).x;
+		vec2 by = light_paint(at);
+		canvas = high > 0.0 ? vec4((1.0 - bare) * (ink.rgb / high * by.x + by.y), bare)
+				    : vec4(0.0, 0.0, 0.0, 1.0);
+	} else if (colour.y == PAINTED) {
 		float weight = texelFetch(weight_plane, at, 0).r, bare = on_relief(ink.aaaa).x;
 		canvas = weight > 0.0 ? vec4((1.0 - bare) * ink.rgb / weight, bare) : vec4(0.0, 0.0, 0.0, 1.0);
 	} else if (colour.y == COLOURED)

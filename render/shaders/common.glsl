@@ -20,6 +20,8 @@ layout(std140, binding = 0) uniform Camera {
 	vec4 light[64];    /* linear, of sRGB bytes, four in one */
 	vec4 light_from;   /* towards the style's light, as the camera sees it; its amount, 0: there is none */
 	vec4 focus;        /* its middle, as the camera sees it; what fades far away from it */
+	vec4 eye;          /* from the scene's origin */
+	vec4 paint_light;  /* towards the light on paint (frame_paint_light) */
 	vec4 focus_reach;  /* radius_m, 1 / falloff_m, abstraction, 1: there is one; 2: all of that is at depth 1; 3: it is a segment */
 };
 

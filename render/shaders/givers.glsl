@@ -6,6 +6,7 @@ struct giver {
 	bool is_flat;
 	uint copies;
 	hatch h;
+	brush p;
 	float wanted, rank, last, most; /* points to a square metre: no rank above the most is drawn */
 };
 
@@ -31,6 +32,15 @@ bool giver_of(uint n, uint i, out giver g)
 		g.wanted = hatch_wanted(g.c, g.normal, g.h);
 		g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
 		g.is_flat = is_flat_here(g.c, g.normal);
+		g.copies = g.is_flat ? colour.z : 1u;
+		return g.rank < g.most;
+	}
+	if (is_paint()) {
+		g.normal = turned(points[g.c.index].w);
+		find_brush(g.c, g.normal, g.p);
+		g.wanted = wanted_per_px[0].x * g.p.part / g.p.aslant;
+		g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
+		g.is_flat = is_flat_paint(g.c, g.normal);
 		g.copies = g.is_flat ? colour.z : 1u;
 		return g.rank < g.most;
 	}
@@ -76,7 +86,12 @@ choice choice_on_surface(giver g, inout candidate c)
 	if (fade <= 0.0 || front <= 0.0)
 		return one;
 	one.alpha = fade * front * visibility(c) * (1.0 - focus.w * away);
-	one.growth = min(growth_of(need / (g.last * float(g.copies))), look.x) * larger;
+	float broad = is_paint() ? paint_size.y * paint_size.y / g.p.part : 1.0;
+	one.growth = min(growth_of(broad * need / (g.last * float(g.copies))), look.x) * larger;
+	if (is_paint()) {
+		one.size = size_of(g.p, g.rank, need);
+		one.growth *= one.size;
+	}
 	if (is_contours())
 		one.alpha *= g.h.chance;
 	if (is_hatching()) {

@@ -21,5 +21,11 @@ layout(std140, binding = 1) uniform Layer {
 	vec4 contour;       /* of contours 1, band_px, outlines, suggestive */
 	vec4 contour_least; /* slant_least, bent_least_per_m, steps; 1: with curvatures */
 	vec4 cut;           /* of cuts 1, thick_m or 0: by the points' spacing */
+	/* Of paint (frame-paint.h). */
+	vec4 paint_size;  /* 1: it is some; fine, detail, follow */
+	vec4 paint_look;  /* even, contrast, warmth, sixths of the circle that hues differ by */
+	vec4 paint_lay;   /* octaves of a place, of paint; how far behind it reaches, factor and metres */
+	vec4 paint_thick; /* half its thickness in pixels, shine, light_variation; 1: lies on the screen */
+	vec4 paint_part[64]; /* by detail, four in one */
 	uvec4 colour; /* the ink's bytes; how it blends: enum band_blend; how many strokes a point gives; 1: of what the focus is on */
 };

@@ -8,6 +8,9 @@ flat out vec4 pen_place; /* x y, cosine, sine */
 flat out vec4 pen_body;  /* half_length, half_width, alpha, variant */
 flat out vec3 pen_plane; /* 1/depth: q, slope */
 flat out vec3 pen_colour;
+flat out vec4 pen_lay; /* of paint: octaves that it lies high, how thick it must be; from where and to where it reaches */
+
+const float PLANE_ROUGH = 0.6, ROUGH_MOST = 0.06, LAYS = 64.0;
 
 void main()
 {
@@ -21,4 +24,12 @@ void main()
 	pen_body = vec4(half_length, body.xy, float(rgb_variant >> 24));
 	pen_plane = vec3(body.zw, slope_down);
 	pen_colour = light_of_bytes(rgb_variant);
+	pen_lay = vec4(0.0);
+	if (colour.y == 3u) {
+		vec2 reach = abs(along) * half_length + abs(along.yx) * body.x;
+		float slack = min(PLANE_ROUGH * dot(abs(vec2(body.w, slope_down)), reach) / body.z, ROUGH_MOST);
+		pen_body.w = float(rgb_variant >> 24 & 3u);
+		pen_lay = vec4(float(rgb_variant >> 26) * paint_lay.x - 0.5 * (paint_lay.x * (LAYS - 1.0) + paint_lay.y),
+			1.0 - body.y, 1.0 - slack, paint_lay.z + paint_lay.w * body.z + slack);
+	}
 }

@@ -1,0 +1,87 @@
+#include "render/frame-paint.h"
+#include "render/frame.h"
+#include "render/stroke.h"
+#include <math.h>
+#include <string.h>
+
+/* What a stroke covers of its box. */
+static float covered_part(const stroke_texture *t)
+{
+	double sum = 0;
+	size_t texels = (size_t)t->length * t->width * t->variants;
+	for (size_t n = 0; n < texels; n++)
+		sum += fmin(t->alpha[n] / (255.0 * PAINT_COVERS), 1);
+	return (float)fmax(sum / (double)texels, 0.05);
+}
+
+/* Halves of the whole, as a GPU's levels are. */
+static uint32_t inner(uint32_t whole, uint32_t level)
+{
+	return MAX(whole >> level, 3) - 2;
+}
+
+static void make_levels(
+	struct frame_paint *p, const struct frame_layer *l, const stroke_texture *texture)
+{
+	uint32_t length = MAX((uint32_t)(l->ink.length_px + 0.5f), 30) + 2,
+		 width = MAX((uint32_t)(l->ink.width_px + 0.5f), 30) + 2;
+	for (uint32_t n = 0; n < PAINT_LEVELS; n++) {
+		struct paint_level *v = &p->level[n];
+		v->texture = stroke_texture_scaled(texture, inner(length, n), inner(width, n));
+		v->texels = frame_pack_texels(v->texture, &v->texel_shift);
+	}
+}
+
+struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
+	const struct mask_step *mask, const stroke_texture *texture)
+{
+	struct frame_paint *p = g_new0(struct frame_paint, 1);
+	const struct paint_step *step = &l->step->paint;
+	p->step = *step;
+	p->seen = scene_paint_of(s);
+	p->palette = pencil_box_of(step->palette);
+	make_levels(p, l, texture);
+	float area_px = l->ink.length_px * l->ink.width_px * covered_part(p->level[0].texture);
+	p->wanted_per_px = step->cover / (area_px * step->fine * step->fine);
+	for (int n = 0; n < 256; n++)
+		p->part[n] = powf(step->fine, 2 * step->detail * (1 - (float)n / 255));
+	p->octaves[0] = (1 - step->wet) * PAINT_OCTAVES_LAY / (PAINT_LAYS - 1);
+	p->octaves[1] = (1 - step->wet) * PAINT_OCTAVES_PAINT;
+	p->behind = (1 + step->spill) * (1 + mask->offset_relative);
+	p->behind_m = (1 + step->spill) * mask->offset_m;
+	return p;
+}
+
+void frame_paint_free(struct frame_paint *p)
+{
+	if (!p)
+		return;
+	for (uint32_t n = 0; n < PAINT_LEVELS; n++) {
+		stroke_texture_free(p->level[n].texture);
+		g_free(p->level[n].texels);
+	}
+	g_free(p);
+}
+
+void frame_paint_crown(const frame *f, const struct scene_chunk *c, float ret_m[3])
+{
+	const float *middle_m =
+		scene_paint_chunk_of(scene_paint_of(f->scene), f->scene, c)->middle_m;
+	const double *row[3] = { f->camera.right, f->camera.down, f->camera.forward };
+	for (int k = 0; k < 3; k++) {
+		double at_m = 0;
+		for (int n = 0; n < 3; n++)
+			at_m += row[k][n] * ((double)middle_m[n] - f->eye_m[n]);
+		ret_m[k] = (float)at_m;
+	}
+}
+
+void frame_paint_light(const frame *f, float ret[3])
+{
+	static const float left_above[3] = { -0.45f, -0.55f, 0.70f };
+	const float *from = f->light.from;
+	float aside = sqrtf(from[0] * from[0] + from[1] * from[1]);
+	memcpy(ret, left_above, sizeof left_above);
+	for (int k = 0; k < 2 && f->light.amount > 0 && aside > 0.05f; k++)
+		ret[k] = from[k] / aside * sqrtf(1 - ret[2] * ret[2]);
+}

@@ -1,0 +1,60 @@
+#ifndef RENDER_FRAME_PAINT_H
+#define RENDER_FRAME_PAINT_H
+/* A layer of paint as it is drawn: what its strokes leave at each of their sizes, and what of it is known before the camera is. */
+#include "render/pencil-box.h"
+#include "render/scene-paint.h"
+#include "render/step.h"
+#include "render/stroke-texture.h"
+
+/* The texture of the broadest strokes, and each time half of it: a stroke takes the one that is sharp for its width. As long and as
+ * wide, with a border of a texel, as the levels of a GPU's texture. */
+#define PAINT_LEVELS 4u
+#define PAINT_SHARP  0.7f /* down to this part of its width */
+
+/* A stroke's place in the pile, in so many steps: finer ones lie higher, and else chance tells. */
+#define PAINT_LAYS     64u
+#define PAINT_LAY_FINE 0.6f /* part of them that size has */
+/* A stroke hides those below by its weight, which has a factor of two to each octave: of its place, and of how thick its own paint is.
+ * All of it within what floats can add; a GPU that has but half floats gets so much less, and paint that is wetter. */
+#define PAINT_OCTAVES_LAY   44.f
+#define PAINT_OCTAVES_PAINT 10.f
+#define PAINT_OCTAVES_HALF  24.f
+/* Paint that is thicker than this part of the thickest covers; a faint stroke leaves paint where it is thick alone. */
+#define PAINT_COVERS 0.25f
+
+/* How much smaller than the broadest, on the way to the finest, strokes of details are at most. */
+#define PAINT_DETAIL_SMALLER 0.8f
+/* What is left of the lengths of strokes, and of what they cover, at least, where surface is seen aslant. */
+#define PAINT_NARROWEST 0.3f
+
+/* Planes are not so sure: the part of what depth changes by from a stroke's middle to its end that it may be wrong by, and how much of
+ * the depth at most. */
+#define PAINT_PLANE_ROUGH 0.6f
+#define PAINT_ROUGH_MOST  0.06f
+
+struct frame_paint {
+	struct paint_step step;
+	const scene_paint *seen;
+	pencil_box palette;
+	struct paint_level {
+		stroke_texture *texture;
+		uint32_t *texels, texel_shift; /* as those of frame_layer */
+	} level[PAINT_LEVELS];
+	/* By detail: of all strokes the part that is there. The broad ones are the first. */
+	float part[256];
+	float wanted_per_px; /* strokes, the finest and all others, of surface that is seen from the front */
+	float octaves[2]; /* of places, of paint: less where it is wet */
+	/* What a pixel's depth may be more than the stroke's: factor, and metres. */
+	float behind, behind_m;
+};
+
+/* How much darker paint is that faces away from the light. */
+#define PAINT_SHADE 0.6f
+
+struct frame_layer;
+/* Of a layer whose lengths are known; takes nothing. texture: whole. */
+struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
+	const struct mask_step *mask, const stroke_texture *texture);
+void frame_paint_free(struct frame_paint *p); /* NULL is fine */
+
+#endif

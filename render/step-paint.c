@@ -1,0 +1,66 @@
+/* The parameters of paint. */
+#include "render/step-private.h"
+
+static const char *const lies_names[] = {
+	[LIES_SURFACE] = "surface", [LIES_SCREEN] = "screen", NULL
+};
+
+const struct step_parameter paint_parameters[] = {
+	WHICH(INK_ALL),
+	NUMBER(paint_step, cover, RANGE(0.1, 12, 0.5, 8), 5, "",
+		"how many broad strokes lie at every place; below 2 the paper shows"),
+	LENGTH(56),
+	WIDTH(15, 40),
+	NUMBER(paint_step, fine, RANGE(0.05, 1, 0.1, 1), 0.25, "",
+		"how large the finest strokes are, as a part of the broadest"),
+	NUMBER(paint_step, detail, PART, 0.9, "",
+		"how far only what has details gets fine strokes; 0: all does"),
+	LENGTH_VARIATION(0.3),
+	{ .name = "lies",
+		.type = PARAMETER_CHOICE,
+		.offset = offsetof(struct paint_step, lies),
+		.choices = lies_names,
+		.fallback = LIES_SURFACE,
+		.unit = "",
+		.help = "whether strokes lie on surfaces, foreshortened as these are, or face the "
+			"eye" },
+	NUMBER(paint_step, follow, PART, 1, "",
+		"how much strokes turn along edges beside them, and as surfaces are bent"),
+	NUMBER(ink_step, angle_deg, RANGE(-360, 360, -90, 90), 0, "degrees",
+		"how far strokes that follow nothing are turned from the level"),
+	ANGLE_VARIATION(16),
+	TEXTURE("bristles"),
+	NUMBER(paint_step, even, PART, 0.9, "",
+		"how much broad strokes take their colours from all that they lie on"),
+	SATURATION,
+	NUMBER(paint_step, contrast, RANGE(0, 4, 0.5, 2), 1, "",
+		"factor on what differs from middle grey"),
+	NUMBER(paint_step, warmth, RANGE(-1, 1, -1, 1), 0.25, "",
+		"how much warmer light places become, and how much colder dark ones"),
+	NUMBER(paint_step, hue_variation_deg, RANGE(0, 180, 0, 40), 6, "degrees",
+		"how much hues of strokes differ from each other"),
+	NUMBER(paint_step, light_variation, PART, 0.08, "",
+		"how much strokes differ from each other in lightness"),
+	{ .name = "palette",
+		.type = PARAMETER_PENCILS,
+		.offset = offsetof(struct paint_step, palette),
+		.fallback_name = "[]",
+		.unit = "",
+		.help = "the colours that there are to paint with, each mixed with black and "
+			"white; of two neighbours chance takes one" },
+	NUMBER(paint_step, thickness_px, RANGE(0, 20, 0, 5), 1.2, "px",
+		"how thick paint lies where light falls on it"),
+	NUMBER(paint_step, shine, PART, 0.08, "", "how much it mirrors the light"),
+	NUMBER(paint_step, wet, PART, 0.1, "",
+		"how much strokes that lie on each other mix; 0: the upper one hides the lower"),
+	NUMBER(paint_step, spill, RANGE(0, 100, 0, 0.2), 0.02, "",
+		"as a part of the distance: how far behind a stroke that may lie which it still "
+		"covers"),
+	OPACITY(1),
+	OPACITY_VARIATION(0.2),
+	GROW,
+	COPIES,
+	SCATTER,
+	SURROUNDINGS(0.1),
+	{ NULL },
+};
