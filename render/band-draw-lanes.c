@@ -31,7 +31,8 @@ struct pen {
 	/* Of paint: octaves that it lies higher by, of its place and by what is thick; how thick it must be to cover; depths that it
 	 * reaches, as parts of that of its plane. */
 	float lay, octaves, dry;
-	struct stroke_reach reach_deep;
+	struct stroke_reach deep;
+	int32_t hole_px;
 };
 
 /* Lines are drawn a pixel wider than they are, with soft edges, which makes those that are thinner than that too strong. */
@@ -57,7 +58,8 @@ INLINE void lay_pen(const struct frame_layer *l, struct pen *p)
 		 0.5f * (paint->octaves[0] * (PAINT_LAYS - 1) + paint->octaves[1]);
 	p->octaves = paint->octaves[1];
 	p->dry = 1 - p->s->alpha;
-	p->reach_deep = stroke_paint_reach(paint, p->s);
+	p->deep = stroke_paint_reach(paint, p->s);
+	p->hole_px = paint->hole_px;
 }
 
 INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
@@ -180,32 +182,12 @@ INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 	return kernel == KERNEL_LINE ? line_alpha(p, dx, dy) : texture_alpha(p, dx, dy);
 }
 
-/* ---- columns and rows ---- */
+/* ---- eight pixels ---- */
 
-INLINE vi shows(const struct pen *p, enum band_blend blend, const int32_t *keys, vf dx, float dy)
+INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
 {
 	vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
-	vf behind = q * (vf) * (const vi_loose *)keys;
-	return blend == BAND_LAID ? (behind >= p->reach_deep.from) & (behind <= p->reach_deep.to)
-				  : behind >= 1;
-}
-
-/* 2^x, and what is between whole powers on straight lines. */
-INLINE vf power_of_two(vf x)
-{
-	return (vf) __builtin_convertvector((x + 127) * (float)(1 << 23), vi);
-}
-
-/* thick: 0..1. */
-INLINE void lay_at(const struct pen *p, vf thick, const struct band_ink *ink, ptrdiff_t at)
-{
-	vf cover = clamp01((thick - p->dry) * (1 / PAINT_COVERS));
-	vf weight = cover * power_of_two(p->lay + p->octaves * thick);
-	store(ink->bare + at, load(ink->bare + at) * (1 - cover));
-	for (int k = 0; k < 3; k++)
-		store(ink->channel[k] + at, load(ink->channel[k] + at) + weight * p->colour[k]);
-	store(ink->weight + at, load(ink->weight + at) + weight);
-	store(ink->height + at, load(ink->height + at) + weight * thick);
+	return q * (vf) * (const vi_loose *)keys >= 1;
 }
 
 INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
@@ -230,14 +212,83 @@ INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum ker
 	enum band_blend blend, const int32_t *keys, ptrdiff_t at, float dy, int left)
 {
 	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
-	vf alpha = alpha_at(p, kernel, dx, dy) * (blend == BAND_LAID ? 1 : p->s->alpha);
+	vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
 	if (keys)
-		alpha = where(shows(p, blend, keys + left, dx, dy), alpha);
-	if (blend == BAND_LAID)
-		lay_at(p, alpha, ink, at + left);
-	else
-		blend_at(p, blend, alpha, ink, at + left);
+		alpha = where(shows(p, keys + left, dx, dy), alpha);
+	blend_at(p, blend, alpha, ink, at + left);
 }
+
+/* ---- paint ---- */
+
+INLINE vi is_reached(const struct pen *p, vf q, vf depth)
+{
+	return (q * depth >= p->deep.from) & (q * depth <= p->deep.to);
+}
+
+/* The mask beside eight pixels of a row, from left on; what is outside of it is empty. */
+INLINE vf depth_beside(const visibility_mask *m, int left, int y)
+{
+	vf ret;
+	for (int k = 0; k < LANES; k++)
+		ret[k] = left + k >= 0 && left + k < (int)m->width && y >= 0 && y < (int)m->height
+				 ? mask_depth(mask_key(m, left + k, y))
+				 : mask_depth(MASK_EMPTY);
+	return ret;
+}
+
+/* At half the way to beyond a hole, or at all of it. */
+INLINE vi is_reached_beside(
+	const struct pen *p, const visibility_mask *m, vf q, int left, int y, int right, int down)
+{
+	int far = p->hole_px, half = (far + 1) / 2;
+	return is_reached(p, q, depth_beside(m, left + right * half, y + down * half)) |
+	       is_reached(p, q, depth_beside(m, left + right * far, y + down * far));
+}
+
+/* Where paint may be: on what it reaches, and on small holes in that. */
+INLINE vi takes_paint(const struct pen *p, const visibility_mask *m, int left, int y, vf q)
+{
+	vi key = *(const vi_loose *)(m->key + (ptrdiff_t)y * m->pitch + left);
+	vi ret = is_reached(p, q, (vf)key), empty = key >= MASK_EMPTY;
+	if (!any(empty & ~ret))
+		return ret;
+	vi across = is_reached_beside(p, m, q, left, y, -1, 0) &
+		    is_reached_beside(p, m, q, left, y, 1, 0),
+	   down = is_reached_beside(p, m, q, left, y, 0, -1) &
+		  is_reached_beside(p, m, q, left, y, 0, 1);
+	return ret | (empty & (across | down));
+}
+
+/* 2^x, and what is between whole powers on straight lines. */
+INLINE vf power_of_two(vf x)
+{
+	return (vf) __builtin_convertvector((x + 127) * (float)(1 << 23), vi);
+}
+
+/* Paint of eight pixels of row y. */
+INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const visibility_mask *m,
+	ptrdiff_t at, int y, float dy, int left)
+{
+	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
+	vf thick = texture_alpha(p, dx, dy), cover = clamp01((thick - p->dry) * (1 / PAINT_COVERS));
+	if (!any(cover > 0))
+		return;
+	if (m) {
+		vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+		cover = where(takes_paint(p, m, left, y, q), cover);
+		if (!any(cover > 0))
+			return;
+	}
+	vf weight = cover * power_of_two(p->lay + p->octaves * thick);
+	at += left;
+	store(ink->bare + at, load(ink->bare + at) * (1 - cover));
+	for (int k = 0; k < 3; k++)
+		store(ink->channel[k] + at, load(ink->channel[k] + at) + weight * p->colour[k]);
+	store(ink->weight + at, load(ink->weight + at) + weight);
+	store(ink->height + at, load(ink->height + at) + weight * thick);
+}
+
+/* ---- columns and rows ---- */
 
 /* The first pixel whose middle is not before x, or 0. */
 INLINE int pixel_from(float x)
@@ -269,9 +320,8 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 	for (int k = 0; top + k < end; k++, at += b->pitch) {
 		vf alpha = where(reach2 >= down2[k], across * down[k]);
 		if (m)
-			alpha = where(
-				shows(p, blend, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
-					(float)(top + k) + 0.5f - s->y_px),
+			alpha = where(shows(p, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
+					      (float)(top + k) + 0.5f - s->y_px),
 				alpha);
 		blend_at(p, blend, alpha, ink, at);
 	}
@@ -302,11 +352,11 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 			store_mask(right, pixels_from(s->x_px + high, (int32_t)b->width));
 		for (int k = 0; k < LANES && y < end;
 			k++, y++, at += b->pitch, keys += m ? m->pitch : 0) {
-			if (is_thin)
-				draw_eight(
-					p, ink, kernel, blend, keys, at, first + (float)k, left[k]);
-			else
-				for (; left[k] < right[k]; left[k] += LANES)
+			int stop = is_thin ? left[k] + 1 : right[k];
+			for (; left[k] < stop; left[k] += LANES)
+				if (blend == BAND_LAID)
+					lay_eight(p, ink, m, at, y, first + (float)k, left[k]);
+				else
 					draw_eight(p, ink, kernel, blend, keys, at,
 						first + (float)k, left[k]);
 		}

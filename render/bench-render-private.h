@@ -7,7 +7,7 @@
 #include "render/painter.h"
 
 #define RENDER_CAMERAS 3
-#define RENDER_STYLES  3 /* sprites, strokes, points */
+#define RENDER_STYLES  4 /* sprites, strokes, paint, points */
 extern const char *const render_styles[RENDER_STYLES];
 
 /* Table 1 of the paper. */

@@ -11,7 +11,8 @@
 #define NEW_REPEATS    3
 #define PARITY_CHANNEL 8
 
-const char *const render_styles[RENDER_STYLES] = { "figure-7a", "figure-7d", "points" };
+const char *const render_styles[RENDER_STYLES] = { "figure-7a", "figure-7d", "impressionist",
+	"points" };
 
 const struct render_paper render_papers[2] = {
 	{ "A", 2878000, { 854000, 1017000, 1655000 }, { 725, 763, 1023 }, { 419, 512, 572 },

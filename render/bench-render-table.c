@@ -25,7 +25,7 @@ static void print_row(const struct render_row *r)
 	const struct draw_times *t = &r->times;
 	/* Coloured points are not what the paper draws. */
 	bool is_paper = strcmp(r->style, "points") != 0;
-	printf("%-14s %-9s %-4s %5.0f %5.0f %5.0f  %5.1f %6.1f %6.1f %6.1f %6.1f  %6.1f %5.1f%c ",
+	printf("%-14s %-13s %-4s %5.0f %5.0f %5.0f  %5.1f %6.1f %6.1f %6.1f %6.1f  %6.1f %5.1f%c ",
 		r->camera->name, r->style, r->backend, (double)r->camera->in_view * 1e-3,
 		(double)r->camera->discs * 1e-3, t->strokes * 1e-3, 1e3 * t->cull_s,
 		1e3 * t->mask_s, 1e3 * t->choose_s, 1e3 * t->bin_s, 1e3 * t->draw_s, 1e3 * t->all_s,
@@ -66,7 +66,8 @@ void render_print_scene(const struct render_scene *s)
 		printf(" %.0f", (double)p->in_view[n] * 1e-3);
 	printf(", N1 %u %u %u, N2 %u %u %u\n", p->discs_k[0], p->discs_k[1], p->discs_k[2],
 		p->strokes_k[0], p->strokes_k[1], p->strokes_k[2]);
-	puts("camera         style     by      Nc    N1    N2   cull   mask choose    bin   draw   "
+	puts("camera         style         by      Nc    N1    N2   cull   mask choose    bin   "
+	     "draw   "
 	     "all ms   fps  paper");
 	for (guint n = 0; n < s->rows->len; n++)
 		print_row(&g_array_index(s->rows, struct render_row, n));

@@ -33,7 +33,7 @@ static void make_levels(
 }
 
 struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
-	const struct mask_step *mask, const stroke_texture *texture)
+	const struct mask_step *mask, float px, const stroke_texture *texture)
 {
 	struct frame_paint *p = g_new0(struct frame_paint, 1);
 	const struct paint_step *step = &l->step->paint;
@@ -47,6 +47,7 @@ struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
 		p->part[n] = powf(step->fine, 2 * step->detail * (1 - (float)n / 255));
 	p->octaves[0] = (1 - step->wet) * PAINT_OCTAVES_LAY / (PAINT_LAYS - 1);
 	p->octaves[1] = (1 - step->wet) * PAINT_OCTAVES_PAINT;
+	p->hole_px = (int32_t)(PAINT_HOLE_PX * px + 0.5f);
 	p->behind = (1 + step->spill) * (1 + mask->offset_relative);
 	p->behind_m = (1 + step->spill) * mask->offset_m;
 	return p;

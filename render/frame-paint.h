@@ -24,6 +24,8 @@
 
 /* How much smaller than the broadest, on the way to the finest, strokes of details are at most. */
 #define PAINT_DETAIL_SMALLER 0.8f
+/* Of the diameter of a point's disc in the mask, what half its stroke's size is at least. */
+#define PAINT_DISC 0.5f
 /* What is left of the lengths of strokes, and of what they cover, at least, where surface is seen aslant. */
 #define PAINT_NARROWEST 0.3f
 
@@ -31,6 +33,9 @@
  * the depth at most. */
 #define PAINT_PLANE_ROUGH 0.6f
 #define PAINT_ROUGH_MOST  0.06f
+
+/* Of a style's pixels. */
+#define PAINT_HOLE_PX 8.f
 
 struct frame_paint {
 	struct paint_step step;
@@ -44,6 +49,8 @@ struct frame_paint {
 	float part[256];
 	float wanted_per_px; /* strokes, the finest and all others, of surface that is seen from the front */
 	float octaves[2]; /* of places, of paint: less where it is wet */
+	/* Holes in what was scanned, so far from their middle to what is around them, are painted over; pixels. */
+	int32_t hole_px;
 	/* What a pixel's depth may be more than the stroke's: factor, and metres. */
 	float behind, behind_m;
 };
@@ -53,8 +60,9 @@ struct frame_paint {
 
 struct frame_layer;
 /* Of a layer whose lengths are known; takes nothing. texture: whole. */
+/* px: of the picture, to one of the style. */
 struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
-	const struct mask_step *mask, const stroke_texture *texture);
+	const struct mask_step *mask, float px, const stroke_texture *texture);
 void frame_paint_free(struct frame_paint *p); /* NULL is fine */
 
 #endif

@@ -219,13 +219,13 @@ static void add_contours(struct frame_layer *l, const scene *s, float px)
 }
 
 /* It has the texture at all sizes, and as many strokes as cover all. */
-static bool add_paint(
-	struct frame_layer *l, const scene *s, const struct mask_step *mask, GError **error)
+static bool add_paint(struct frame_layer *l, const scene *s, const struct mask_step *mask, float px,
+	GError **error)
 {
 	g_autoptr(stroke_texture) whole = stroke_texture_new(l->ink.texture, error);
 	if (!whole)
 		return false;
-	l->paint = frame_paint_new(l, s, mask, whole);
+	l->paint = frame_paint_new(l, s, mask, px, whole);
 	l->ink.colour = COLOUR_POINT;
 	l->ink.blend = BLEND_PAINT;
 	l->ink.spacing_px = 1 / sqrtf(l->paint->wanted_per_px);
@@ -263,7 +263,7 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	if (step_is_hatching(step) && !add_hatch(l, f->scene, error))
 		return false;
 	if (step_is_paint(step) &&
-		!add_paint(l, f->scene, &frame_pipeline(f, pipeline)->mask, error))
+		!add_paint(l, f->scene, &frame_pipeline(f, pipeline)->mask, f->px, error))
 		return false;
 	f->is_painted |= l->paint != NULL;
 	if (step_is_contours(step))

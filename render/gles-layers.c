@@ -13,7 +13,8 @@ struct layer_block {
 		pencils[PENCIL_BOX_MOST][4];
 	uint32_t hatch_which[4];
 	float contour[4], contour_least[4], cut[4];
-	float paint_size[4], paint_look[4], paint_lay[4], paint_thick[4], paint_part[256];
+	float paint_size[4], paint_look[4], paint_lay[4], paint_thick[4], paint_hole[4],
+		paint_part[256];
 	uint32_t colour[4];
 };
 _Static_assert(PENCIL_BOX_MOST == 48, "as layer.glsl has it");
@@ -87,6 +88,7 @@ static void describe_paint(
 	memcpy(ret->paint_look, look, sizeof look);
 	memcpy(ret->paint_lay, lay, sizeof lay);
 	memcpy(ret->paint_thick, thick, sizeof thick);
+	ret->paint_hole[0] = (float)p->hole_px;
 	memcpy(ret->paint_part, p->part, sizeof ret->paint_part);
 	ret->hatch_which[3] = p->palette.count;
 	memcpy(ret->pencils, p->palette.pencil, sizeof ret->pencils);

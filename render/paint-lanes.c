@@ -99,6 +99,8 @@ INLINE void write_paint(const struct brush *b, const struct lane_candidates *c,
 				lanes_around_zero(c->id, stroke_salt(c->copy, SALT_LENGTH));
 	vf half_length = 0.5f * ink->length_px * larger * varied * p->shorter,
 	   half_width = 0.5f * ink->width_px * larger * p->aslant / p->shorter;
+	half_length = most(half_length, p->shorter * paint_least(b, c, 0.5f * ink->length_px));
+	half_width = most(half_width, p->aslant / p->shorter * paint_least(b, c, ink->width_px));
 	vf lit = all(1), slope[2], scale_m = LENS_SCALE_M(&b->lens, c->depth_m);
 	if (b->layer->lit == LIT_COLOUR)
 		lit = 1 - b->f->light.amount * (1 - diffuse_of(b, c));

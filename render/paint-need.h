@@ -190,6 +190,17 @@ INLINE vf paint_size(
 	return least(most(step->fine * root(all_need / c->rank), all(step->fine)), broadest);
 }
 
+/* Half the size that strokes have at least: that of the disc by which their points hide others, where nothing else would be drawn; but
+ * no more than the most. */
+INLINE vf paint_least(const struct brush *b, const struct lane_candidates *c, float most_px)
+{
+	float disc = frame_pipeline(b->f, b->layer->pipeline)->mask.disc;
+	vf disc_px = gather_u16(b->f->scene->disc, c->point) *
+		     (PAINT_DISC * disc * SCENE_UNIT_M * b->lens.focal_px) /
+		     LENS_SCALE_M(&b->lens, c->depth_m);
+	return least(disc_px, all(most_px));
+}
+
 /* Where there are too few points for broad ones to cover all. */
 INLINE vf paint_growth(
 	const struct brush *b, const struct lane_candidates *c, const struct paint_lanes *p)

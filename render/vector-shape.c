@@ -84,6 +84,35 @@ static float key_as_float(int32_t key)
 	return u.value;
 }
 
+static bool is_reached(
+	const struct vector_shaper *v, struct stroke_reach r, int32_t x, int32_t y, float q)
+{
+	if (x < 0 || y < 0 || x >= (int32_t)v->width || y >= (int32_t)v->height)
+		return false;
+	float behind = q * key_as_float(mask_key(v->mask, x, y));
+	return behind >= r.from && behind <= r.to;
+}
+
+static bool is_reached_beside(const struct vector_shaper *v, struct stroke_reach r, int32_t x,
+	int32_t y, int32_t right, int32_t down, float q)
+{
+	int32_t far = v->layer->paint->hole_px, half = (far + 1) / 2;
+	return is_reached(v, r, x + right * half, y + down * half, q) ||
+	       is_reached(v, r, x + right * far, y + down * far, q);
+}
+
+/* Where the painter lays paint: on what it reaches, and on small holes in that. */
+static bool takes_paint(
+	const struct vector_shaper *v, const struct stroke *s, int32_t x, int32_t y, float q)
+{
+	struct stroke_reach r = stroke_paint_reach(v->layer->paint, s);
+	if (is_reached(v, r, x, y, q) || mask_key(v->mask, x, y) < MASK_EMPTY)
+		return is_reached(v, r, x, y, q);
+	return (is_reached_beside(v, r, x, y, -1, 0, q) &&
+		       is_reached_beside(v, r, x, y, 1, 0, q)) ||
+	       (is_reached_beside(v, r, x, y, 0, -1, q) && is_reached_beside(v, r, x, y, 0, 1, q));
+}
+
 /* A place of the stroke, along and across from its middle; as the painter asks for a pixel (band-draw-lanes.c). */
 static bool is_seen(
 	const struct vector_shaper *v, const struct stroke *s, float along, float across)
@@ -97,11 +126,9 @@ static bool is_seen(
 	int32_t column = (int32_t)x, row = (int32_t)y;
 	float q = s->q + ((float)column + 0.5f - s->x_px) * s->slope[0] +
 		  ((float)row + 0.5f - s->y_px) * s->slope[1];
-	float behind = q * key_as_float(mask_key(v->mask, column, row));
-	if (!v->layer->paint)
-		return behind >= 1;
-	struct stroke_reach reach = stroke_paint_reach(v->layer->paint, s);
-	return behind >= reach.from && behind <= reach.to;
+	if (v->layer->paint)
+		return takes_paint(v, s, column, row, q);
+	return q * key_as_float(mask_key(v->mask, column, row)) >= 1;
 }
 
 /* Of its breadth more than half. */

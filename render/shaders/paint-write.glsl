@@ -1,6 +1,6 @@
 /* Writes brush strokes, and finds their colours. */
 const float WARMTH_MIDDLE = 0.5, WARMTH_CHANCE = 0.35, CELLS_AROUND = 1.5, CELLS_CHUNK = 12.0, OWN_DETAIL = 0.75;
-const float LAY_FINE = 0.6, LAYS = 64.0;
+const float LAY_FINE = 0.6, LAYS = 64.0, DISC = 0.5;
 const uint SALT_LAY = 0u, SALT_SHADE = 7u, SALT_WARMTH = 65538u, SALT_HUE = 65539u;
 
 /* 0..255. */
@@ -47,9 +47,13 @@ void write_paint(uint at, candidate c, choice one, brush p)
 	vec2 by = (n & 1) == 0 ? turns[n >> 1].xy : turns[n >> 1].zw;
 	vec2 along = way_on_screen(c, by.x * p.along + by.y * p.up).xy;
 	float half_px = 0.5 * shape.x * one.growth * (1.0 + shape.w * around_zero(c, SALT_LENGTH)) * p.shorter;
+	float half_width = 0.5 * shape.y * one.growth * p.aslant / p.shorter;
+	float disc_px = float(points[c.index].z & 0xffffu) * (DISC * views[c.view].mask.x * UNIT_M * lens.x) / scale_m(c.depth_m);
+	half_px = max(half_px, p.shorter * min(disc_px, 0.5 * shape.x));
+	half_width = max(half_width, p.aslant / p.shorter * min(disc_px, shape.y));
 	vec2 slope = plane_slope(c, one.normal, half_px);
 	float word[9] = float[9](c.at.x, c.at.y, half_px * along.x, half_px * along.y,
-		0.5 * shape.y * one.growth * p.aslant / p.shorter, one.alpha, 1.0 / c.depth_m, slope.x, slope.y);
+		half_width, one.alpha, 1.0 / c.depth_m, slope.x, slope.y);
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
 	float fine = paint_size.y, part = fine < 1.0 ? (1.0 - one.size) / (1.0 - fine) : 0.0;

@@ -16,10 +16,41 @@ float power_of_two(float x)
 	return uintBitsToFloat(uint((x + 127.0) * 8388608.0));
 }
 
-void lay(float thick, float behind)
+bool is_reached(float q, uint key)
+{
+	float behind = q * uintBitsToFloat(key);
+	return behind >= pen_lay.z && behind <= pen_lay.w;
+}
+
+/* What is outside of the mask is empty. */
+bool is_reached_there(float q, ivec2 at)
+{
+	bool is_in = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(size.xy)));
+	return is_reached(q, is_in ? texelFetch(mask_keys, at, 0).r & 0xffffff00u : MASK_EMPTY);
+}
+
+/* At half the way to beyond a hole, or at all of it. */
+bool is_reached_beside(float q, ivec2 at, ivec2 way)
+{
+	int far = int(paint_hole.x), half_way = (far + 1) / 2;
+	return is_reached_there(q, at + half_way * way) || is_reached_there(q, at + far * way);
+}
+
+/* Where paint may be: on what it reaches, and on small holes in that. */
+bool takes_paint(float q, ivec2 at)
+{
+	const ivec2 right = ivec2(1, 0), down = ivec2(0, 1);
+	uint key = texelFetch(mask_keys, at, 0).r;
+	if (is_reached(q, key) || key < MASK_EMPTY)
+		return is_reached(q, key);
+	return (is_reached_beside(q, at, -right) && is_reached_beside(q, at, right)) ||
+	       (is_reached_beside(q, at, -down) && is_reached_beside(q, at, down));
+}
+
+void lay(float thick, float q)
 {
 	float cover = clamp((thick - pen_lay.y) * (1.0 / COVERS), 0.0, 1.0);
-	if (!(cover > 0.0) || behind < pen_lay.z || behind > pen_lay.w)
+	if (!(cover > 0.0) || !takes_paint(q, ivec2(gl_FragCoord.xy)))
 		discard;
 	float high = cover * power_of_two(pen_lay.x + paint_lay.y * thick);
 	ink = vec4(high * pen_colour, 1.0 - cover);
@@ -34,7 +65,7 @@ void main()
 	float q = pen_plane.x + dot(from, pen_plane.yz);
 	uint key = texelFetch(mask_keys, ivec2(gl_FragCoord.xy), 0).r;
 	if (colour.y == LAID) {
-		lay(thick, q * uintBitsToFloat(key));
+		lay(thick, q);
 		return;
 	}
 	if (!(alpha > 0.0) || q * uintBitsToFloat(key) < 1.0)
