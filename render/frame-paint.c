@@ -42,9 +42,10 @@ struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
 	p->palette = pencil_box_of(step->palette);
 	make_levels(p, l, texture);
 	float area_px = l->ink.length_px * l->ink.width_px * covered_part(p->level[0].texture);
-	p->wanted_per_px = step->cover / (area_px * step->fine * step->fine);
+	p->broad = powf(step->fine, 1 / PAINT_POWER);
+	p->wanted_per_px = step->cover / (area_px * p->broad);
 	for (int n = 0; n < 256; n++)
-		p->part[n] = powf(step->fine, 2 * step->detail * (1 - (float)n / 255));
+		p->part[n] = powf(p->broad, step->detail * (1 - (float)n / 255));
 	p->octaves[0] = (1 - step->wet) * PAINT_OCTAVES_LAY / (PAINT_LAYS - 1);
 	p->octaves[1] = (1 - step->wet) * PAINT_OCTAVES_PAINT;
 	p->hole_px = (int32_t)(PAINT_HOLE_PX * px + 0.5f);

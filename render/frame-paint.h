@@ -22,6 +22,9 @@
 /* Paint that is thicker than this part of the thickest covers; a faint stroke leaves paint where it is thick alone. */
 #define PAINT_COVERS 0.25f
 
+/* Of strokes that are so much smaller there are (1 / size)^(1 / PAINT_POWER) times as many: with 0.5 all sizes would cover as much as the
+ * broadest; what lies on these needs less. */
+#define PAINT_POWER 0.75f
 /* How much smaller than the broadest, on the way to the finest, strokes of details are at most. */
 #define PAINT_DETAIL_SMALLER 0.8f
 /* Of the diameter of a point's disc in the mask, what half its stroke's size is at least. */
@@ -47,6 +50,7 @@ struct frame_paint {
 	} level[PAINT_LEVELS];
 	/* By detail: of all strokes the part that is there. The broad ones are the first. */
 	float part[256];
+	float broad; /* the part of them that the broadest are */
 	float wanted_per_px; /* strokes, the finest and all others, of surface that is seen from the front */
 	float octaves[2]; /* of places, of paint: less where it is wet */
 	/* Holes in what was scanned, so far from their middle to what is around them, are painted over; pixels. */

@@ -89,6 +89,7 @@ static void describe_paint(
 	memcpy(ret->paint_lay, lay, sizeof lay);
 	memcpy(ret->paint_thick, thick, sizeof thick);
 	ret->paint_hole[0] = (float)p->hole_px;
+	ret->paint_hole[1] = p->broad;
 	memcpy(ret->paint_part, p->part, sizeof ret->paint_part);
 	ret->hatch_which[3] = p->palette.count;
 	memcpy(ret->pencils, p->palette.pencil, sizeof ret->pencils);

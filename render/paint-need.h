@@ -2,11 +2,10 @@
 #define RENDER_PAINT_NEED_H
 /* Brush strokes of eight points at a time: which of them, how large, along what. Internal to paint-lanes.c; all is inlined.
  *
- * A point whose rank is the part t of what the view asks for has a stroke of t^-1/2 times the size of the finest, and at most of the
- * broadest. Where the picture becomes twice as large, t becomes a quarter: the stroke stays as large as it is on its surface, until it
- * is one of the broadest. Of all sizes between the finest and the broadest the strokes cover as much each time size doubles, and the
- * broadest cover as much as the style says. Where little is to be seen the last in rank are left out, which are the fine ones; where
- * there are too few points for fine ones, their strokes are the broader for it. */
+ * A point whose rank is the part t of what the view asks for has a stroke of t^-PAINT_POWER times the size of the finest, and at most of
+ * the broadest. Where the picture becomes larger, t becomes smaller: the stroke grows, a little faster than the surface that it is on,
+ * until it is one of the broadest. Where little is to be seen the last in rank are left out, which are the fine ones; where there are too
+ * few points for fine ones, their strokes are the broader for it. */
 #include "render/stroke-rows.h"
 #include "render/surface-lanes.h"
 
@@ -187,7 +186,8 @@ INLINE vf paint_size(
 	vf all_need = c->need / p->part;
 	vf detail = __builtin_convertvector(p->rgb_detail >> 24 & 255, vf) * (1 / 255.f);
 	vf broadest = 1 - PAINT_DETAIL_SMALLER * step->detail * (1 - step->fine) * detail;
-	return least(most(step->fine * root(all_need / c->rank), all(step->fine)), broadest);
+	vf half_power = root(all_need / c->rank); /* and half of that more: PAINT_POWER */
+	return least(most(step->fine * half_power * root(half_power), all(step->fine)), broadest);
 }
 
 /* Half the size that strokes have at least: that of the disc by which their points hide others, where nothing else would be drawn; but
@@ -205,9 +205,8 @@ INLINE vf paint_least(const struct brush *b, const struct lane_candidates *c, fl
 INLINE vf paint_growth(
 	const struct brush *b, const struct lane_candidates *c, const struct paint_lanes *p)
 {
-	float fine = b->layer->paint->step.fine;
 	struct lane_candidates broad = *c;
-	broad.need = c->need * (fine * fine) / p->part;
+	broad.need = c->need * b->layer->paint->broad / p->part;
 	return row_growth(b, &broad);
 }
 

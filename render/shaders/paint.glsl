@@ -75,5 +75,6 @@ float size_of(brush p, float rank, float need)
 {
 	float fine = paint_size.y, detail = float(p.rgb_detail >> 24) * (1.0 / 255.0);
 	float broadest = 1.0 - PAINT_DETAIL_SMALLER * paint_size.z * (1.0 - fine) * detail;
-	return min(max(fine * sqrt(need / p.part / rank), fine), broadest);
+	float half_power = sqrt(need / p.part / rank);
+	return min(max(fine * half_power * sqrt(half_power), fine), broadest);
 }
