@@ -25,6 +25,8 @@
 /* Of strokes that are so much smaller there are (1 / size)^(1 / PAINT_POWER) times as many: with 0.5 all sizes would cover as much as the
  * broadest; what lies on these needs less. */
 #define PAINT_POWER 0.75f
+/* Of leaves so many fewer give strokes, for some of those show that others hide (measured). */
+#define PAINT_LEAVES 0.8f
 /* How much smaller than the broadest, on the way to the finest, strokes of details are at most. */
 #define PAINT_DETAIL_SMALLER 0.8f
 /* Of the diameter of a point's disc in the mask, what half its stroke's size is at least. */

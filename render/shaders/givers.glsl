@@ -38,9 +38,9 @@ bool giver_of(uint n, uint i, out giver g)
 	if (is_paint()) {
 		g.normal = turned(points[g.c.index].w);
 		find_brush(g.c, g.normal, g.p);
-		g.wanted = wanted_per_px[0].x * g.p.part / g.p.aslant;
-		g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
 		g.is_flat = is_flat_paint(g.c, g.normal);
+		g.wanted = wanted_per_px[0].x * g.p.part / g.p.aslant * (g.is_flat ? 1.0 : PAINT_LEAVES);
+		g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
 		g.copies = g.is_flat ? colour.z : 1u;
 		return g.rank < g.most;
 	}

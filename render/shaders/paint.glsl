@@ -1,6 +1,6 @@
 /* Brush strokes: the rules of paint-need.h and paint-lanes.c. */
 const float LEVEL_LEAST = 0.15, LEVEL_SURE = 0.45, FOLLOW_LEAST = 0.25;
-const float PAINT_NARROWEST = 0.3, PAINT_DETAIL_SMALLER = 0.8;
+const float PAINT_NARROWEST = 0.3, PAINT_DETAIL_SMALLER = 0.8, PAINT_LEAVES = 0.8;
 
 /* What is the same for all copies of a point. */
 struct brush {
