@@ -135,13 +135,6 @@ bool bench_lines(const struct bench_lines_options *o, GError **error)
 	if (json) {
 		measuring.json = json_array_new();
 		json_object_set_array_member(json, "scenes", measuring.json);
-	} else
-		for (int i = 0; heading[i]; i++)
-			puts(heading[i]);
-	bool good = bench_scenes_measure(&scenes, error);
-	if (json && good)
-		cli_print_json(json);
-	else if (json)
-		json_object_unref(json);
-	return good;
+	}
+	return bench_scenes_say(&scenes, heading, json, error);
 }

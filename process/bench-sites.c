@@ -1,8 +1,10 @@
 #include "process/bench-sites.h"
+#include "acquire/cli.h"
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
 #include "process/bench-run.h"
 #include <json-glib/json-glib.h>
+#include <stdio.h>
 #include <unistd.h>
 
 static char *describe(const struct bench_site *s, bool moved)
@@ -236,5 +238,18 @@ bool bench_scenes_measure(const struct bench_scenes *all, GError **error)
 		good = measure_scene(scenes[i], all, work, error);
 	if (work && !files_remove_tree(work, good ? error : NULL))
 		good = false;
+	return good;
+}
+
+bool bench_scenes_say(const struct bench_scenes *all, const char *const *heading, JsonObject *json,
+	GError **error)
+{
+	for (int i = 0; !json && heading[i]; i++)
+		puts(heading[i]);
+	bool good = bench_scenes_measure(all, error);
+	if (json && good)
+		cli_print_json(json);
+	else if (json)
+		json_object_unref(json);
 	return good;
 }

@@ -5,6 +5,7 @@
 #include "acquire/preset.h"
 #include "process/pair.h"
 #include <gio/gio.h>
+#include <json-glib/json-glib.h>
 
 /* One tripod position in one state of a site. */
 struct bench_scan {
@@ -55,5 +56,8 @@ struct bench_scenes {
 };
 /* Scans what the folder does not have yet, and measures; scene by scene. */
 bool bench_scenes_measure(const struct bench_scenes *all, GError **error);
+/* The same, and says it: lines of a heading (NULL ends them) before, or as JSON, which measure has filled; takes json, NULL: as lines. */
+bool bench_scenes_say(const struct bench_scenes *all, const char *const *heading, JsonObject *json,
+	GError **error);
 
 #endif

@@ -7,7 +7,7 @@
 struct stored {
 	float at_m[3];
 	int16_t normal[2];
-	uint16_t spacing, leaf;
+	uint16_t spacing;
 	uint8_t flags, is_feature;
 };
 
@@ -36,7 +36,6 @@ static struct stored stored_of(
 	const struct model_chunk *c, const struct model_point *p, const double origin_m[3])
 {
 	struct stored s = { .spacing = p->spacing,
-		.leaf = p->leaf,
 		.flags = p->flags,
 		.is_feature = p->kind >= FEATURE_UNDIRECTED };
 	for (int k = 0; k < 3; k++)
@@ -119,7 +118,6 @@ static void look_at(const struct query *q, const struct stored *s)
 	for (int k = 0; k < 3; k++)
 		near.normal[k] = vector3_dot(normal, f->axis[k]);
 	near.spacing_m = (float)s->spacing * 1e-4f;
-	near.leaf = s->leaf;
 	near.flags = s->flags;
 	near.is_feature = s->is_feature;
 	g_array_append_val(q->found, near);

@@ -1,6 +1,6 @@
 #ifndef PROCESS_PROFILE_AROUND_H
 #define PROCESS_PROFILE_AROUND_H
-/* The points of a model around a straight line. It keeps a copy of what it needs of them, 22 bytes a point. Const after it was made; any
+/* The points of a model around a straight line. It keeps a copy of what it needs of them, 20 bytes a point. Const after it was made; any
  * number of threads may ask. */
 #include "process/features.h"
 #include "process/model.h"
@@ -17,7 +17,6 @@ struct profile_near {
 	float u, v, t;
 	float normal[3]; /* 0 0 0: none */
 	float spacing_m;
-	uint16_t leaf;
 	uint8_t flags; /* enum feature_flag */
 	bool is_feature;
 };

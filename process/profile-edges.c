@@ -315,15 +315,14 @@ static void add_crease(struct settler *s, uint32_t a, uint32_t b)
 	const struct plane planes[2] = { plane_of(&section->frame, f),
 		plane_of(&section->frame, g) };
 	p.kind = PROFILE_CREASE;
-	p.off_m = fmaxf(f->noise_m, g->noise_m) / 2;
 	keep(s, &p, planes, 0);
 }
 
 /* ---- ends ---- */
 
 /* The farthest points of the span in each step along, and a line through them that is near to most. */
-static bool fit_end(const struct settler *s, const struct profile_span *span, int end,
-	double ret[2], double *ret_noise_m)
+static bool fit_end(
+	const struct settler *s, const struct profile_span *span, int end, double ret[2])
 {
 	const struct profile_section *section = &s->section;
 	const struct profile_face *f = &section->face[span->face];
@@ -370,7 +369,6 @@ static bool fit_end(const struct settler *s, const struct profile_span *span, in
 	}
 	ret[0] = (double)side * (x[0] + LAST_SPACINGS * (double)spacing_m);
 	ret[1] = (double)side * x[1];
-	*ret_noise_m = noise;
 	return noise <= NOISE_M + NOISE_SPACINGS * (double)spacing_m;
 }
 
@@ -378,18 +376,17 @@ static void add_end(struct settler *s, const struct profile_span *span, int end)
 {
 	const struct profile_section *section = &s->section;
 	const struct profile_face *f = &section->face[span->face];
-	double x[2], noise_m;
+	double x[2];
 	float low[2], middle[2], high[2];
 	in_face(f, end ? span->to_m : span->from_m, 0, middle);
 	if (hypotf(middle[0], middle[1]) > section->radius_m - 2.5f * section->spacing_m ||
-		!fit_end(s, span, end, x, &noise_m))
+		!fit_end(s, span, end, x))
 		return;
 	in_face(f, (float)(x[0] - x[1] * (double)section->half_m), -section->half_m, low);
 	in_face(f, (float)(x[0] + x[1] * (double)section->half_m), section->half_m, high);
 	struct profile_piece p = piece_between(s, low, high);
 	const struct plane plane = plane_of(&section->frame, f);
 	p.kind = PROFILE_END;
-	p.off_m = (float)noise_m;
 	keep(s, &p, &plane, end ? 1 : -1);
 }
 

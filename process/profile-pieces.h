@@ -15,7 +15,6 @@ struct profile_piece {
 	uint16_t leaf;
 	uint8_t kind;     /* enum profile_kind */
 	float face[2][3]; /* unit normals of the faces beside it; 0 0 0: none */
-	float off_m;      /* uncertainty of its place, about 1 sigma */
 };
 static inline double profile_piece_length(const struct profile_piece *p)
 {

@@ -401,6 +401,22 @@ static inline void made_assert_same(const struct picture_buffer *a, const struct
 	g_assert_cmpuint(differ, ==, 0);
 }
 
+/* With any vectors, on one thread and on all. */
+static inline void made_assert_same_on_any(frame *f)
+{
+	f->lanes = LANES_PORTABLE;
+	struct picture_buffer first = made_picture(f);
+	for (enum lanes_path path = LANES_PORTABLE; path <= lanes_path_widest(); path++)
+		for (int single = 0; single < 2; single++) {
+			f->lanes = path;
+			f->single_thread = single;
+			struct picture_buffer again = made_picture(f);
+			made_assert_same(&first, &again);
+			picture_buffer_clear(&again);
+		}
+	picture_buffer_clear(&first);
+}
+
 /* One that all tests of a program look at; never freed. */
 static inline const scene *made_shared_court(void)
 {
