@@ -79,6 +79,11 @@ static drawing *strokes(void)
 			  "{\"step\":\"lines\",\"points\":\"dithering\",\"scatter\":1}"));
 }
 
+static drawing *paint(void)
+{
+	return made_drawing(MADE_SITE("{\"step\":\"paint\"}"));
+}
+
 static void settle(scene *s, const struct camera *c)
 {
 	g_autoptr(GError) error = NULL;
@@ -96,10 +101,9 @@ static struct picture_buffer draw_of(const scene *s, const drawing *d, const str
 }
 
 /* A little memory, some of the points; once they are there the picture is the one of all of them. */
-static void test_same(void)
+static void check_same(drawing *d)
 {
 	g_autoptr(scene) paged = open_paged(shared.model, SOME);
-	g_autoptr(drawing) d = strokes();
 	uint32_t most = scene_pager_sums(paged->pager).units_most;
 	g_assert_cmpuint((uint64_t)most * SCENE_UNIT_POINTS, <, shared.scene->count / 4 * 3);
 	for (int n = 0; n < 8; n++) {
@@ -116,6 +120,13 @@ static void test_same(void)
 		picture_buffer_clear(&some);
 		g_assert_cmpuint(scene_pager_sums(paged->pager).units, <=, most);
 	}
+}
+
+static void test_same(void)
+{
+	g_autoptr(drawing) strokes_of = strokes(), paint_of = paint();
+	check_same(strokes_of);
+	check_same(paint_of);
 }
 
 /* By how much tiles are of other light, of 255. */
@@ -222,10 +233,9 @@ static void test_pieces(void)
 }
 
 /* A GPU's copies follow what comes and goes. */
-static void test_gles(void)
+static void check_gles(drawing *d)
 {
 	g_autoptr(GError) error = NULL;
-	g_autoptr(drawing) d = strokes();
 	g_autoptr(scene) paged = open_paged(shared.model, LEAST);
 	gles_draw *gles = gles_here_draw();
 	for (int n = 0; gles && n < 5; n++) {
@@ -247,6 +257,13 @@ static void test_gles(void)
 		frame_free(f);
 	}
 	gles_draw_free(gles);
+}
+
+static void test_gles(void)
+{
+	g_autoptr(drawing) strokes_of = strokes(), paint_of = paint();
+	check_gles(strokes_of);
+	check_gles(paint_of);
 }
 
 /* What fits is not paged. */
