@@ -4,6 +4,7 @@
 #include "process/scan-features.h"
 #include "process/scan-geometry.h"
 #include "process/segment-site.h"
+#include "process/site-lines.h"
 #include <string.h>
 
 static bool set_stopped(GError **error)
@@ -157,12 +158,32 @@ static bool run_model(site *s, const struct stage_progress *progress, char **ret
 	return true;
 }
 
+/* ---- lines ---- */
+
+static bool run_lines(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct site_lines_options options = { .progress = progress->update,
+		.user_data = progress->user_data };
+	double all_m = 0;
+	g_autoptr(profile_lines) p = site_lines_make(s, &options, error);
+	if (!p)
+		return false;
+	for (guint n = 0; n < p->line->len; n++)
+		all_m += (double)g_array_index(p->line, struct profile_line, n).length_m;
+	json_object_set_int_member(figures, "lines", p->line->len);
+	json_object_set_double_member(figures, "length_m", all_m);
+	*ret_summary = g_strdup_printf("%u lines, %.0f m of edges", p->line->len, all_m);
+	return true;
+}
+
 const struct stage stages[] = {
 	{ "register", "registration", register_site_is_due, run_register },
 	{ "geometry", "geometry", geometry_is_due, run_geometry },
 	{ "segments", "segments", segments_are_due, run_segments },
 	{ "features", "features", features_are_due, run_features },
 	{ "model", "model", model_is_due, run_model },
+	{ "lines", "profile lines", site_lines_is_due, run_lines },
 	{ NULL },
 };
 
