@@ -193,7 +193,9 @@ INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
 INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
 	const struct band_ink *ink, ptrdiff_t at)
 {
-	if (blend != BAND_COLOURED)
+	if (blend == BAND_STRONGEST || blend == BAND_COVERING)
+		store(ink->bare + at, least(load(ink->bare + at), 1 - alpha));
+	else if (blend != BAND_COLOURED)
 		store(ink->bare + at, load(ink->bare + at) * (1 - alpha));
 	if (blend == BAND_COLOURED)
 		for (int k = 0; k < 3; k++)
@@ -384,6 +386,8 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 	case BAND_INKED: draw_all(b, l, which, count, m, ink, kernel, BAND_INKED); break;          \
 	case BAND_COLOURED: draw_all(b, l, which, count, m, ink, kernel, BAND_COLOURED); break;    \
 	case BAND_PAINTED: draw_all(b, l, which, count, m, ink, kernel, BAND_PAINTED); break;      \
+	case BAND_STRONGEST:                                                                       \
+	case BAND_COVERING: draw_all(b, l, which, count, m, ink, kernel, BAND_STRONGEST); break;   \
 	case BAND_LAID: break; /* has a texture */                                                 \
 	}                                                                                          \
 	break

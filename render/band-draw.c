@@ -11,6 +11,8 @@ enum band_blend band_blend_of(const struct frame_layer *l)
 {
 	if (l->paint)
 		return BAND_LAID;
+	if (l->is_profile)
+		return l->ink.blend == BLEND_PAINT ? BAND_COVERING : BAND_STRONGEST;
 	if (l->ink.blend == BLEND_PAINT)
 		return BAND_PAINTED;
 	return l->ink.colour == COLOUR_POINT ? BAND_COLOURED : BAND_INKED;

@@ -33,15 +33,18 @@ void band_lists_clear(band_lists *b);
 
 /* What strokes of one layer leave in a band. */
 enum band_blend {
-	BAND_INKED,    /* BLEND_MULTIPLY in one ink: bare alone */
-	BAND_COLOURED, /* BLEND_MULTIPLY in the points' colours: channel alone */
-	BAND_PAINTED,  /* BLEND_PAINT: all of them but height */
-	BAND_LAID      /* of a step "paint": all of them */
+	BAND_INKED,     /* BLEND_MULTIPLY in one ink: bare alone */
+	BAND_STRONGEST, /* the same, of strokes that lie on each other the strongest counts */
+	BAND_COVERING,  /* and the same of BLEND_PAINT */
+	BAND_COLOURED,  /* BLEND_MULTIPLY in the points' colours: channel alone */
+	BAND_PAINTED,   /* BLEND_PAINT: all of them but height */
+	BAND_LAID       /* of a step "paint": all of them */
 };
+#define BAND_BLENDS (BAND_LAID + 1)
 enum band_blend band_blend_of(const struct frame_layer *l);
 
 struct band_ink {
-	float *bare;       /* product of 1 - alpha */
+	float *bare;       /* product of 1 - alpha; or the least of them */
 	float *channel[3]; /* product of 1 - alpha (1 - colour); or sum of alpha * colour */
 	float *weight;     /* sum of alpha */
 	/* Of strokes that lie on each other weights have a factor of two to the octaves that they lie higher by (frame-paint.h), which makes

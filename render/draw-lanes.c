@@ -191,6 +191,17 @@ INLINE void add_inked(const struct frame_layer *l, struct draw_desk *d, size_t a
 				(l->ink_linear[k] + (1 - l->ink_linear[k]) * bare));
 }
 
+INLINE void add_covering(const struct frame_layer *l, struct draw_desk *d, size_t at)
+{
+	if (!any(load(d->ink.bare + at) < 1))
+		return;
+	vf bare = uncovered(l, d->ink.bare, d, at);
+	store(d->ink.bare + at, all(1));
+	for (int k = 0; k < 3; k++)
+		store(d->canvas[k] + at,
+			load(d->canvas[k] + at) * bare + (1 - bare) * l->ink_linear[k]);
+}
+
 INLINE void add_coloured(const struct frame_layer *l, struct draw_desk *d, size_t at)
 {
 	for (int k = 0; k < 3; k++)
@@ -284,8 +295,10 @@ INLINE void add_layer(const struct frame_layer *l, const struct band *b, struct 
 {
 	enum band_blend blend = band_blend_of(l);
 	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at += LANES)
-		if (blend == BAND_INKED)
+		if (blend == BAND_INKED || blend == BAND_STRONGEST)
 			add_inked(l, d, at);
+		else if (blend == BAND_COVERING)
+			add_covering(l, d, at);
 		else if (blend == BAND_COLOURED)
 			add_coloured(l, d, at);
 		else
@@ -297,7 +310,7 @@ INLINE void clear_ink(const struct frame_layer *l, const struct band *b, struct 
 {
 	enum band_blend blend = band_blend_of(l);
 	bool is_sum = blend >= BAND_PAINTED;
-	for (int k = 0; k < 3 && blend != BAND_INKED; k++)
+	for (int k = 0; k < 3 && blend >= BAND_COLOURED; k++)
 		fill(b, d->ink.channel[k], is_sum ? 0 : 1);
 	if (is_sum)
 		fill(b, d->ink.weight, 0);

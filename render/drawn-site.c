@@ -1,4 +1,5 @@
 #include "render/drawn-site.h"
+#include "process/site-lines.h"
 #include <math.h>
 #include <string.h>
 
@@ -38,6 +39,21 @@ bool drawn_site_set_memory(const char *text, GError **error)
 	return false;
 }
 
+/* Sites of before there were any have none until they are processed again. */
+static bool load_lines(drawn_site *d, GError **error)
+{
+	g_autoptr(GError) none = NULL;
+	g_autoptr(profile_lines) lines = site_lines_load(d->folder, &none);
+	if (lines)
+		scene_set_lines(d->scene, lines);
+	else if (!g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND) &&
+		 !g_error_matches(none, PRODUCT_ERROR, PRODUCT_ERROR_VERSION)) {
+		g_propagate_error(error, g_steal_pointer(&none));
+		return false;
+	}
+	return true;
+}
+
 bool drawn_site_load(drawn_site *d, GError **error)
 {
 	g_autoptr(GError) none = NULL;
@@ -48,7 +64,7 @@ bool drawn_site_load(drawn_site *d, GError **error)
 		return false;
 	}
 	d->scene = scene_new_within(d->model, memory_bytes, error);
-	return d->scene;
+	return d->scene && load_lines(d, error);
 }
 
 void drawn_site_free(drawn_site *d)

@@ -269,6 +269,7 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	if (step_is_contours(step))
 		add_contours(l, f->scene, f->ink_px);
 	l->is_cut = step_is_cut(step);
+	l->is_profile = step_is_profile(step);
 	l->is_queue = l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
 	return true;
 }
@@ -317,7 +318,8 @@ static enum frame_lit lit_of(const struct frame_layer *l, float amount)
 {
 	if (amount <= 0)
 		return LIT_NOT;
-	if (l->hatch || l->is_cut) /* its X-Toon takes on the light; cuts do not */
+	if (l->hatch || l->is_cut ||
+		l->is_profile) /* its X-Toon takes on the light; others do not */
 		return LIT_NOT;
 	if (l->ink.tone == TONE_COLOUR)
 		return LIT_TONE;

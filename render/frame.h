@@ -65,7 +65,7 @@ struct frame_layer {
 	float dithering_per_m2[256]; /* points that there are, by their lightness; more than 0 */
 	float ink_linear[3];
 	struct frame_hatch *hatch; /* NULL: it is no hatching */
-	bool is_contours, is_cut;
+	bool is_contours, is_cut, is_profile;
 	struct frame_paint *
 		paint; /* NULL: it is none; its textures are of all sizes, and the layer's own is NULL */
 	const uint8_t (*bend)[2]; /* scene-bend.h; NULL: nothing is bent, as far as it matters */

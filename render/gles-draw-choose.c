@@ -107,7 +107,11 @@ bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **er
 		gles_draw_bind_texture(d, 7, GL_TEXTURE_2D, d->layers.xtoon_wanted[n]);
 		if (c.is_stipple && c.count && !gles_draw_stipple(d, f, n, error))
 			return false;
-		choose_layer(d, &c);
+		if (f->layer[n].is_profile && c.count) {
+			if (!gles_draw_profile(d, f, n, error))
+				return false;
+		} else
+			choose_layer(d, &c);
 	}
 	d->c->gl.MemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
 			       GL_BUFFER_UPDATE_BARRIER_BIT);

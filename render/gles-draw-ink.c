@@ -29,6 +29,12 @@ static void set_strokes(const struct gles_functions *gl, GLuint strokes)
 	gl->VertexAttribDivisor(3, 1);
 }
 
+/* Of what is bare the least stays, whatever was drawn first. */
+static bool is_least(enum band_blend blend)
+{
+	return blend == BAND_STRONGEST || blend == BAND_COVERING;
+}
+
 static void draw_strokes(gles_draw *d, const struct frame_layer *l, uint32_t n)
 {
 	const struct gles_functions *gl = &d->c->gl;
@@ -36,6 +42,7 @@ static void draw_strokes(gles_draw *d, const struct frame_layer *l, uint32_t n)
 	if (l->texture || l->paint)
 		gles_draw_bind_texture(d, 1, GL_TEXTURE_2D_ARRAY, d->layers.texture[n]);
 	gl->Enable(GL_BLEND);
+	gl->BlendEquation(is_least(band_blend_of(l)) ? GL_MIN : GL_FUNC_ADD);
 	if (band_blend_of(l) >= BAND_PAINTED)
 		gl->BlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_SRC_ALPHA);
 	else
@@ -43,6 +50,7 @@ static void draw_strokes(gles_draw *d, const struct frame_layer *l, uint32_t n)
 	set_strokes(gl, d->strokes[n].name);
 	gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, d->commands.name);
 	gl->DrawArraysIndirect(GL_TRIANGLE_STRIP, GSIZE_TO_POINTER(sizeof(uint32_t[4]) * n));
+	gl->BlendEquation(GL_FUNC_ADD);
 }
 
 static void clear(gles_draw *d, enum band_blend blend)
@@ -63,7 +71,7 @@ static void combine(gles_draw *d, enum band_blend blend)
 	gl->UseProgram(d->program[GLES_COMBINE]);
 	gles_draw_bind_texture(d, 3, GL_TEXTURE_2D, ink->plane[0]);
 	gles_draw_bind_texture(d, 4, GL_TEXTURE_2D, ink->plane[1]);
-	if (blend >= BAND_PAINTED)
+	if (blend >= BAND_PAINTED || blend == BAND_COVERING)
 		gl->BlendFunc(GL_ONE, GL_SRC_ALPHA);
 	else
 		gl->BlendFunc(GL_ZERO, GL_SRC_COLOR);

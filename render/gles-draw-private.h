@@ -46,6 +46,8 @@ struct gles_draw {
 	gles_views views;
 	gles_targets targets;
 	struct gles_buffer keys, sums, marks, commands, strokes[FRAME_LAYERS_MAX];
+	struct gles_buffer links,
+		shown; /* of profile lines: struct profile_link, and how far each is to be seen */
 	GLuint camera, vertices, srgb;
 	struct gles_stipple stipple;
 	struct gles_filters filters;
@@ -70,6 +72,8 @@ bool gles_draw_mask(gles_draw *d, GError **error);
 bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **error);
 /* Which points of a layer of stippling are drawn (stipple.h); then what GLES_STIPPLE_COUNT and _WRITE read of it is bound. */
 bool gles_draw_stipple(gles_draw *d, const frame *f, uint32_t layer, GError **error);
+/* The strokes of a layer of profile lines, and the command that draws them. */
+bool gles_draw_profile(gles_draw *d, const frame *f, uint32_t layer, GError **error);
 /* Draws the canvas's paper, points and shading; ink over it; and the picture of it. */
 bool gles_draw_ground(gles_draw *d, bool is_flat, GError **error);
 void gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers);

@@ -42,7 +42,8 @@ void gles_draw_free(gles_draw *d)
 {
 	if (!d)
 		return;
-	struct gles_buffer *buffers[] = { &d->keys, &d->sums, &d->marks, &d->commands };
+	struct gles_buffer *buffers[] = { &d->keys, &d->sums, &d->marks, &d->commands, &d->links,
+		&d->shown };
 	for (size_t n = 0; n < G_N_ELEMENTS(buffers); n++)
 		gles_buffer_clear(d->c, buffers[n]);
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)

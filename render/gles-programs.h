@@ -46,6 +46,8 @@ enum gles_use {
 	GLES_FILTER_WARP,
 	GLES_FILTER_SHADE,
 	GLES_FILTER_INPAINT,
+	GLES_PROFILE_SEE, /* profile lines */
+	GLES_PROFILE_WRITE,
 	GLES_SHEET_SURFACE, /* sheets, and what becomes of them */
 	GLES_SHEET_TAKE,
 	GLES_SHEET_MERGE,

@@ -88,9 +88,10 @@ bool gles_targets_hold_ink(
 {
 	bool has_half = c->about.has_half_float_colour, has_float = c->about.has_float_blend;
 	/* Dense strokes wear half floats out: each one rounds what those before have left. */
-	GLenum first[] = { [BAND_INKED] = has_float  ? GL_R32F
-					  : has_half ? GL_R16F
-						     : GL_SRGB8_ALPHA8,
+	GLenum single = has_float ? GL_R32F : has_half ? GL_R16F : GL_SRGB8_ALPHA8;
+	GLenum first[] = { [BAND_INKED] = single,
+		[BAND_STRONGEST] = single,
+		[BAND_COVERING] = single,
 		[BAND_COLOURED] = has_float  ? GL_RGBA32F
 				  : has_half ? GL_RGBA16F
 					     : GL_SRGB8_ALPHA8,

@@ -16,7 +16,8 @@ struct gles_targets {
 	bool is_filtered;
 	struct gles_target keys; /* the mask, of integers */
 	struct gles_target canvas, picture;
-	struct gles_target ink[4]; /* of enum band_blend; made when a layer first wants it */
+	struct gles_target
+		ink[BAND_BLENDS]; /* of enum band_blend; made when a layer first wants it */
 };
 /* Nothing is done when they are there already. Refuses sizes that the GPU cannot. */
 bool gles_targets_hold(const gles_context *c, gles_targets *t, uint32_t width, uint32_t height,

@@ -1,5 +1,6 @@
 #include "render/large.h"
 #include "render/scene-bend.h"
+#include "render/scene-lines.h"
 #include "render/scene-pager.h"
 #include "render/scene-paint.h"
 #include "render/scene-take.h"
@@ -21,8 +22,15 @@ void scene_free(scene *s)
 	large_free(s->memory);
 	scene_bend_free(s->bend);
 	scene_paint_free(s->paint);
+	scene_lines_free(s->lines);
 	g_free(s->chunk);
 	g_free(s);
+}
+
+void scene_set_lines(scene *s, const profile_lines *lines)
+{
+	scene_lines_free(s->lines);
+	s->lines = scene_lines_new(lines, s->origin_m);
 }
 
 void scene_alloc_points(scene *s, size_t n)

@@ -13,6 +13,7 @@
  * and others that read hold scene_pager_hold meanwhile. */
 #include "process/features.h"
 #include "process/model.h"
+#include "process/profile-lines.h"
 
 #define SCENE_UNIT_M 1e-4f /* of lengths in it */
 /* Of a scene without a pager: indices of points are so many at most. */
@@ -42,6 +43,7 @@ struct scene {
 	struct scene_chunk *chunk;
 	struct scene_bend_plane *bend;   /* scene-bend.h */
 	struct scene_paint_plane *paint; /* scene-paint.h */
+	struct scene_lines *lines;       /* scene-lines.h; NULL: none are known */
 	struct scene_pager *pager;       /* NULL: all points are there */
 	uint32_t turn;                   /* of the pager: rises when the chunks become others */
 	void *memory;                    /* of all that follows */
@@ -70,6 +72,8 @@ scene *scene_new(const model *m, GError **error);
 scene *scene_new_within(const model *m, uint64_t memory_bytes, GError **error);
 /* Room for so many points and chunks, to be filled by whoever made it; chunks and lists are 0, all else is not yet written. */
 scene *scene_alloc(uint32_t count, uint32_t chunks);
+/* The profile lines of its site, before it is drawn. */
+void scene_set_lines(scene *s, const profile_lines *lines);
 void scene_free(scene *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(scene, scene_free)
 size_t scene_bytes(const scene *s); /* of memory */

@@ -9,7 +9,7 @@ extern const char *const step_direction_names[];
 extern const char *const step_colour_names[];
 extern const char *const step_blend_names[];
 extern const struct step_parameter hatching_parameters[], contours_parameters[], cut_parameters[],
-	paint_parameters[];
+	paint_parameters[], profile_parameters[];
 extern const struct step_parameter kuwahara_parameters[], anisotropic_parameters[],
 	bilateral_parameters[], gaussian_parameters[], gaps_parameters[], quantise_parameters[],
 	dog_parameters[], edges_parameters[], watercolour_parameters[], flow_parameters[],

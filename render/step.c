@@ -160,6 +160,13 @@ static float point_radius_px(const void *step)
 	return 0.5f * s->least_px;
 }
 
+static float profile_radius_px(const void *step)
+{
+	const struct profile_step *s = step;
+	return 0.5f * s->ink.width_px * s->outlines * (1 + 0.6f * s->pressure) + 2 * s->wobble_px +
+	       s->overshoot_px;
+}
+
 static float edl_radius_px(const void *step)
 {
 	const struct edl_step *s = step;
@@ -218,6 +225,9 @@ const struct step_kind step_kinds[] = {
 		"strokes" },
 	{ "cut", "Cut", "lines where a plan or section cuts through things", STEP_LAYER,
 		sizeof(struct cut_step), cut_parameters, ink_radius_px, "strokes" },
+	{ "profile", "Profile lines", "long lines along the edges of things, as a hand draws them",
+		STEP_LAYER, sizeof(struct profile_step), profile_parameters, profile_radius_px,
+		"lines" },
 	{ "paint", "Brush strokes",
 		"strokes of paint, broad and fine, that lie on each other and follow the form",
 		STEP_LAYER, sizeof(struct paint_step), paint_parameters, ink_radius_px, "strokes" },
@@ -339,6 +349,11 @@ bool step_is_cut(const struct step *s)
 	return s->kind->parameters == cut_parameters;
 }
 
+bool step_is_profile(const struct step *s)
+{
+	return s->kind->parameters == profile_parameters;
+}
+
 bool step_is_paint(const struct step *s)
 {
 	return s->kind->parameters == paint_parameters;
@@ -348,7 +363,8 @@ bool step_is_ink(const struct step *s)
 {
 	return s->kind == step_kind_find("sprites") || s->kind == step_kind_find("lines") ||
 	       s->kind == step_kind_find("strokes") || s->kind == step_kind_find("stipple") ||
-	       step_is_hatching(s) || step_is_contours(s) || step_is_cut(s) || step_is_paint(s);
+	       step_is_hatching(s) || step_is_contours(s) || step_is_cut(s) || step_is_profile(s) ||
+	       step_is_paint(s);
 }
 
 bool step_is_filter(const struct step *s)

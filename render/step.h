@@ -175,6 +175,25 @@ struct cut_step {
 	float thick_m;       /* of the slab; 0: as the points' spacing asks for */
 };
 
+/* Profile lines (Xu & Chen 2004, section 9): long lines along the edges of things, drawn by a hand (profile-links.h). Of ink it uses width,
+ * ink, blend, opacity, opacity_variation, fade_m, tooth and over; where lines lie on each other the stronger one counts. */
+struct profile_step {
+	struct ink_step ink; /* first */
+	float outlines;      /* so much broader are lines where surface ends or turns away */
+	float creases, marks,
+		thin; /* 0..1: how strong lines are where faces meet, where colours differ, of poles and rails */
+	float least_px;     /* lines that are shorter on the screen are left out */
+	float room_px;      /* and those that are so near one that counts more */
+	float sure;         /* 0..1: and those of less confidence */
+	float hidden;       /* 0..1: how strong dots are of what is hidden; 0: it is left out */
+	float dash_px;      /* of these */
+	float taper_px;     /* in which the pen comes down and is lifted */
+	float pressure;     /* 0..1: how much the width varies along a line */
+	float wobble_px;    /* how far the hand strays */
+	float wave_px;      /* in about what distance it comes back */
+	float overshoot_px; /* how far lines go on beyond their ends */
+};
+
 /* Whether strokes of paint lie on surfaces, and are foreshortened with them, or stand on the screen. */
 enum paint_lies {
 	LIES_SURFACE,
@@ -240,7 +259,7 @@ struct step_kind {
 };
 #define STEP_KINDS_MAX 40 /* rows that step_kinds has at most */
 extern const struct step_kind step_kinds
-	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "cut", "paint", "edl", "stipple", then filters; ends
+	[]; /* "mask", "points", "sprites", "lines", "strokes", "hatching", "contours", "cut", "profile", "paint", "edl", "stipple", then filters; ends
 	     * with a row without a name */
 const struct step_kind *step_kind_find(const char *name); /* NULL: there is none */
 /* In a table of parameters: that of a kind, or of a section (style.h). NULL: there is none. */
@@ -259,6 +278,7 @@ struct step {
 		struct hatching_step hatching;
 		struct contours_step contours;
 		struct cut_step cut;
+		struct profile_step profile;
 		struct paint_step paint;
 		struct points_step points;
 		struct edl_step edl;
@@ -291,6 +311,7 @@ bool step_is_ink(const struct step *s); /* all but points */
 bool step_is_hatching(const struct step *s);
 bool step_is_contours(const struct step *s);
 bool step_is_cut(const struct step *s);
+bool step_is_profile(const struct step *s);
 bool step_is_paint(const struct step *s);
 bool step_is_filter(const struct step *s); /* of pictures: not "edl", which belongs to points */
 bool step_is_dots(const struct step *s);   /* sprites or stipple: round */

@@ -1,4 +1,5 @@
 #include "render/large.h"
+#include "render/profile-strokes.h"
 #include "render/stipple.h"
 #include "render/stroke-brush.h"
 #include <string.h>
@@ -137,7 +138,8 @@ static void run_task(const stroke_room *r, const frame *f, const visibility_mask
 	for (uint32_t n = 0; n < count; n++) {
 		bool is_hidden = m && mask_hides(m, &views[n], HIDDEN_BEHIND);
 		for (uint32_t l = 0; l < f->layers; l++) {
-			if (f->layer[l].pipeline != views[n].pipeline || !(which >> l & 1))
+			if (f->layer[l].pipeline != views[n].pipeline || !(which >> l & 1) ||
+				f->layer[l].is_profile)
 				continue;
 			if (f->layer[l].stipple)
 				stipple_draw(r->stipple[l], f, &views[n], &t->of_layer[l]);
@@ -180,6 +182,15 @@ static void look_for_stipple(stroke_room *r, const frame *f, const struct chunk_
 	}
 }
 
+/* Of what is no part of the picture, or of its sheet, no lines are drawn either. */
+static bool is_in_view(const struct frame_layer *l, const struct chunk_view *views, uint32_t count)
+{
+	for (uint32_t n = 0; n < count; n++)
+		if (views[n].pipeline == l->pipeline)
+			return true;
+	return false;
+}
+
 const struct stroke_blocks *stroke_room_fill(stroke_room *r, const frame *f,
 	const visibility_mask *m, const struct chunk_view *views, uint32_t count)
 {
@@ -200,6 +211,10 @@ const struct stroke_blocks *stroke_room_fill_some(stroke_room *r, const frame *f
 	for (uint32_t n = 0; n < tasks; n++)
 		run_task(r, f, m, views + n * TASK_CHUNKS,
 			MIN(TASK_CHUNKS, count - n * TASK_CHUNKS), which, &task[n]);
+	for (uint32_t l = 0; l < f->layers; l++)
+		if (f->layer[l].is_profile && which >> l & 1 &&
+			is_in_view(&f->layer[l], views, count))
+			profile_strokes(f, &f->layer[l], m, &task[0].of_layer[l]);
 	for (uint32_t l = 0; l < f->layers; l++)
 		join(task, tasks, l, &r->of_layer[l]);
 	return r->of_layer;

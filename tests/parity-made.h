@@ -127,6 +127,57 @@ static void bend_points(scene *s, GRand *r)
 	s->bend->made = 1;
 }
 
+/* ---- lines ---- */
+
+static void add_vertex(profile_lines *p, double x, double y, double z)
+{
+	static const float out[3] = { 0, -1, 0 }, up[3] = { 0, 0, 1 };
+	struct profile_vertex v = { .at_m = { (float)x, (float)y, (float)z } };
+	model_pack_normal(out, v.face[0]);
+	model_pack_normal(up, v.face[1]);
+	g_array_append_val(p->vertex, v);
+}
+
+static void end_line(profile_lines *p, uint32_t first, int kind, int thing, bool is_closed)
+{
+	struct profile_line l = { first, p->vertex->len - first, .confidence = 0.9f,
+		.leaf = (uint16_t)segment_of_class(things[thing].class), .kind = (uint8_t)kind,
+		.closed = is_closed };
+	for (uint32_t n = first + 1; n < p->vertex->len; n++) {
+		const float *a = g_array_index(p->vertex, struct profile_vertex, n - 1).at_m,
+			    *b = g_array_index(p->vertex, struct profile_vertex, n).at_m;
+		l.length_m += hypotf(hypotf(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+	}
+	g_array_append_val(p->line, l);
+}
+
+/* Around the wall, on it, behind it; a round one on the ground; the lamp. Some pass the eye of the nearer camera. */
+static profile_lines *make_lines(void)
+{
+	profile_lines *p = profile_lines_new();
+	static const double wall[5][2] = { { -4, 0 }, { -4, 3 }, { 4, 3 }, { 4, 0 }, { -4, 0 } };
+	uint32_t first = 0;
+	p->origin_m[0] = 1000;
+	for (int n = 0; n < 5; n++)
+		add_vertex(p, wall[n][0], 4, wall[n][1]);
+	end_line(p, first, PROFILE_END, WALL, true);
+	for (int n = 0; n < 12; n++) {
+		first = p->vertex->len;
+		add_vertex(p, -4, n % 2 ? 4.6 : 3.98, 0.2 + 0.06 * n * n / 3);
+		add_vertex(p, 4, n % 2 ? 4.6 : 3.98, 0.2 + 0.06 * n * n / 3);
+		end_line(p, first, n % 3, WALL, false);
+	}
+	first = p->vertex->len;
+	for (int n = 0; n <= 40; n++)
+		add_vertex(p, 3 * cos(n * G_PI / 20), 3 * sin(n * G_PI / 20), 0);
+	end_line(p, first, PROFILE_CREASE, GROUND, true);
+	first = p->vertex->len;
+	add_vertex(p, 1.5, -1, 0);
+	add_vertex(p, 1.5, -1, 2);
+	end_line(p, first, PROFILE_THIN, LAMP, false);
+	return p;
+}
+
 static inline scene *make_scene(void)
 {
 	scene *s = scene_alloc(16 * CHUNK, 16);
@@ -140,6 +191,8 @@ static inline scene *make_scene(void)
 			make_chunk(s, r, thing, MIN(CHUNK, things[thing].points - done));
 	bend_points(s, r);
 	g_rand_free(r);
+	g_autoptr(profile_lines) lines = make_lines();
+	scene_set_lines(s, lines);
 	return s;
 }
 

@@ -241,6 +241,13 @@ static const struct look {
 			"\"points\":\"surface\",\"detail\":0,\"follow\":0.4,\"cover\":0.8,"
 			"\"contrast\":1.4,\"even\":0.2,\"tooth\":0.6,\"angle_variation_deg\":90},"
 			"{\"step\":\"lines\",\"points\":\"features\"}" },
+	{ "profile-hidden",
+		"{\"step\":\"profile\",\"hidden\":0.7,\"overshoot_px\":12,\"wobble_px\":3,"
+		"\"taper_px\":90,\"tooth\":0.5,\"ink\":\"#803020\",\"room_px\":9}",
+		FOCUS },
+	{ "profile-covering",
+		"{\"step\":\"points\"},{\"step\":\"profile\",\"blend\":\"paint\","
+		"\"ink\":\"#ffffff\",\"width_px\":6,\"opacity\":0.7,\"pressure\":1}" },
 	{ "contours-all",
 		"{\"step\":\"points\"},{\"step\":\"contours\",\"band_px\":8,\"slant_least\":1,"
 		"\"ink\":\"#802010\"}",

@@ -3,7 +3,7 @@
 layout(location = 0) out vec4 canvas;
 layout(binding = 3) uniform sampler2D ink_plane;
 layout(binding = 4) uniform sampler2D weight_plane;
-const uint INKED = 0u, COLOURED = 1u, PAINTED = 2u, LAID = 3u;
+const uint INKED = 0u, STRONGEST = 1u, COVERING = 2u, COLOURED = 3u, PAINTED = 4u, LAID = 5u;
 
 /* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
 vec4 on_relief(vec4 bare)
@@ -55,6 +55,9 @@ void main()
 	} else if (colour.y == PAINTED) {
 		float weight = texelFetch(weight_plane, at, 0).r, bare = on_relief(ink.aaaa).x;
 		canvas = weight > 0.0 ? vec4((1.0 - bare) * ink.rgb / weight, bare) : vec4(0.0, 0.0, 0.0, 1.0);
+	} else if (colour.y == COVERING) {
+		float bare = on_relief(ink.rrrr).r;
+		canvas = vec4((1.0 - bare) * ink_linear.rgb, bare);
 	} else if (colour.y == COLOURED)
 		canvas = vec4(on_relief(ink).rgb, 1.0);
 	else

@@ -7,7 +7,7 @@ flat in vec3 pen_colour;
 flat in vec4 pen_lay;
 layout(location = 0) out vec4 ink;
 layout(location = 1) out vec4 weight;
-const uint INKED = 0u, COLOURED = 1u, PAINTED = 2u, LAID = 3u;
+const uint INKED = 0u, STRONGEST = 1u, COVERING = 2u, COLOURED = 3u, PAINTED = 4u, LAID = 5u;
 const float COVERS = 0.25;
 
 /* 2^x, and what is between whole powers on straight lines. */

@@ -10,6 +10,7 @@ flat out vec3 pen_plane; /* 1/depth: q, slope */
 flat out vec3 pen_colour;
 flat out vec4 pen_lay; /* of paint: octaves that it lies high, how thick it must be; from where and to where it reaches */
 
+const uint LAID = 5u;
 const float PLANE_ROUGH = 0.6, ROUGH_MOST = 0.06, LAYS = 64.0;
 
 void main()
@@ -25,7 +26,7 @@ void main()
 	pen_plane = vec3(body.zw, slope_down);
 	pen_colour = light_of_bytes(rgb_variant);
 	pen_lay = vec4(0.0);
-	if (colour.y == 3u) {
+	if (colour.y == LAID) {
 		vec2 reach = abs(along) * half_length + abs(along.yx) * body.x;
 		float slack = min(PLANE_ROUGH * dot(abs(vec2(body.w, slope_down)), reach) / body.z, ROUGH_MOST);
 		pen_body.w = float(rgb_variant >> 24 & 3u);
