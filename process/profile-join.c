@@ -470,7 +470,7 @@ static void add_line(profile_lines *lines, const struct ends *e, uint32_t begin,
 		end = next;
 	}
 	line.count = lines->vertex->len - line.first;
-	line.confidence = line.length_m > 0 ? (float)sure / line.length_m : 0;
+	line.confidence = line.length_m > 0 ? fminf((float)sure / line.length_m, 1) : 0;
 	g_array_append_val(lines->line, line);
 }
 

@@ -20,7 +20,7 @@ struct cells {
 
 bool density_has(const struct frame_layer *l)
 {
-	return !l->is_contours && !l->stipple &&
+	return !l->is_contours && !l->is_profile && !l->stipple &&
 	       l->kinds & (1 << FEATURE_NONE | 1 << FEATURE_DITHER);
 }
 

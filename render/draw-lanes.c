@@ -329,7 +329,7 @@ INLINE void draw_layer(
 	struct band drawn = l->paint ? laid_band(b, j->to->height) : *b;
 	clear_ink(l, &drawn, d);
 	band_draw(&drawn, j->f, l, lists->which + first, lists->end[band] - first,
-		l->stipple ? NULL : j->mask, &d->ink);
+		l->stipple || l->is_profile ? NULL : j->mask, &d->ink);
 	if (!l->paint) {
 		add_layer(l, b, d);
 		return;

@@ -70,8 +70,8 @@ static void lift(const struct profile_link *link, const float *seen, uint32_t fi
 /* Links lie over each other by a pixel in all: the strongest at each place counts, so that nobody sees where they meet. */
 #define LAP_PX 0.5f
 
-static bool stroke_of(const struct frame_layer *l, const struct lens *lens,
-	const struct profile_link *link, float seen, float width, struct stroke *ret)
+static bool stroke_of(const struct frame_layer *l, const struct profile_link *link, float seen,
+	float width, struct stroke *ret)
 {
 	float length_px = hypotf(link->end[0], link->end[1]);
 	float alpha = link->alpha * seen + link->hidden_alpha * (1 - seen);
@@ -83,7 +83,7 @@ static bool stroke_of(const struct frame_layer *l, const struct lens *lens,
 		.half_length_px = length_px + LAP_PX,
 		.half_width_px = link->half_width_px * width,
 		.alpha = alpha,
-		.q = PROFILE_BEFORE / lens->near_m,
+		.q = 1 / link->depth_m,
 		.point = link->line };
 	for (int k = 0; k < 2 && length_px > 0; k++)
 		ret->along[k] = link->end[k] / length_px;
@@ -117,7 +117,7 @@ void profile_strokes(const frame *f, const struct frame_layer *l, const visibili
 	bool follows = false;
 	for (guint n = 0; n < links->len; n++) {
 		struct stroke s;
-		bool is_drawn = stroke_of(l, &lens, &link[n], seen[n], width[n], &s);
+		bool is_drawn = stroke_of(l, &link[n], seen[n], width[n], &s);
 		s.copy = follows && !(link[n].flags & LINK_FIRST);
 		if (is_drawn)
 			put(to, &s);

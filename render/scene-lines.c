@@ -9,7 +9,7 @@
 #define SAMPLE_M     0.1f
 #define SAMPLES_MOST 64
 /* Cosine of the angle between lines that run beside each other. */
-#define BESIDE 0.95f
+#define BESIDE 0.85f
 
 static float distance_m(const float a[3], const float b[3])
 {

@@ -1,8 +1,11 @@
 #include "render/vector-page.h"
 #include "render/light.h"
+#include "render/scene-lines.h"
 #include "render/splat.h"
 #include "render/vector-coats.h"
+#include "render/vector-run.h"
 #include <math.h>
+#include <string.h>
 
 /* Steps of opacity, of colours, and of widths: each so much broader than the last. */
 #define SHADES      16
@@ -243,12 +246,59 @@ static void add_strokes(struct hand *h, const struct stroke_blocks *strokes, uin
 		}
 }
 
+/* ---- runs of the pen ---- */
+
+static GPtrArray *all_of(const struct stroke_blocks *strokes)
+{
+	GPtrArray *all = g_ptr_array_new();
+	for (uint32_t k = 0; k < strokes->blocks; k++)
+		for (uint32_t n = 0; n < strokes->block[k]->count; n++)
+			g_ptr_array_add(all, &strokes->block[k]->stroke[n]);
+	return all;
+}
+
+/* Those that lie on each other leave ink once, as links do. */
+static void add_run(struct hand *h, const struct stroke *const *run, uint32_t count, GArray *corner)
+{
+	float alpha = opacity_of(h, vector_run_alpha(run, count));
+	uint16_t leaf = h->f->scene->lines->line[run[0]->point].leaf;
+	union look look = { .segment = leaf,
+		.shade = (uint8_t)CLAMP(alpha * SHADES + 0.5f, 0, SHADES) };
+	if (!look.shade)
+		return;
+	if (h->to->blend != VECTOR_MULTIPLY)
+		memcpy(look.rgb, h->from->ink.ink, 3);
+	struct vector_path *p = path_of(h, &look);
+	vector_run_outline(run, count, h->f->px, corner);
+	for (guint n = 0; n < corner->len; n++) {
+		const float *px = (const float *)(void *)corner->data + (size_t)2 * n;
+		float mm[2] = { px[0] * h->mm_per_px, px[1] * h->mm_per_px };
+		g_array_append_val(p->corner, mm);
+	}
+	g_array_append_val(p->end, p->corner->len);
+	h->to->shown += count;
+}
+
+static void add_runs(struct hand *h, const struct stroke_blocks *strokes)
+{
+	g_autoptr(GPtrArray) all = all_of(strokes);
+	g_autoptr(GArray) corner = g_array_new(FALSE, FALSE, sizeof(float[2]));
+	const struct stroke *const *stroke = (const struct stroke *const *)(void *)all->pdata;
+	for (uint32_t n = 0, count; n < all->len; n += count) {
+		count = vector_run_length(stroke, n, all->len);
+		add_run(h, stroke + n, count, corner);
+	}
+}
+
 static void fill_layer(struct hand *h, const struct stroke_blocks *strokes)
 {
 	h->groups = g_hash_table_new(NULL, NULL);
 	h->paths = g_hash_table_new_full(look_hash, look_equal, g_free, NULL);
+	if (h->from->is_profile)
+		add_runs(h, strokes);
 	for (uint32_t coat = 0; coat < (h->from->paint ? VECTOR_COATS : 1); coat++)
-		add_strokes(h, strokes, coat);
+		if (!h->from->is_profile)
+			add_strokes(h, strokes, coat);
 	g_ptr_array_sort(h->to->groups, compare_groups);
 	h->to->strokes = strokes->count;
 	h->to->name = name_of(h);

@@ -67,7 +67,9 @@ struct vector_shaper vector_shaper_of(
 	struct vector_shaper v = { .layer = l, .mask = m, .width = width, .height = height };
 	const stroke_texture *t = texture_of(l);
 	double covers = l->paint ? PAINT_COVERS : 1;
-	v.form = t ? VECTOR_AREAS : step_is_dots(l->step) ? VECTOR_DOTS : VECTOR_LINES;
+	v.form = t || l->is_profile      ? VECTOR_AREAS
+		 : step_is_dots(l->step) ? VECTOR_DOTS
+					 : VECTOR_LINES;
 	for (uint32_t n = 0; t && n < MIN(t->variants, STROKE_TEXTURE_VARIANTS); n++)
 		v.profile[n] = profile_of(t, covers, n);
 	return v;

@@ -243,11 +243,12 @@ static const struct look {
 			"{\"step\":\"lines\",\"points\":\"features\"}" },
 	{ "profile-hidden",
 		"{\"step\":\"profile\",\"hidden\":0.7,\"overshoot_px\":12,\"wobble_px\":3,"
-		"\"taper_px\":90,\"tooth\":0.5,\"ink\":\"#803020\",\"room_px\":9}",
-		FOCUS },
+		"\"taper_px\":90,\"tooth\":0.5,\"width_px\":9,\"ink\":\"#803020\","
+		"\"room_px\":9}" },
 	{ "profile-covering",
 		"{\"step\":\"points\"},{\"step\":\"profile\",\"blend\":\"paint\","
-		"\"ink\":\"#ffffff\",\"width_px\":6,\"opacity\":0.7,\"pressure\":1}" },
+		"\"ink\":\"#ffffff\",\"width_px\":14,\"opacity\":0.7,\"pressure\":1}",
+		FOCUS },
 	{ "contours-all",
 		"{\"step\":\"points\"},{\"step\":\"contours\",\"band_px\":8,\"slant_least\":1,"
 		"\"ink\":\"#802010\"}",

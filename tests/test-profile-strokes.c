@@ -1,5 +1,6 @@
 /* Profile lines as strokes: where nothing hides them, as wide and as dark as they are to be, and the calmer the camera the calmer they. */
 #include "render/scene-lines.h"
+#include "render/vector-run.h"
 #include "tests/strokes-made.h"
 
 /* What is said of steps that say nothing else of it. */
@@ -250,6 +251,52 @@ static void test_strongest(void)
 	drawing_free(d);
 }
 
+/* ---- runs on a page ---- */
+
+static double area_of(const GArray *corner)
+{
+	const float(*at)[2] = (const float(*)[2])(void *)corner->data;
+	double sum = 0;
+	for (guint n = 0; n < corner->len; n++) {
+		guint next = (n + 1) % corner->len;
+		sum += (double)at[n][0] * (double)at[next][1] -
+		       (double)at[next][0] * (double)at[n][1];
+	}
+	return fabs(sum) / 2;
+}
+
+/* As many shapes as the pen comes down, each with as much ink, of few corners. */
+static void test_runs(void)
+{
+	g_auto(made) m = made_court();
+	drawing *d;
+	g_autoptr(frame) f = frame_with(&m, court_lines(),
+		"\"taper_px\":40,\"width_px\":8,\"wobble_px\":2,\"pressure\":0.5", &d);
+	stroke_list *l = strokes_of(f, true);
+	g_autofree const struct stroke **all = g_new(const struct stroke *, l->count);
+	g_autoptr(GArray) corner = g_array_new(FALSE, FALSE, sizeof(float[2]));
+	uint32_t runs = 0, corners = 0, count;
+	for (uint32_t n = 0; n < l->count; n++)
+		all[n] = &l->stroke[n];
+	for (uint32_t n = 0; n < l->count; n += count, runs++) {
+		double ink = 0;
+		count = vector_run_length(all, n, l->count);
+		vector_run_outline(all + n, count, f->px, corner);
+		corners += corner->len;
+		for (uint32_t k = n; k < n + count; k++)
+			ink += (double)(4 * (all[k]->half_length_px - 0.5f) *
+					all[k]->half_width_px);
+		if (count > 20)
+			g_assert_cmpfloat(fabs(area_of(corner) / ink - 1), <, 0.04);
+	}
+	g_test_message("%u links in %u runs of %u corners", l->count, runs, corners);
+	g_assert_cmpuint(runs, >=, 2);
+	g_assert_cmpuint(runs, <=, 4);
+	g_assert_cmpuint(corners, <, l->count);
+	stroke_lists_free(l, f->layers);
+	drawing_free(d);
+}
+
 /* ---- scale ---- */
 
 /* Ink of each line: length times width times alpha. */
@@ -341,6 +388,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/profile-strokes/tapers", test_tapers);
 	g_test_add_func("/profile-strokes/wobbles", test_wobbles);
 	g_test_add_func("/profile-strokes/strongest", test_strongest);
+	g_test_add_func("/profile-strokes/runs", test_runs);
 	g_test_add_func("/profile-strokes/survive", test_survive);
 	g_test_add_func("/profile-strokes/threads", test_threads);
 	return g_test_run();

@@ -8,7 +8,9 @@ layout(std430, binding = 6) writeonly buffer Strokes {
 	uint strokes[];
 };
 const uint WORDS = 10u, AROUND = 2u;
-const float SEEN_FROM = 0.3, SEEN_RISE = 2.5, TIP = 0.2, LAP_PX = 0.5, BEFORE = 2.0, ALPHA_LEAST = 1.0 / 255.0;
+/* In front of all that the mask has: what is seen was decided here. */
+const float NEAR = 1e20;
+const float SEEN_FROM = 0.3, SEEN_RISE = 2.5, TIP = 0.2, LAP_PX = 0.5, ALPHA_LEAST = 1.0 / 255.0;
 
 /* As far as most around it in its chain are shown. */
 float seen_at(uint n)
@@ -56,7 +58,7 @@ void main()
 	vec2 end = (long_px > 0.0 ? l.pen.zw / long_px : vec2(1.0, 0.0)) * (long_px + LAP_PX);
 	float half_width = l.place.w * taper(float(links_to_end(n)));
 	bool is_drawn = alpha >= ALPHA_LEAST;
-	float word[9] = float[9](is_drawn ? l.pen.x : -1e6, l.pen.y, end.x, end.y, half_width, alpha, BEFORE / lens.w, 0.0, 0.0);
+	float word[9] = float[9](is_drawn ? l.pen.x : -1e6, l.pen.y, end.x, end.y, half_width, alpha, NEAR, 0.0, 0.0);
 	for (uint k = 0u; k < 9u; k++)
 		strokes[n * WORDS + k] = floatBitsToUint(word[k]);
 	strokes[n * WORDS + 9u] = colour.x & 0xffffffu;
