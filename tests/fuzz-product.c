@@ -3,6 +3,9 @@
 #include "firmware-io/crc32c.h"
 #include "process/model.h"
 #include "process/product-format.h"
+#include "process/site-lines.h"
+#include <float.h>
+#include <math.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -51,6 +54,24 @@ static uint32_t sum_model(const model *m)
 	return sum;
 }
 
+/* Whatever is taken for lines can be followed from end to end. */
+static void check_lines(const char *path)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(profile_lines) p = site_lines_load_file(path, &error);
+	float sum = 0;
+	g_assert_true((p == NULL) == (error != NULL));
+	for (guint n = 0; p && n < p->line->len; n++) {
+		const struct profile_line *l = &g_array_index(p->line, struct profile_line, n);
+		g_assert_cmpuint(l->kind, <, PROFILE_KINDS);
+		for (uint32_t k = 0; k < l->count; k++)
+			sum += g_array_index(p->vertex, struct profile_vertex, l->first + k)
+				       .at_m[0] /
+			       FLT_MAX;
+	}
+	g_assert_true(isfinite(sum));
+}
+
 static void check(const char *path)
 {
 	g_autoptr(GError) error = NULL, bad = NULL;
@@ -66,6 +87,7 @@ static void check(const char *path)
 		g_assert_cmpuint(sum_model(m), <=, G_MAXUINT32);
 		g_assert_true(model_verify(m, &bad) == (bad == NULL));
 	}
+	check_lines(path);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
