@@ -179,7 +179,10 @@ static void tally_strokes(struct styled *s, float *const scratch[2])
 {
 	struct stroke_tally t = { 0 };
 	for (uint32_t l = 0; l < s->frame->layers; l++)
-		stroke_tally_add(&t, &s->before, &s->now, l, scratch);
+		if (s->frame->layer[l].is_profile)
+			line_tally_add(&t, &s->before, &s->now, l);
+		else
+			stroke_tally_add(&t, &s->before, &s->now, l, scratch);
 	s->tally.shown += t.shown;
 	s->tally.kept += t.kept;
 	s->tally.compared += t.compared;

@@ -171,7 +171,7 @@ static bool open_all(struct bench *b, GError **error)
 	if (!b->place ||
 		!view_find(&b->place->sources, o->view ? o->view : "walk", &b->view, error))
 		return false;
-	b->scene = scene_new(b->place->model, error);
+	b->scene = bench_place_scene(b->place, error);
 	if (!b->scene)
 		return false;
 	for (int k = 0; k < 2; k++)

@@ -290,7 +290,7 @@ static bool measure_wegen(struct bench *b, GError **error)
 
 static bool measure_all(struct bench *b, GError **error)
 {
-	g_autoptr(scene) s = scene_new(b->place->model, error);
+	g_autoptr(scene) s = bench_place_scene(b->place, error);
 	if (!s || !measure_singles(b, s, error))
 		return false;
 	g_clear_pointer(&s, scene_free);

@@ -2,6 +2,7 @@
 #include "firmware-io/files.h"
 #include "process/bench-run.h"
 #include "process/bench-sites.h"
+#include "process/site-lines.h"
 
 #define SCENE "court"
 
@@ -9,14 +10,14 @@
 static bool make_site(bench_place *p, const struct bench_place_options *o, GError **error)
 {
 	const struct preset *preset = preset_find(o->preset ? o->preset : "fine");
-	struct bench_scene scene = { .name = SCENE, .seed = o->seed };
+	struct bench_scene court = { .name = SCENE, .seed = o->seed };
 	g_autofree char *name =
 		g_strdup_printf(SCENE "-%" G_GUINT64_FORMAT "-%s", (guint64)o->seed, preset->name);
 	g_autofree char *program = bench_program("process");
 	p->path = g_build_filename(o->keep ? o->keep : p->work, name, NULL);
 	struct bench_run run = { 0 };
 	bool good = (!o->keep || files_make_folder(o->keep, error)) &&
-		    bench_scene_scan(&scene, p->path, preset, error) &&
+		    bench_scene_scan(&court, p->path, preset, error) &&
 		    bench_run((const char *[]){ program, p->path, NULL }, &run, error);
 	g_free(run.output);
 	return good;
@@ -76,6 +77,15 @@ void bench_place_free(bench_place *p)
 	g_free(p->work);
 	g_free(p->path);
 	g_free(p);
+}
+
+scene *bench_place_scene(const bench_place *p, GError **error)
+{
+	g_autoptr(scene) s = scene_new(p->model, error);
+	g_autoptr(profile_lines) lines = s ? site_lines_load(p->path, NULL) : NULL;
+	if (lines)
+		scene_set_lines(s, lines);
+	return g_steal_pointer(&s);
 }
 
 drawing *bench_place_drawing(const bench_place *p, const char *style_name, GError **error)

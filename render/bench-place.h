@@ -2,6 +2,7 @@
 #define RENDER_BENCH_PLACE_H
 /* What benches of drawing draw: a person's site, or a simulated courtyard, scanned from BENCH_STATIONS places and processed. */
 #include "process/segments.h"
+#include "render/scene.h"
 #include "render/style.h"
 #include "render/view-find.h"
 
@@ -29,6 +30,9 @@ bench_place *bench_place_new(
 	const struct bench_place_options *options, double aspect, GError **error);
 void bench_place_free(bench_place *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(bench_place, bench_place_free)
+
+/* Its points, with its profile lines where it has some. */
+scene *bench_place_scene(const bench_place *p, GError **error);
 
 /* How a style of this name draws it. */
 drawing *bench_place_drawing(const bench_place *p, const char *style_name, GError **error);

@@ -10,6 +10,8 @@
 #define BEYOND_PX 24.f
 /* Links of a segment at most: of what comes very near the eye. */
 #define LINKS_MOST 4096
+/* Where backs are hidden, lines fade from this cosine to the eye on. */
+#define TURNED_AWAY 0.1f
 /* Lines to a task, so that the order of links does not depend on threads. */
 #define TASK_LINES 64
 
@@ -22,6 +24,7 @@ struct drawer {
 	const scene_lines *lines;
 	struct lens lens;
 	float turn[3][3], eye_m[3], px; /* px: of the style's */
+	bool hides_backs;
 	GArray *to;
 };
 
@@ -39,6 +42,7 @@ struct place {
 	float x_px, y_px, q; /* q: 1/depth, or of a parallel camera the depth */
 	float along_m;
 	float outline; /* 0..1: how far surface ends or turns away there */
+	float front;   /* 0..1: less where all of it turns away, and backs are hidden */
 };
 
 /* ---- chance along a line ---- */
@@ -96,6 +100,20 @@ static float outline_of(const struct drawer *d, const struct scene_line *l,
 	return CLAMP(0.5f - 20 * both, 0, 1);
 }
 
+/* Of what lies on nothing that is known all is front. */
+static float front_of(
+	const struct drawer *d, const struct scene_line_vertex *v, const float seen_m[3])
+{
+	float most = -1;
+	bool is_known = false;
+	for (int side = 0; side < 2; side++)
+		if (vector3_length(v->face[side]) > 0) {
+			most = fmaxf(most, facing(d, v->face[side], seen_m));
+			is_known = true;
+		}
+	return is_known && d->hides_backs ? CLAMP(most / TURNED_AWAY, 0, 1) : 1;
+}
+
 static float scale_at(const struct drawer *d, float depth_m)
 {
 	return d->lens.focal_px / LENS_SCALE_M(&d->lens, depth_m);
@@ -107,12 +125,12 @@ static float depth_of(const struct drawer *d, float q)
 }
 
 static struct place place_of(
-	const struct drawer *d, const float seen_m[3], float along_m, float outline)
+	const struct drawer *d, const float seen_m[3], float along_m, float outline, float front)
 {
 	float scale = scale_at(d, seen_m[2]);
 	return (struct place){ d->lens.middle_x + seen_m[0] * scale,
 		d->lens.middle_y + seen_m[1] * scale, d->lens.fan > 0 ? 1 / seen_m[2] : seen_m[2],
-		along_m, outline };
+		along_m, outline, front };
 }
 
 /* Between two places, on the screen; what is along the line is as its depths tell. */
@@ -125,7 +143,8 @@ static struct place between(
 	return (struct place){ a->x_px + part * (b->x_px - a->x_px),
 		a->y_px + part * (b->y_px - a->y_px), q,
 		a->along_m + by * (b->along_m - a->along_m),
-		a->outline + by * (b->outline - a->outline) };
+		a->outline + by * (b->outline - a->outline),
+		a->front + by * (b->front - a->front) };
 }
 
 /* ---- links ---- */
@@ -166,7 +185,7 @@ static float alpha_of(
 {
 	const struct ink_step *ink = &d->layer->ink;
 	float depth_m = depth_of(d, p->q);
-	float alpha = ink->opacity * strength_of(d, w->line, p->outline) *
+	float alpha = ink->opacity * p->front * strength_of(d, w->line, p->outline) *
 		      survives(d, w->line, scale_at(d, depth_m), away);
 	alpha *= 1 - ink->opacity_variation * stroke_chance(w->number, SALT_FAINT);
 	if (d->f->focus.is_there)
@@ -303,8 +322,9 @@ static struct place place_on(const struct drawer *d, const struct scene_line *l,
 	for (int k = 0; k < 3; k++)
 		at_m[k] = a_m[k] + part * (b_m[k] - a_m[k]);
 	float from = outline_of(d, l, v, a_m), to = outline_of(d, l, v + 1, b_m);
+	float front = front_of(d, v, a_m), front_to = front_of(d, v + 1, b_m);
 	return place_of(d, at_m, v->along_m + part * (v[1].along_m - v->along_m),
-		from + part * (to - from));
+		from + part * (to - from), front + part * (front_to - front));
 }
 
 /* A little further than the line goes, as draughtsmen do at corners; by: from the second place to the first. */
@@ -398,6 +418,7 @@ static struct drawer drawer_of(const frame *f, const struct frame_layer *l)
 			d.turn[k][n] = (float)row[k][n];
 	}
 	d.px = f->ink_px;
+	d.hides_backs = frame_pipeline(f, l->pipeline)->mask.backs == BACKS_HIDDEN;
 	return d;
 }
 

@@ -27,15 +27,15 @@ enum profile_link_flag {
 };
 
 /* Neighbours on either side that have a say in whether a link is seen. */
-#define PROFILE_AROUND 2
+#define PROFILE_AROUND 4
 /* Part of them from which on it begins to be seen, and how quickly it then is. */
-#define PROFILE_SEEN_FROM 0.3f
-#define PROFILE_SEEN_RISE 2.5f
+#define PROFILE_SEEN_FROM 0.2f
+#define PROFILE_SEEN_RISE 1.4f
 /* Links in which the pen is lifted, at most. */
 #define PROFILE_LIFT_MOST 64
 /* How far behind the mask a place is still seen: in metres, and as a part of its depth. */
-#define PROFILE_BEHIND_M 0.04f
-#define PROFILE_BEHIND   0.004f
+#define PROFILE_BEHIND_M 0.08f
+#define PROFILE_BEHIND   0.006f
 /* What is left of the width where a line ends. */
 #define PROFILE_TIP 0.2f
 

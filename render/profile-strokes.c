@@ -18,17 +18,29 @@ static float shows(const visibility_mask *m, float x, float y, float depth_m, fl
 	return CLAMP(1 - behind_m / slack_m, 0, 1);
 }
 
+/* Where any pixel beside it shows it, so does a pixel: what is seen aslant differs much in depth from one to the next. */
+static float shows_beside(const float shown[4][4], int x, int y)
+{
+	float ret = 0;
+	for (int down = -1; down <= 1; down++)
+		for (int right = -1; right <= 1; right++)
+			ret = fmaxf(ret, shown[y + down][x + right]);
+	return ret;
+}
+
 /* In the four pixels around. */
 static float shows_around(
 	const visibility_mask *m, const struct lens *lens, const struct profile_link *l)
 {
 	float slack_m = PROFILE_BEHIND_M + PROFILE_BEHIND * LENS_SCALE_M(lens, l->depth_m);
 	float x = l->see_px[0] - 0.5f, y = l->see_px[1] - 0.5f, x0 = floorf(x), y0 = floorf(y),
-	      u = x - x0, v = y - y0;
-	float upper = (1 - u) * shows(m, x0, y0, l->depth_m, slack_m) +
-		      u * shows(m, x0 + 1, y0, l->depth_m, slack_m),
-	      lower = (1 - u) * shows(m, x0, y0 + 1, l->depth_m, slack_m) +
-		      u * shows(m, x0 + 1, y0 + 1, l->depth_m, slack_m);
+	      u = x - x0, v = y - y0, shown[4][4];
+	for (int down = 0; down < 4; down++)
+		for (int right = 0; right < 4; right++)
+			shown[down][right] = shows(m, x0 + (float)right - 1, y0 + (float)down - 1,
+				l->depth_m, slack_m);
+	float upper = (1 - u) * shows_beside(shown, 1, 1) + u * shows_beside(shown, 2, 1),
+	      lower = (1 - u) * shows_beside(shown, 1, 2) + u * shows_beside(shown, 2, 2);
 	return (1 - v) * upper + v * lower;
 }
 

@@ -119,6 +119,11 @@ Swaying | Farther and farther. Stands beside Wegen's Figure 11. | $(filter warp)
 Shade in corners | Farther and farther around. | $(filter occlusion);occlusion.radius_m=0.2,0.6,1.5,4
 Closed gaps | Wider and wider ones. | $(filter gaps);gaps.radius_px=1,3,6,10
 Focus on a place | Patches grow and edges fade with the distance from it. Stands beside Redmond's Figure 3. | focus-place:view=walk;$yard;focus.amount=0,0,0.5,0.9;focus.across=0.25,0.7,0.7,0.5
+Profile lines | The shipped styles of long lines. Xu & Chen wish for them in section 9. | line-drawing,construction-lines:view=walk;$yard
+Which lines are left | Fewer and fewer: the long ones, and those that nothing runs beside. | line-drawing:view=walk;$yard;lines.least_px=4,14,50,120;lines.room_px=1,7,20,40
+The hand | From a ruler to a hand that strays; and a pen that presses. | line-drawing:view=walk;$yard;lines.wobble_px=0,0.7,2,4;lines.pressure=0,0.35,0.7,1
+Outlines | How much broader lines are where surface ends. | line-drawing:view=walk;$yard;lines.outlines=1,1.8,3,5
+Hidden parts | Left out, and as dots. | construction-lines:view=walk;$yard;lines.hidden=0,0.4,0.9
 Paint | The shipped styles of brush strokes. Xu & Chen wish for them in section 9. | impressionist,gouache,ink-and-paint,line-over-paint:view=walk;$yard
 Broad strokes | The broadest strokes get larger, and all others with them. | impressionist:view=walk;$yard;paint.length_px=20,40,80,140;paint.width_px=6,11,22,38
 Fine strokes | How large the finest are, as a part of the broadest; and who has them: all, or only what has details. | impressionist:view=walk;$yard;paint.fine=1,0.4,0.15,0.15;paint.detail=1,1,1,0

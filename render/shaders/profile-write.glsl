@@ -7,10 +7,10 @@ layout(std430, binding = 3) readonly buffer Shown {
 layout(std430, binding = 6) writeonly buffer Strokes {
 	uint strokes[];
 };
-const uint WORDS = 10u, AROUND = 2u;
+const uint WORDS = 10u, AROUND = 4u;
 /* In front of all that the mask has: what is seen was decided here. */
 const float NEAR = 1e20;
-const float SEEN_FROM = 0.3, SEEN_RISE = 2.5, TIP = 0.2, LAP_PX = 0.5, ALPHA_LEAST = 1.0 / 255.0;
+const float SEEN_FROM = 0.2, SEEN_RISE = 1.4, TIP = 0.2, LAP_PX = 0.5, ALPHA_LEAST = 1.0 / 255.0;
 
 /* As far as most around it in its chain are shown. */
 float seen_at(uint n)
