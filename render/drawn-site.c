@@ -82,6 +82,17 @@ void drawn_site_free(drawn_site *d)
 	g_free(d);
 }
 
+bool drawn_site_lacks_lines(const drawn_site *d, const drawing *how)
+{
+	for (guint p = 0; !d->scene->lines && p < how->pipelines->len; p++) {
+		const struct pipeline *line = &g_array_index(how->pipelines, struct pipeline, p);
+		for (uint32_t n = 0; n < line->layers; n++)
+			if (step_is_profile(&line->steps[n]))
+				return true;
+	}
+	return false;
+}
+
 drawing *drawn_site_style(const drawn_site *d, const char *style_name, GError **error)
 {
 	g_autoptr(style) s = style_find(style_name, d->folder, error);

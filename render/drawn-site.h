@@ -27,6 +27,8 @@ bool drawn_site_load(drawn_site *d, GError **error);
 void drawn_site_free(drawn_site *d); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(drawn_site, drawn_site_free)
 
+/* Whether the drawing has profile lines, of which the site, which is loaded, has none. */
+bool drawn_site_lacks_lines(const drawn_site *d, const drawing *how);
 /* The style of that name, as this site's leaves are drawn in it. Errors are of style_find and drawing_new. */
 drawing *drawn_site_style(const drawn_site *d, const char *style_name, GError **error);
 

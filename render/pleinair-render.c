@@ -186,6 +186,10 @@ static bool open_all(
 	if (!w->painter || !drawn_site_load(w->site, error))
 		return false;
 	w->drawing = drawn_site_style(w->site, w->style, error);
+	if (w->drawing && drawn_site_lacks_lines(w->site, w->drawing))
+		g_printerr("pleinair render: the site has no profile lines yet, which %s draws: "
+			   "'pleinair process %s' finds them\n",
+			w->style, w->site->folder);
 	return w->drawing;
 }
 

@@ -1,7 +1,9 @@
 /* pleinair render as people type it, on a small site. */
+#include "process/site-lines.h"
 #include "render/texels.h"
 #include "tests/commands.h"
 #include "tests/scene-made.h"
+#include <glib/gstdio.h>
 
 static char *folder, *oak;
 
@@ -40,6 +42,32 @@ static void put_model(void)
 	g_assert_cmpint(g_mkdir_with_parents(other, 0755), ==, 0);
 	g_assert_true(segments_save(tree, oak, &error));
 	g_assert_no_error(error);
+	g_autoptr(site) s = site_open(oak, &error);
+	g_assert_no_error(error);
+	g_autoptr(profile_lines) lines = site_lines_make(s, NULL, &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(lines->line->len, >, 0);
+}
+
+/* A style of lines says so where there are none. */
+static void test_no_lines(void)
+{
+	g_autofree char *path = site_lines_path(oak), *to = in_folder("bare.png");
+	g_autofree char *aside = g_strconcat(path, ".aside", NULL);
+	g_auto(answer) with = commands_run(
+		"render", oak, "--style", "line-drawing", "--size", "64x48", "--output", to);
+	commands_assert_done(&with);
+	g_assert_null(strstr(with.err, "no profile lines"));
+	g_assert_cmpint(g_rename(path, aside), ==, 0);
+	g_auto(answer) without = commands_run(
+		"render", oak, "--style", "line-drawing", "--size", "64x48", "--output", to);
+	g_auto(answer) other = commands_run(
+		"render", oak, "--style", "figure-7d", "--size", "64x48", "--output", to);
+	g_assert_cmpint(g_rename(aside, path), ==, 0);
+	commands_assert_done(&without);
+	commands_assert_done(&other);
+	g_assert_nonnull(strstr(without.err, "no profile lines"));
+	g_assert_null(strstr(other.err, "no profile lines"));
 }
 
 /* Of a picture's grey: how many of its pixels are darker than that. */
@@ -359,6 +387,7 @@ int main(int argc, char **argv)
 	put_model();
 	g_test_add_func("/render-command/default", test_default);
 	g_test_add_func("/render-command/styles", test_styles);
+	g_test_add_func("/render-command/no-lines", test_no_lines);
 	g_test_add_func("/render-command/thumbnails", test_thumbnails);
 	g_test_add_func("/render-command/twice", test_twice);
 	g_test_add_func("/render-command/json", test_json);

@@ -27,7 +27,7 @@ static void check_row(const struct step_kind *k, const struct step_parameter *p)
 static void test_table(void)
 {
 	static const char *const names[] = { "mask", "points", "sprites", "lines", "strokes",
-		"hatching", "contours", "cut", "paint", "edl", "stipple", "kuwahara",
+		"hatching", "contours", "cut", "profile", "paint", "edl", "stipple", "kuwahara",
 		"anisotropic-kuwahara", "bilateral", "gaussian", "gaps", "quantise", "dog", "edges",
 		"watercolour", "flow", "oil", "pencil", "grade", "warp", "occlusion", "neural",
 		"inpaint", "composite" };
