@@ -1,5 +1,6 @@
 #include "process/stages.h"
 #include "process/build-model.h"
+#include "process/plane-site.h"
 #include "process/register-site.h"
 #include "process/scan-features.h"
 #include "process/scan-geometry.h"
@@ -177,6 +178,31 @@ static bool run_lines(site *s, const struct stage_progress *progress, char **ret
 	return true;
 }
 
+/* ---- planes ---- */
+
+static bool say_planes(double fraction, gpointer user_data)
+{
+	const struct stage_progress *progress = user_data;
+	return !progress->update ||
+	       progress->update(fraction, "finding planes", progress->user_data);
+}
+
+static bool run_planes(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct plane_options options = { .progress = say_planes, .user_data = (gpointer)progress };
+	struct plane_site_result result;
+	if (!plane_site(s, &options, &result, error))
+		return false;
+	json_object_set_int_member(figures, "planes", result.planes);
+	json_object_set_double_member(figures, "area_m2", result.area_m2);
+	json_object_set_int_member(figures, "points_explained", (gint64)result.explained);
+	*ret_summary = g_strdup_printf("%u planes of %.0f m2; %.0f %% of the points lie on them",
+		result.planes, result.area_m2,
+		100 * (double)result.explained / (double)MAX(result.points, 1));
+	return true;
+}
+
 const struct stage stages[] = {
 	{ "register", "registration", register_site_is_due, run_register },
 	{ "geometry", "geometry", geometry_is_due, run_geometry },
@@ -184,6 +210,7 @@ const struct stage stages[] = {
 	{ "features", "features", features_are_due, run_features },
 	{ "model", "model", model_is_due, run_model },
 	{ "lines", "profile lines", site_lines_is_due, run_lines },
+	{ "planes", "planes", plane_site_is_due, run_planes },
 	{ NULL },
 };
 
