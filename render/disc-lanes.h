@@ -25,6 +25,7 @@ struct disc_pass {
 	float turn[3][3]; /* site to camera */
 	float disc, radius_least;
 	bool backs_hidden;
+	bool has_planes; /* which points that are marked so are left to */
 	bool is_inside; /* all points of the chunk are in the picture, and not before the near plane */
 	bool is_crowded; /* points may stand for others */
 	uint32_t end;    /* of the points that may be drawn */
@@ -66,10 +67,12 @@ static inline struct disc_pass disc_pass_of(
 		.disc = disc,
 		.radius_least = radius_least,
 		.backs_hidden = frame_pipeline(f, v->pipeline)->mask.backs == BACKS_HIDDEN,
+		.has_planes = frame_has_planes(f, v->pipeline),
 		.is_inside = disc_is_inside(c, v),
 		.per_rank = 1.f / (float)v->chunk->count };
 	p.is_crowded = disc_is_crowded(&p.lens, v);
-	p.end = disc_prefix(&p.lens, v);
+	p.end = p.has_planes && v->chunk->on_planes == v->chunk->count ? 0
+								       : disc_prefix(&p.lens, v);
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)
@@ -164,6 +167,13 @@ INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const str
 	uint32_t i, float flat_radius, struct disc_lanes *d)
 {
 	uint32_t at = v->chunk->first + i;
+	vf disc = load_u16(s->disc + at);
+	vi on_plane = disc >= (float)SCENE_DISC_PLANE;
+	if (p->has_planes && !any(~on_plane)) {
+		d->drawn = on_plane ^ on_plane;
+		return;
+	}
+	disc = disc_sizes(disc);
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
 	struct lane_points l = project_lanes(v, q, &p->lens);
 	vf unit_px = l.px_per_m * SCENE_UNIT_M;
@@ -171,8 +181,9 @@ INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const str
 	d->y = l.y_px;
 	d->depth_m = l.depth_m;
 	d->rank = ((float)i + 0.5f + lane_number) * p->per_rank;
-	d->drawn = size_lanes(
-		p, load_u16(s->spacing + at) * unit_px, load_u16(s->disc + at) * unit_px, d);
+	d->drawn = size_lanes(p, load_u16(s->spacing + at) * unit_px, disc * unit_px, d);
+	if (p->has_planes)
+		d->drawn &= ~on_plane;
 	if (!p->is_inside)
 		d->drawn &= is_in_picture(p, d);
 	if (p->end - i < LANES)

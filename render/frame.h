@@ -194,6 +194,12 @@ const struct inpaint_step *frame_inpaint(const frame *f, uint32_t sheet);
 /* Layers that are drawn over what filters made, or those below; a bit for each. */
 uint64_t frame_layers_over(const frame *f, bool over);
 
+/* Whether plane surfaces are drawn in place of their points. */
+static inline bool frame_has_planes(const frame *f, uint32_t pipeline)
+{
+	return f->scene->planes && frame_pipeline(f, pipeline)->mask.planes;
+}
+
 /* The first step of that kind in a pipeline; NULL: it has none. */
 const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kind_name);
 

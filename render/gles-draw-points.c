@@ -25,12 +25,29 @@ static void fill_holes(gles_draw *d)
 	gles_draw_bind_texture(d, 0, GL_TEXTURE_2D, d->targets.keys.plane[0]);
 }
 
-bool gles_draw_mask(gles_draw *d, GError **error)
+/* Plane surfaces, which are other buffers than those of chunks. */
+static bool add_planes(gles_draw *d, const frame *f, GError **error)
+{
+	if (!gles_planes_fill(d->c, &d->planes, f, d->views.view, d->views.count, error))
+		return false;
+	if (!d->planes.spans)
+		return true;
+	if (!gles_programs_want(d->c, d->program, GLES_PLANE_MASK, error))
+		return false;
+	d->c->gl.UseProgram(d->program[GLES_PLANE_MASK]);
+	gles_draw_bind_storage(d, 2, d->keys.name);
+	gles_planes_draw(d->c, &d->planes);
+	return true;
+}
+
+bool gles_draw_mask(gles_draw *d, const frame *f, GError **error)
 {
 	int64_t pixels = (int64_t)d->targets.width * d->targets.height;
 	if (!gles_buffer_reserve(d->c, &d->keys, pixels * 4, "the depths of such a picture", error))
 		return false;
 	gles_draw_fill(d, &d->keys, (uint32_t)pixels, MASK_EMPTY);
+	if (!add_planes(d, f, error))
+		return false;
 	d->c->gl.UseProgram(d->program[GLES_MASK]);
 	gles_draw_bind_storage(d, 1, d->views.buffer.name);
 	gles_draw_bind_storage(d, 2, d->keys.name);
@@ -42,11 +59,22 @@ bool gles_draw_mask(gles_draw *d, GError **error)
 
 /* ---- coloured points, and what lies around them ---- */
 
+static void add_colours_of_planes(gles_draw *d, uint32_t from, uint32_t end)
+{
+	d->c->gl.UseProgram(d->program[GLES_PLANE_POINTS]);
+	d->c->gl.Uniform2i(1, (GLint)from, (GLint)end);
+	gles_draw_bind_storage(d, 2, d->sums.name);
+	gles_draw_bind_storage(d, 3, d->planes.texels.name);
+	gles_planes_draw(d->c, &d->planes);
+}
+
 static void add_points(gles_draw *d, uint32_t from, uint32_t end)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* the strip before has been read */
 	gles_draw_fill(d, &d->sums, (end - from) * d->targets.width * 4, 0);
+	if (d->planes.spans)
+		add_colours_of_planes(d, from, end);
 	gl->UseProgram(d->program[GLES_POINTS]);
 	gl->Uniform2i(1, (GLint)from, (GLint)end);
 	gles_draw_bind_storage(d, 1, d->views.buffer.name);
@@ -88,6 +116,9 @@ bool gles_draw_ground(gles_draw *d, bool is_flat, GError **error)
 		rows -= rows % BAND_ROWS;
 	if (d->layers.has_points &&
 		!gles_buffer_reserve(d->c, &d->sums, row * rows, "sums of points", error))
+		return false;
+	if (d->layers.has_points && d->planes.spans &&
+		!gles_programs_want(d->c, d->program, GLES_PLANE_POINTS, error))
 		return false;
 	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);
 	gles_layers_bind_pipelines(d->c, &d->layers);

@@ -4,6 +4,7 @@
 #include "render/gles-buffer.h"
 #include "render/gles-draw.h"
 #include "render/gles-layers.h"
+#include "render/gles-planes.h"
 #include "render/gles-programs.h"
 #include "render/gles-scene.h"
 #include "render/gles-stipple.h"
@@ -49,6 +50,7 @@ struct gles_draw {
 	struct gles_buffer links,
 		shown; /* of profile lines: struct profile_link, and how far each is to be seen */
 	GLuint camera, vertices, srgb;
+	struct gles_planes planes;
 	struct gles_stipple stipple;
 	struct gles_filters filters;
 	struct gles_sheets sheets;
@@ -67,7 +69,7 @@ void gles_draw_bind_texture(const gles_draw *d, GLuint unit, GLenum target, GLui
 bool gles_draw_hold(gles_draw *d, const frame *f, GError **error);
 /* All points of a run, by the program that is used; its views are bound. */
 void gles_draw_points_of(gles_draw *d, const struct gles_run *r);
-bool gles_draw_mask(gles_draw *d, GError **error);
+bool gles_draw_mask(gles_draw *d, const frame *f, GError **error);
 /* layers: a bit for each one that is drawn, here and below. */
 bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **error);
 /* Which points of a layer of stippling are drawn (stipple.h); then what GLES_STIPPLE_COUNT and _WRITE read of it is bound. */

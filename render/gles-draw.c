@@ -48,6 +48,7 @@ void gles_draw_free(gles_draw *d)
 		gles_buffer_clear(d->c, buffers[n]);
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
 		gles_buffer_clear(d->c, &d->strokes[n]);
+	gles_planes_clear(d->c, &d->planes);
 	gles_stipple_clear(d->c, &d->stipple);
 	gles_filters_clear(d->c, &d->filters);
 	gles_sheets_clear(d->c, &d->sheets);
@@ -182,7 +183,7 @@ static bool draw_canvas(gles_draw *d, const frame *f, const struct gles_part *p,
 	if (!gles_views_fill(d->c, &d->views, f, &d->scene, p->view, p->count, error))
 		return false;
 	t->cull_s += gles_draw_lap(d, is_timed, &since_us);
-	if (!p->is_over && !gles_draw_mask(d, error))
+	if (!p->is_over && !gles_draw_mask(d, f, error))
 		return false;
 	t->mask_s += gles_draw_lap(d, is_timed, &since_us);
 	if (!gles_draw_choose(d, f, p->layers, error))

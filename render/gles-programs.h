@@ -48,6 +48,9 @@ enum gles_use {
 	GLES_FILTER_INPAINT,
 	GLES_PROFILE_SEE, /* profile lines */
 	GLES_PROFILE_WRITE,
+	GLES_PLANE_MASK, /* plane surfaces */
+	GLES_PLANE_POINTS,
+	GLES_PLANE_SURFACE,
 	GLES_SHEET_SURFACE, /* sheets, and what becomes of them */
 	GLES_SHEET_TAKE,
 	GLES_SHEET_MERGE,

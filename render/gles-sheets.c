@@ -153,15 +153,23 @@ static void find_surface(struct sheets_job *j)
 		!hold(j, &s->leaves, pixels, 4) ||
 		!gles_programs_want(d->c, d->program, GLES_SHEET_SURFACE, &j->error))
 		return;
+	bool has_planes = d->planes.spans > 0;
+	if (has_planes && !gles_programs_want(d->c, d->program, GLES_PLANE_SURFACE, &j->error))
+		return;
 	gles_draw_fill(d, &s->sums, 3 * pixels, 0);
 	gles_draw_fill(d, &s->nearest, pixels, far.bits);
 	gles_draw_fill(d, &s->leaves, pixels, 0);
-	d->c->gl.UseProgram(d->program[GLES_SHEET_SURFACE]);
-	gles_draw_bind_storage(d, 1, d->views.buffer.name);
 	gles_draw_bind_storage(d, 2, s->sums.name);
 	gles_draw_bind_storage(d, 3, s->nearest.name);
 	gles_draw_bind_storage(d, 4, s->leaves.name);
 	for (GLuint finds_leaf = 0; finds_leaf < 2; finds_leaf++) {
+		if (has_planes) {
+			d->c->gl.UseProgram(d->program[GLES_PLANE_SURFACE]);
+			d->c->gl.Uniform1ui(2, finds_leaf);
+			gles_planes_draw(d->c, &d->planes);
+		}
+		d->c->gl.UseProgram(d->program[GLES_SHEET_SURFACE]);
+		gles_draw_bind_storage(d, 1, d->views.buffer.name);
 		d->c->gl.Uniform1ui(2, finds_leaf);
 		for (guint n = 0; n < d->views.runs->len; n++)
 			gles_draw_points_of(d, gles_draw_run(d, n));

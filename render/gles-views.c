@@ -38,6 +38,15 @@ static void describe_paint(const frame *f, const struct scene_chunk *c, struct g
 	memcpy(&ret->paint[0], seen->rgba, sizeof ret->paint[0]);
 }
 
+/* How many of the first points may be drawn as discs, the last bit: those on planes are not. */
+static uint32_t disc_end(const frame *f, const struct lens *l, const struct chunk_view *v)
+{
+	bool has_planes = frame_has_planes(f, v->pipeline);
+	if (has_planes && v->chunk->on_planes == v->chunk->count)
+		return 0;
+	return disc_prefix(l, v) | (has_planes ? GLES_VIEW_PLANES : 0);
+}
+
 static void describe(const frame *f, const struct lens *l, const struct gles_slab *slab,
 	const struct chunk_view *v, struct gles_view *ret)
 {
@@ -48,7 +57,7 @@ static void describe(const frame *f, const struct lens *l, const struct gles_sla
 					   mask->backs == BACKS_HIDDEN },
 		.splat = { 0, 0, c->spacing_most_m, c->disc_most_m },
 		.at = { c->first - slab->first, scene_id(f->scene, c->first), c->count,
-			disc_prefix(l, v) },
+			disc_end(f, l, v) },
 		.pipeline = { v->pipeline, (uint32_t)(c - f->scene->chunk), c->leaf } };
 	memcpy(&ret->pipeline[3], &c->part, sizeof c->part);
 	memcpy(ret->base, v->base, sizeof v->base);

@@ -12,6 +12,9 @@ struct gles_run {
 	bool has_points; /* its pipeline shows coloured points */
 };
 
+/* Of at[3]: points on planes are not drawn as discs. */
+#define GLES_VIEW_PLANES 0x80000000u
+
 /* chunk_view of chunks.glsl. */
 struct gles_view {
 	float base[4], axis[3][4], mask[4], splat[4], spacing_most_m[4], crown[4];

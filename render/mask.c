@@ -1,5 +1,6 @@
 #include "render/large.h"
 #include "render/mask-lanes.h"
+#include "render/plane-lanes.h"
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -8,6 +9,7 @@ void visibility_mask_free(visibility_mask *m)
 {
 	if (!m)
 		return;
+	plane_views_free(m->planes);
 	g_free(m->part);
 	large_free(m->memory);
 	g_free(m->deepest_m);
@@ -112,6 +114,10 @@ static void draw(visibility_mask *m, const frame *f, const struct chunk_view *vi
 		int32_t *own = m->part[omp_get_thread_num()];
 		struct mask_target t = { mask_first_key(m, own), (int32_t)m->width,
 			(int32_t)m->height, (ptrdiff_t)m->pitch };
+		if (m->planes)
+#pragma omp for schedule(dynamic, 1)
+			for (uint32_t n = 0; n < m->planes->count; n++)
+				LANES_OF(f->lanes, plane_mask)(f, &t, m->planes, n);
 #pragma omp for schedule(dynamic, 2)
 		for (uint32_t n = 0; n < half; n++)
 			LANES_OF(f->lanes, mask_draw)(f, &t, &views[n]);
@@ -143,6 +149,8 @@ visibility_mask *visibility_mask_renew(
 		visibility_mask_free(m);
 		m = mask_alloc(c, threads);
 	}
+	plane_views_free(m->planes);
+	m->planes = plane_views_new(f, views, count);
 	draw(m, f, views, count);
 	return m;
 }

@@ -28,7 +28,8 @@ struct visibility_mask {
 	/* A picture of keys for each thread that draws. */
 	uint32_t threads;
 	int32_t **part;
-	uint32_t chunks_hidden; /* that were not drawn, because what was there hid them */
+	struct plane_views *planes; /* plane-view.h: those in it; NULL: none */
+	uint32_t chunks_hidden;     /* that were not drawn, because what was there hid them */
 };
 /* Draws it: the nearer half of the points, then of the other half those chunks that are not hidden by it. Uses a picture of keys for
  * each thread. views: from near to far. The same with and without what is left out. */

@@ -4,6 +4,7 @@
 #include "process/lanes.h"
 #include "render/chunk-view.h"
 #include "render/lens.h"
+#include "render/scene-planes.h"
 
 static const vf lane_number = { 0, 1, 2, 3, 4, 5, 6, 7 };
 
@@ -42,6 +43,12 @@ INLINE vi load_u8_whole(const uint8_t *at)
 INLINE vf load_u16(const uint16_t *at)
 {
 	return __builtin_convertvector(load_u16_whole(at), vf);
+}
+
+/* Diameters of discs, without what marks those on planes (scene-planes.h). */
+INLINE vf disc_sizes(vf disc)
+{
+	return disc - where(disc >= (float)SCENE_DISC_PLANE, all((float)SCENE_DISC_PLANE));
 }
 
 /* Of packed normals, of any length; 0 0 0 where there is none. */

@@ -2,6 +2,7 @@
 #include "firmware-io/crc32c.h"
 #include "process/model-coarse.h"
 #include "render/scene-bend.h"
+#include "render/scene-planes.h"
 #include <math.h>
 #include <string.h>
 
@@ -193,6 +194,7 @@ bool scene_load(scene_loader *l, const struct scene_source *from, uint32_t node,
 	c->part = n->part;
 	scene_take(l->taker, s, c, l->point, grey);
 	memcpy(s->id + c->first, l->id, c->count * sizeof *l->id);
+	scene_planes_mark(s, c);
 	const uint8_t *of_half = scene_bend_halves();
 	for (uint32_t i = 0; i < c->count; i++) {
 		s->bend->k[c->first + i][0] = of_half[l->point[i].k1];

@@ -2,6 +2,7 @@
 #include "render/scene-bend.h"
 #include "render/scene-pager-private.h"
 #include "render/scene-paint.h"
+#include "render/scene-planes.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -251,6 +252,8 @@ scene *scene_paged(const model *m, uint64_t memory_bytes, GError **error)
 	if (!p->tree)
 		return NULL;
 	p->grey = scene_grey_of(m);
+	if (!scene_planes_load(m, &p->grey, &s->planes, error))
+		return NULL;
 	struct model_short in_short = model_in_short(m);
 	p->source.chunk = g_memdup2(chunk, chunks * sizeof *chunk);
 	p->source.group = g_memdup2(in_short.group, in_short.groups * sizeof *in_short.group);

@@ -1,5 +1,6 @@
 #include "render/scene-take.h"
 #include "render/scene-cover.h"
+#include "render/scene-planes.h"
 #include <math.h>
 #include <string.h>
 
@@ -59,7 +60,7 @@ static void measure(scene *s, uint32_t at, const struct model_point *p, float la
 	spacing *= larger;
 	float disc = CLAMP(higher(spacing * spacing / size, size), spacing, LONGEST * spacing);
 	s->spacing[at] = (uint16_t)lower(spacing + 0.5f, SPACING_M);
-	s->disc[at] = (uint16_t)lower(disc + 0.5f, SPACING_M);
+	s->disc[at] = (uint16_t)lower(disc + 0.5f, SCENE_DISC_MOST);
 }
 
 static void copy_point(scene *s, const struct scene_chunk *c, uint32_t at,

@@ -3,6 +3,7 @@
 #include "render/scene-lines.h"
 #include "render/scene-pager.h"
 #include "render/scene-paint.h"
+#include "render/scene-planes.h"
 #include "render/scene-take.h"
 #include <math.h>
 #include <stdlib.h>
@@ -23,6 +24,7 @@ void scene_free(scene *s)
 	scene_bend_free(s->bend);
 	scene_paint_free(s->paint);
 	scene_lines_free(s->lines);
+	scene_planes_free(s->planes);
 	g_free(s->chunk);
 	g_free(s);
 }
@@ -169,6 +171,7 @@ static void take_chunk(scene *s, uint32_t n, const model *m, const struct model_
 	scene_place_chunk(s, c, from);
 	c->first = (uint32_t)from->first;
 	scene_take(taker, s, c, p, grey);
+	scene_planes_mark(s, c);
 	product_forget(model_file(m), p, from->points * sizeof *p);
 }
 
@@ -182,11 +185,15 @@ scene *scene_new(const model *m, GError **error)
 			product_path(model_file(m)), model_count(m));
 		return NULL;
 	}
+	const struct scene_grey grey = scene_grey_of(m);
+	struct scene_planes *planes;
+	if (!scene_planes_load(m, &grey, &planes, error))
+		return NULL;
 	scene *s = scene_alloc((uint32_t)model_count(m), (uint32_t)chunks);
+	s->planes = planes;
 	scene_find_densities(s, m);
 	s->bend = g_new0(struct scene_bend_plane, 1);
 	s->bend->model = m;
-	const struct scene_grey grey = scene_grey_of(m);
 	scene_find_origin(s, chunk, chunks);
 #pragma omp parallel
 	{

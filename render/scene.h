@@ -30,6 +30,7 @@ struct scene_chunk {
 	float part; /* 1; less where these points stand for others too, which are not among them: so many of all */
 	uint32_t stamp; /* of a pager: whenever other points stand where these do, another one */
 	bool is_aside;  /* the last turn has it out of view: it is not drawn */
+	uint32_t on_planes; /* of its points: those that planes stand for (scene-planes.h) */
 	float list_spacing_most_m[FEATURE_KINDS];
 	uint32_t kind_end
 		[FEATURE_KINDS]; /* of its part of list: where the points of each kind end, counted from first */
@@ -44,6 +45,7 @@ struct scene {
 	struct scene_bend_plane *bend;   /* scene-bend.h */
 	struct scene_paint_plane *paint; /* scene-paint.h */
 	struct scene_lines *lines;       /* scene-lines.h; NULL: none are known */
+	struct scene_planes *planes;     /* scene-planes.h; NULL: there are none */
 	struct scene_pager *pager;       /* NULL: all points are there */
 	uint32_t turn;                   /* of the pager: rises when the chunks become others */
 	void *memory;                    /* of all that follows */
@@ -51,7 +53,7 @@ struct scene {
 	uint16_t *q[3];
 	uint16_t *spacing; /* edge of the square of surface that it stands for, 0.1 mm */
 	uint16_t *
-		disc; /* diameter that covers its patch, the long way where it is slanted, 0.1 mm */
+		disc; /* diameter that covers its patch, the long way where it is slanted, 0.1 mm, saturates at 32767; and SCENE_DISC_PLANE */
 	int16_t (*normal)[2]; /* packed (model.h) */
 	/* Of its line; of other points than feature points the one in which the surface is bent most. None: MODEL_NORMAL_NONE. */
 	int16_t (*direction)[2];

@@ -133,6 +133,12 @@ static const struct step_parameter mask_parameters[] = {
 		.fallback = BACKS_SHOWN,
 		.unit = "",
 		.help = "whether surface is there that is seen from behind" },
+	{ .name = "planes",
+		.type = PARAMETER_BOOLEAN,
+		.offset = offsetof(struct mask_step, planes),
+		.unit = "",
+		.help = "walls, ground and roofs are plane surfaces with clean edges, in place of "
+			"their points" },
 	{ NULL },
 };
 

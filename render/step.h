@@ -59,6 +59,7 @@ struct mask_step {
 	float offset_m;        /* at least this far back */
 	float offset_relative; /* and this part of the distance */
 	int32_t backs;         /* enum mask_backs */
+	int32_t planes; /* walls, ground and roofs are polygons with a texture, in place of their points (scene-planes.h) */
 };
 
 /* Which points a layer draws (section 5, figure 2). */

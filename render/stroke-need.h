@@ -202,7 +202,7 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 	vf sign = choose(n[2] >= 0, all(1), all(-1)), s = -1 / (sign + n[2]), t = n[0] * n[1] * s;
 	vf axis[2][3] = { { 1 + sign * n[0] * n[0] * s, sign * t, -sign * n[0] },
 		{ t, sign + n[1] * n[1] * s, -n[1] } };
-	vf reach_m = gather_u16(b->f->scene->disc, c->point) *
+	vf reach_m = disc_sizes(gather_u16(b->f->scene->disc, c->point)) *
 		     (stroke_reach(b->layer->ink.scatter, c->copy) * SCENE_UNIT_M);
 	vf by[2] = { reach_m * place_in_patch(c, SALT_ACROSS, COPY_ACROSS),
 		reach_m * place_in_patch(c, SALT_DOWN, COPY_DOWN) };

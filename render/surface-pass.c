@@ -1,6 +1,7 @@
 #include "render/surface-pass.h"
 #include "render/filter.h"
 #include "render/large.h"
+#include "render/plane-lanes.h"
 #include <math.h>
 
 #define PLANES 5
@@ -38,6 +39,8 @@ static void do_band(const frame *f, const visibility_mask *m, const struct chunk
 	struct surface_desk d = { { memory, memory + plane, memory + 2 * plane },
 		memory + 3 * plane, memory + 4 * plane };
 	clear(b, memory);
+	for (uint32_t n = 0; m->planes && n < m->planes->count; n++)
+		LANES_OF(f->lanes, plane_surface)(b, m, m->planes, n, &d);
 	for (uint32_t n = 0; n < count; n++) {
 		float reach = 2 + frame_pipeline(f, views[n].pipeline)->mask.disc *
 					  views[n].chunk->disc_most_m * (float)f->camera.focal_px /

@@ -211,8 +211,8 @@ static const struct measure {
 	{ 100, 400, 200, FEATURE_NONE, 400, 1000 },
 	{ 200, 100, 10, FEATURE_NONE, 100, 200 }, /* beams closer one way than the other */
 	{ 0, 0, 10, FEATURE_NONE, 1, 1 },
-	{ 65535, 65535, 10, FEATURE_NONE, 65535, 65535 },
-	{ 1, 65535, 10, FEATURE_NONE, 65535, 65535 },
+	{ 65535, 65535, 10, FEATURE_NONE, 65535, 32767 },
+	{ 1, 65535, 10, FEATURE_NONE, 65535, 32767 },
 	{ 1, 65535, MODEL_ERROR_NONE, FEATURE_NONE, 1, 2 },
 };
 

@@ -241,7 +241,7 @@ void scatter(inout candidate c)
 	float t = normal.x * normal.y * s;
 	vec3 across = vec3(1.0 + facing * normal.x * normal.x * s, facing * t, -facing * normal.x);
 	vec3 down = vec3(t, facing + normal.y * normal.y * s, -normal.y);
-	float reach_m = reach_of(copy != 0u) * float(points[c.index].z & 0xffffu) * UNIT_M;
+	float reach_m = reach_of(copy != 0u) * float(points[c.index].z & 0x7fffu) * UNIT_M;
 	vec2 at_patch = vec2(chance_by(c, SALT_ACROSS), chance_by(c, SALT_DOWN)) + fract(float(copy) * COPY_STEPS);
 	at_patch = 2.0 * (at_patch - step(1.0, at_patch)) - 1.0;
 	vec3 by = reach_m * (at_patch.x * across + at_patch.y * down);

@@ -6,7 +6,7 @@ struct chunk_view {
 	vec4 spacing_most_m; /* of each kind's list */
 	vec4 crown;          /* of paint: the middle of its leaf, as the camera sees it; cell_m, below 0 where it is leafy */
 	uvec4 kind_end;
-	uvec4 at; /* first point in the slab, what chance knows it by, count, how many of the first may stand for all */
+	uvec4 at; /* first point in the slab, what chance knows it by, count, how many of the first may stand for all (disc_end) */
 	uvec4 pipeline;      /* and the chunk, its leaf, bits of the part of all points that it has */
 	uvec4 paint;         /* its mean colour */
 };

@@ -32,14 +32,22 @@ bool tilt_disc(uvec4 p, float radius_least, bool backs_hidden, inout disc d)
 	return true;
 }
 
-/* Point i of view n, if it is drawn here. */
+/* How many of the first points of a view may be drawn. */
+uint disc_end(uint n)
+{
+	return views[n].at.w & 0x7fffffffu;
+}
+
+/* Point i of view n, if it is drawn here: not where a plane stands for it. */
 bool disc_of(uint n, uint i, float factor, float radius_least, out disc d)
 {
 	uvec4 p = points[views[n].at.x + i];
+	if ((views[n].at.w >> 31 & p.z >> 15 & 1u) != 0u)
+		return false;
 	vec3 at = place_of(n, p);
 	float deep = scale_m(at.z), scale = lens.x / deep;
 	float spacing_px = float(p.y >> 16) * (UNIT_M * lens.x) / deep;
-	float disc_px = float(p.z & 0xffffu) * (UNIT_M * lens.x) / deep;
+	float disc_px = float(p.z & 0x7fffu) * (UNIT_M * lens.x) / deep;
 	float rank = (float(i) + 0.5) * (1.0 / float(views[n].at.z));
 	float part = min(spacing_px * spacing_px * DISC_CROWD, 1.0);
 	d.at = lens.yz + at.xy * scale;

@@ -13,7 +13,7 @@ void main()
 	uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex;
 	vec4 rule = views[n].mask;
 	disc d;
-	if (i >= views[n].at.w || !disc_of(n, i, rule.x, 0.72, d))
+	if (i >= disc_end(n) || !disc_of(n, i, rule.x, 0.72, d))
 		return;
 	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
 	float pushed_m = d.depth_m * (1.0 + rule.z) + rule.y + d.radius * scale_m(d.depth_m) * (1.0 / lens.x);

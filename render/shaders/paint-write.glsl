@@ -48,7 +48,7 @@ void write_paint(uint at, candidate c, choice one, brush p)
 	vec2 along = way_on_screen(c, by.x * p.along + by.y * p.up).xy;
 	float half_px = 0.5 * shape.x * one.growth * (1.0 + shape.w * around_zero(c, SALT_LENGTH)) * p.shorter;
 	float half_width = 0.5 * shape.y * one.growth * p.aslant / p.shorter;
-	float disc_px = float(points[c.index].z & 0xffffu) * (DISC * views[c.view].mask.x * UNIT_M * lens.x) / scale_m(c.depth_m);
+	float disc_px = float(points[c.index].z & 0x7fffu) * (DISC * views[c.view].mask.x * UNIT_M * lens.x) / scale_m(c.depth_m);
 	half_px = max(half_px, p.shorter * min(disc_px, 0.5 * shape.x));
 	half_width = max(half_width, p.aslant / p.shorter * min(disc_px, shape.y));
 	vec2 slope = plane_slope(c, one.normal, half_px);

@@ -17,7 +17,7 @@ void main()
 	uint n = first_view + gl_WorkGroupID.y;
 	uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex;
 	disc d;
-	if (i >= views[n].at.w || !disc_of(n, i, views[n].splat.x, views[n].splat.y, d))
+	if (i >= disc_end(n) || !disc_of(n, i, views[n].splat.x, views[n].splat.y, d))
 		return;
 	/* Those of the last ranks come and go softly. */
 	float weight = min(4.0 * (1.0 - d.rank) + 1e-3, 1.0), steep = 1.0 / (d.radius * d.radius);

@@ -20,7 +20,7 @@ void main()
 	uint n = first_view + gl_WorkGroupID.y;
 	uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex;
 	disc d;
-	if (i >= views[n].at.w || !disc_of(n, i, views[n].mask.x, 0.72, d))
+	if (i >= disc_end(n) || !disc_of(n, i, views[n].mask.x, 0.72, d))
 		return;
 	vec3 normal = turned(points[views[n].at.x + i].w);
 	float steep = 1.0 / (d.radius * d.radius);
