@@ -9,7 +9,8 @@
 #include <string.h>
 
 #define AREA_LEAST_M2 1.f
-#define TEXEL_LEAST_M 0.02f
+#define TEXEL_LEAST_M 0.01f
+#define TEXEL_SPACING 0.4f
 /* Parts of a region, and holes in it, that are left out. */
 #define PART_LEAST_M2 0.2
 #define HOLE_LEAST_M2 0.02
@@ -23,8 +24,11 @@
 #define FAR_SPACING 0.3f
 #define FAR_MOST_M  0.12f
 /* So much of a patch may reach out of the polygon, and be gone. */
-#define SLIVER_M 0.01f
-#define SLIVER   0.3f
+#define SLIVER_M   0.01f
+#define FOOT_M     0.12f /* points that face elsewhere, from its border */
+#define FOOT_THICK 0.4f  /* and those that stand off it by more of its thickness */
+#define AGREES     0.6f  /* cosine */
+#define SLIVER     0.3f
 /* Points so near a plane close slits in it. */
 #define BESIDE_M 0.08
 /* Of all textures together: what a storage block of a GPU takes, with smaller ones of them (scene-planes.h). */
@@ -217,8 +221,8 @@ static void make_region(struct search *s, guint leaf, guint number)
 	plane_straighten(d, places, ends,
 		fminf(fmaxf(EDGE_CELLS * step_m, EDGE_SPACING * d->spacing_m), EDGE_MOST_M));
 	if (d->ring->len)
-		plane_texture(d, spot, spots->len, fmaxf(s->o.texel_m, d->spacing_m / 2),
-			TEXTURE_MARGIN_M);
+		plane_texture(d, spot, spots->len,
+			fmaxf(s->o.texel_m, TEXEL_SPACING * d->spacing_m), TEXTURE_MARGIN_M);
 }
 
 /* By the boxes of the planes. */
@@ -284,20 +288,32 @@ static void measure(struct plane_draft *d)
 
 /* ---- what they explain ---- */
 
-/* Where a patch reaches out of the polygon it still closes gaps to what is beside. */
+static bool agrees(const struct plane_draft *d, const struct model_point *p)
+{
+	float normal[3], cosine = 0, length2 = 0;
+	model_unpack_normal(p->normal, normal);
+	for (int k = 0; k < 3; k++) {
+		cosine += normal[k] * d->r.normal[k];
+		length2 += normal[k] * normal[k];
+	}
+	return !(length2 > 0) || cosine > AGREES;
+}
+
+/* Where a patch reaches out of the polygon it still closes gaps to what is beside, and so does the foot of what stands on it. */
 static bool explains(const struct plane_draft *d, const plane_inside *inside,
 	const struct model_point *p, const double at_m[3])
 {
-	float at[2];
-	float thick_m = d->r.thickness_m + FAR_SPACING * (float)p->spacing * 1e-4f;
-	if (fabs(plane_distance_m(&d->r, at_m)) > (double)fminf(thick_m, FAR_MOST_M))
+	float at[2], thick_m = d->r.thickness_m + FAR_SPACING * (float)p->spacing * 1e-4f;
+	double off_m = plane_distance_m(&d->r, at_m);
+	if (fabs(off_m) > (double)fminf(thick_m, FAR_MOST_M))
 		return false;
 	plane_place(&d->r, at_m, at);
 	if (!plane_inside_near(inside, at, 0))
 		return false;
-	float reach_m = REACH * disc_m(p);
-	return !plane_inside_is_border(inside, at,
-		fminf(reach_m, PLANE_INSIDE_WITHIN_M) - fmaxf(SLIVER_M, SLIVER * reach_m));
+	float reach_m = REACH * disc_m(p), out_m = reach_m - fmaxf(SLIVER_M, SLIVER * reach_m);
+	if (!agrees(d, p) || off_m > (double)(FOOT_THICK * d->r.thickness_m))
+		out_m = fmaxf(out_m, FOOT_M);
+	return !plane_inside_is_border(inside, at, fminf(out_m, PLANE_INSIDE_WITHIN_M));
 }
 
 static void explain_chunk(const struct search *s, struct plane_draft *const *d,

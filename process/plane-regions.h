@@ -63,7 +63,7 @@ static inline bool plane_regions_explain(const plane_regions *r, uint64_t point)
 /* Zero is the default of each. */
 struct plane_options {
 	float area_least_m2; /* 1: smaller ones are left out */
-	float texel_m;       /* 0.02; larger where points are sparser, or the site is large */
+	float texel_m;       /* 0.01; larger where points are sparser, or the site is large */
 	const uint8_t *
 		leaf_class; /* enum segment_class of every number of a leaf; NULL: not known, all are looked at */
 	/* 0..1 of the work; returns false to stop, and NULL is returned then, without an error. */

@@ -4,6 +4,8 @@
 
 #define TEXELS_MOST 4e6f
 #define LEVELS_MOST 24
+/* Of one point that stands as far from others as most: what a texel needs, not to take on what is around it. */
+#define ENOUGH 0.25f
 
 /* Colour and weight. */
 typedef float sum[4];
@@ -82,14 +84,14 @@ static void add_spots(const struct plane_draft *d, struct level *l, const struct
 
 /* ---- pull and push ---- */
 
-/* Weights above 1 say no more than 1 does. */
-static void settle(struct level *l)
+/* Weights above this say no more than this does. */
+static void settle(struct level *l, float enough)
 {
 	for (size_t n = 0; n < (size_t)l->width * l->height; n++) {
 		float *at = l->at[n], weight = at[3];
 		for (int k = 0; k < 3 && weight > 0; k++)
 			at[k] /= weight;
-		at[3] = fminf(weight, 1);
+		at[3] = fminf(weight / enough, 1);
 	}
 }
 
@@ -101,7 +103,7 @@ static struct level pull(const struct level *fine)
 			const float *from = fine->at[(size_t)y * fine->width + x];
 			add_at(&l, (int)x / 2, (int)y / 2, from[3], from);
 		}
-	settle(&l);
+	settle(&l, 1);
 	return l;
 }
 
@@ -175,10 +177,11 @@ void plane_texture(struct plane_draft *d, const struct plane_spot *spot, uint32_
 {
 	bool coloured = is_coloured(spot, count);
 	enclose(d, texel_m, margin_m);
+	float close = d->r.texel_m / fmaxf(d->spacing_m, 1e-4f);
 	struct level l = level_new(d->r.width, d->r.height);
 	size_t texels = (size_t)l.width * l.height;
 	add_spots(d, &l, spot, count, coloured);
-	settle(&l);
+	settle(&l, ENOUGH * close * close);
 	fill(&l);
 	d->texel = g_malloc(texels * sizeof *d->texel);
 	for (size_t n = 0; n < texels; n++) {
