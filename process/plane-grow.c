@@ -5,8 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define VOXEL_M    0.1
-#define GAP_POINTS 2.5
+/* Cubes have a few points each. */
+#define VOXEL_LEAST_M  0.1
+#define VOXEL_MOST_M   0.4
+#define VOXEL_SPACINGS 2.0
+#define GAP_POINTS     2.5
 /* Of cubes that join: how far their mean is from the plane, and the cosine of the angle to it. */
 #define JOIN_M      0.02
 #define JOIN_COSINE 0.966f
@@ -385,11 +388,31 @@ static void refine(const model *m, const struct plane_leaf *leaf, const double o
 
 /* ---- all ---- */
 
+static int by_spacing(const void *a, const void *b)
+{
+	const uint16_t *x = a, *y = b;
+	return (*x > *y) - (*x < *y);
+}
+
+/* By the median spacing of one point in sixteen. */
+static double voxel_size_m(const model *m, const struct plane_leaf *leaf)
+{
+	uint64_t chunks;
+	const struct model_chunk *chunk = model_chunks(m, &chunks);
+	g_autoptr(GArray) spacing = g_array_new(FALSE, FALSE, sizeof(uint16_t));
+	for (uint64_t c = leaf->first_chunk; c < leaf->end_chunk; c++)
+		for (uint32_t i = 0; i < chunk[c].points; i += 16)
+			g_array_append_val(spacing, model_points(m)[chunk[c].first + i].spacing);
+	g_array_sort(spacing, by_spacing);
+	double median_m = g_array_index(spacing, uint16_t, spacing->len / 2) * 1e-4;
+	return CLAMP(VOXEL_SPACINGS * median_m, VOXEL_LEAST_M, VOXEL_MOST_M);
+}
+
 static voxels *voxels_of(const model *m, const struct plane_leaf *leaf)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
-	voxels *v = voxels_new(VOXEL_M);
+	voxels *v = voxels_new(voxel_size_m(m, leaf));
 	for (uint64_t c = leaf->first_chunk; c < leaf->end_chunk; c++) {
 		const struct model_point *p = model_points(m) + chunk[c].first;
 		for (uint32_t i = 0; i < chunk[c].points; i++) {
