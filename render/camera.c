@@ -111,7 +111,7 @@ struct camera camera_shifted(const struct camera *c, double right_px, double dow
 {
 	struct camera s = *c;
 	if (c->parallel_m > 0) {
-		double px[2] = { c->width / 2.0 + right_px, c->height / 2.0 + down_px };
+		double px[2] = { camera_middle_x(c) + right_px, camera_middle_y(c) + down_px };
 		camera_place(c, px, 0, s.eye_m);
 		return s;
 	}
@@ -142,11 +142,31 @@ struct camera camera_scaled(const struct camera *c, double factor)
 	return s;
 }
 
+struct camera camera_window(
+	const struct camera *c, uint32_t left, uint32_t top, uint32_t width, uint32_t height)
+{
+	struct camera w = *c;
+	g_assert(!camera_is_window(c));
+	w.whole = (struct camera_whole){ c->width, c->height, left, top };
+	w.width = width;
+	w.height = height;
+	return w;
+}
+
+struct camera camera_whole(const struct camera *c)
+{
+	struct camera w = *c;
+	w.width = camera_whole_width(c);
+	w.height = camera_whole_height(c);
+	w.whole = (struct camera_whole){ 0 };
+	return w;
+}
+
 /* ---- asking ---- */
 
 double camera_fov_deg(const struct camera *c)
 {
-	return 360 / G_PI * atan2(c->height / 2.0, c->focal_px);
+	return 360 / G_PI * atan2(camera_whole_height(c) / 2.0, c->focal_px);
 }
 
 double camera_heading_rad(const struct camera *c)
@@ -162,8 +182,8 @@ double camera_elevation_rad(const struct camera *c)
 void camera_place(const struct camera *c, const double px[2], double depth_m, double ret_m[3])
 {
 	double scale_m = camera_scale_m(c, depth_m) / c->focal_px;
-	double right_m = (px[0] - c->width / 2.0) * scale_m,
-	       down_m = (px[1] - c->height / 2.0) * scale_m;
+	double right_m = (px[0] - camera_middle_x(c)) * scale_m,
+	       down_m = (px[1] - camera_middle_y(c)) * scale_m;
 	for (int k = 0; k < 3; k++)
 		ret_m[k] = c->eye_m[k] + right_m * c->right[k] + down_m * c->down[k] +
 			   depth_m * c->forward[k];
@@ -175,7 +195,7 @@ void camera_ray(const struct camera *c, const double px[2], double ret[3])
 		memcpy(ret, c->forward, sizeof c->forward);
 		return;
 	}
-	double x = px[0] - c->width / 2.0, y = px[1] - c->height / 2.0;
+	double x = px[0] - camera_middle_x(c), y = px[1] - camera_middle_y(c);
 	for (int k = 0; k < 3; k++)
 		ret[k] = c->forward[k] * c->focal_px + c->right[k] * x + c->down[k] * y;
 	normalise(ret);
@@ -190,15 +210,15 @@ static struct camera_plane plane_through(const double inward[3], const double po
 	return p;
 }
 
-/* Through the eye and an edge of the picture, or along the rays at that edge; along: from there towards the middle. */
+/* Through the eye and an edge of the picture, or along the rays at that edge; along: from there towards the middle, so many pixels. */
 static struct camera_plane side_plane(
-	const struct camera *c, const double along[3], double sign, uint32_t side)
+	const struct camera *c, const double along[3], double sign, double away_px)
 {
 	double inward[3], point[3];
-	double out_m = c->parallel_m > 0 ? side / 2.0 * c->parallel_m / c->focal_px : 0;
+	double out_m = c->parallel_m > 0 ? away_px * c->parallel_m / c->focal_px : 0;
 	for (int k = 0; k < 3; k++) {
 		inward[k] = sign * c->focal_px * along[k] +
-			    (c->parallel_m > 0 ? 0 : side / 2.0 * c->forward[k]);
+			    (c->parallel_m > 0 ? 0 : away_px * c->forward[k]);
 		point[k] = c->eye_m[k] - sign * out_m * along[k];
 	}
 	return plane_through(inward, point);
@@ -217,10 +237,10 @@ static struct camera_plane depth_plane(const struct camera *c, double depth_m, d
 void camera_frustum_planes(const struct camera *c, struct camera_plane ret[SIDES])
 {
 	ret[SIDE_NEAR] = depth_plane(c, c->near_m, 1);
-	ret[SIDE_LEFT] = side_plane(c, c->right, 1, c->width);
-	ret[SIDE_RIGHT] = side_plane(c, c->right, -1, c->width);
-	ret[SIDE_TOP] = side_plane(c, c->down, 1, c->height);
-	ret[SIDE_BOTTOM] = side_plane(c, c->down, -1, c->height);
+	ret[SIDE_LEFT] = side_plane(c, c->right, 1, camera_middle_x(c));
+	ret[SIDE_RIGHT] = side_plane(c, c->right, -1, c->width - camera_middle_x(c));
+	ret[SIDE_TOP] = side_plane(c, c->down, 1, camera_middle_y(c));
+	ret[SIDE_BOTTOM] = side_plane(c, c->down, -1, c->height - camera_middle_y(c));
 	ret[SIDE_FAR] = depth_plane(c, c->far_m, -1);
 }
 
@@ -249,13 +269,23 @@ static bool are_axes(const struct camera *c)
 	return pose_is_rigid(&axes, 1e-9);
 }
 
+static bool check_window(const struct camera *c, GError **error)
+{
+	const struct camera_whole *w = &c->whole;
+	if ((uint64_t)w->left + c->width <= w->width && (uint64_t)w->top + c->height <= w->height)
+		return true;
+	return refuse(error, "a window of %u x %u pixels at %u %u is not in a picture of %u x %u",
+		c->width, c->height, w->left, w->top, w->width, w->height);
+}
+
 static bool check_size(const struct camera *c, GError **error)
 {
-	if (c->width >= 1 && c->width <= CAMERA_SIDE_MAX && c->height >= 1 &&
-		c->height <= CAMERA_SIDE_MAX)
-		return true;
-	return refuse(error, "a picture of %u x %u pixels; each side must be 1 to %u", c->width,
-		c->height, CAMERA_SIDE_MAX);
+	uint32_t width = camera_whole_width(c), height = camera_whole_height(c);
+	if (c->width >= 1 && width <= CAMERA_SIDE_MAX && c->height >= 1 &&
+		height <= CAMERA_SIDE_MAX)
+		return !camera_is_window(c) || check_window(c, error);
+	return refuse(error, "a picture of %u x %u pixels; each side must be 1 to %u", width,
+		height, CAMERA_SIDE_MAX);
 }
 
 static bool check_fov(const struct camera *c, GError **error)

@@ -1,7 +1,7 @@
 #ifndef RENDER_CAMERA_H
 #define RENDER_CAMERA_H
 /* A camera in the frame of a site: where it stands, how it is turned, and how large its picture is.
- * Without distortion; its axis meets the picture in the middle.
+ * Without distortion; its axis meets the picture in the middle (and a window of it anywhere).
  *
  *         forward (z, ahead)        The picture's left upper corner is (0, 0); the middle of pixel
  *        /                          (i, j) is (i + 0.5, j + 0.5); the axis is at (width / 2,
@@ -33,15 +33,22 @@
 /* Of the pinhole camera that a parallel one is compared with. */
 #define CAMERA_PARALLEL_FOV_DEG 60.0
 
+/* Of a camera that draws a window of a picture, which is too large to be drawn at once: how large that picture is, and where in it the
+ * window begins. width 0: it draws all of it. */
+struct camera_whole {
+	uint32_t width, height, left, top;
+};
+
 struct camera {
 	double eye_m[3];
 	double right[3], down[3], forward[3]; /* unit, right-handed, in the site's frame */
 	double focal_px;
-	uint32_t width, height;
-	double near_m, far_m; /* depths that are drawn */
+	uint32_t width, height; /* of the picture, or the window */
+	double near_m, far_m;   /* depths that are drawn */
 	double parallel_m; /* 0: a pinhole camera; else the depth that all things are as large as at */
 	bool is_cut; /* its near plane cuts through things, and lines show where (struct cut_step) */
 	double cut_m; /* what lies so near it counts as cut; 0: as the style has it */
+	struct camera_whole whole;
 };
 
 /* fov_deg is from the upper to the lower edge. near_m and far_m are CAMERA_NEAR_M and CAMERA_FAR_M.
@@ -67,9 +74,36 @@ struct camera camera_shifted(const struct camera *c, double right_px, double dow
 /* The same view in a picture of other size: sides are rounded (at least 1), the focal length is
  * not, so that a pixel is 1/factor of one of before everywhere. */
 struct camera camera_scaled(const struct camera *c, double factor);
+/* A window of its picture, which must be in it: what the camera shows there, in places that are told from the window's left upper corner.
+ * Of windows there are none. */
+struct camera camera_window(
+	const struct camera *c, uint32_t left, uint32_t top, uint32_t width, uint32_t height);
+/* The camera that it is a window of, or itself. */
+struct camera camera_whole(const struct camera *c);
+static inline bool camera_is_window(const struct camera *c)
+{
+	return c->whole.width > 0;
+}
+static inline uint32_t camera_whole_width(const struct camera *c)
+{
+	return camera_is_window(c) ? c->whole.width : c->width;
+}
+static inline uint32_t camera_whole_height(const struct camera *c)
+{
+	return camera_is_window(c) ? c->whole.height : c->height;
+}
+/* Where its axis meets the picture. */
+static inline double camera_middle_x(const struct camera *c)
+{
+	return camera_whole_width(c) / 2.0 - c->whole.left;
+}
+static inline double camera_middle_y(const struct camera *c)
+{
+	return camera_whole_height(c) / 2.0 - c->whole.top;
+}
 
 /* One sentence (G_IO_ERROR_INVALID_ARGUMENT) when something is not finite, the axes are none, a side
- * is not 1..CAMERA_SIDE_MAX, the fov is out of its range, near and far are not 0 < near < far, parallel_m
+ * is not 1..CAMERA_SIDE_MAX, a window is not in its picture, the fov is out of its range, near and far are not 0 < near < far, parallel_m
  * or cut_m is less than 0, or a pinhole camera cuts. */
 bool camera_validate(const struct camera *c, GError **error);
 /* "1600x1200": sides from 1 to CAMERA_SIDE_MAX. false: it is none, and both are left as they were. */
@@ -103,8 +137,8 @@ static inline bool camera_project(
 	double x = v[0] * c->right[0] + v[1] * c->right[1] + v[2] * c->right[2];
 	double y = v[0] * c->down[0] + v[1] * c->down[1] + v[2] * c->down[2];
 	double scale_m = camera_scale_m(c, z);
-	ret_px[0] = c->width / 2.0 + c->focal_px * x / scale_m;
-	ret_px[1] = c->height / 2.0 + c->focal_px * y / scale_m;
+	ret_px[0] = camera_middle_x(c) + c->focal_px * x / scale_m;
+	ret_px[1] = camera_middle_y(c) + c->focal_px * y / scale_m;
 	*ret_depth_m = z;
 	return true;
 }

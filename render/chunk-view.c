@@ -36,7 +36,7 @@ static void bound(const frame *f, const double at[3], double half[3][3], struct 
 			       (corner & 4 ? 1 : -1) * half[2][k];
 		for (int k = 0; k < 2; k++) {
 			double px = c->focal_px * p[k] / camera_scale_m(c, p[2]) +
-				    (k ? c->height : c->width) / 2.0;
+				    (k ? camera_middle_y(c) : camera_middle_x(c));
 			low[k] = fmin(low[k], px);
 			high[k] = fmax(high[k], px);
 		}

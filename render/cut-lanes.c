@@ -76,9 +76,8 @@ INLINE vf find_in_slab(const struct brush *b, uint32_t i, uint32_t end, struct l
 	vf thick_m = thickness_of(b, c->spacing_m);
 	vf reach = b->layer->ink.length_px + 4 * thick_m * l.px_per_m;
 	c->left = bits((l.depth_m >= b->lens.near_m) & (l.depth_m <= b->lens.near_m + thick_m) &
-		       (l.x_px >= -reach) & (l.y_px >= -reach) &
-		       (l.x_px < 2 * b->lens.middle_x + reach) &
-		       (l.y_px < 2 * b->lens.middle_y + reach));
+		       (l.x_px >= -reach) & (l.y_px >= -reach) & (l.x_px < b->lens.width + reach) &
+		       (l.y_px < b->lens.height + reach));
 	c->left &= end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
 	if (c->left) /* leaves have normals, but are no surface */
 		c->left &= bits(load_u8_whole(s->kind + at) != FEATURE_UNDIRECTED);

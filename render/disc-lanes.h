@@ -157,8 +157,8 @@ INLINE vi size_lanes(const struct disc_pass *p, vf spacing_px, vf disc_px, struc
 INLINE vi is_in_picture(const struct disc_pass *p, const struct disc_lanes *d)
 {
 	return (d->depth_m > p->lens.near_m) & (d->depth_m <= p->lens.far_m) & (d->x > -d->radius) &
-	       (d->y > -d->radius) & (d->x < 2 * p->lens.middle_x + d->radius) &
-	       (d->y < 2 * p->lens.middle_y + d->radius);
+	       (d->y > -d->radius) & (d->x < p->lens.width + d->radius) &
+	       (d->y < p->lens.height + d->radius);
 }
 
 /* Of drawn, and of x, y, depth, radius and rank: the rest only where some are drawn, and those with less than flat_radius have no

@@ -139,9 +139,9 @@ static void fade_to_paper(const struct draw_job *j, const struct band *b, struct
 			float depth_m = is_bare ? fmaxf(j->f->focus.at_m[2], (float)c->near_m)
 						: mask_depth(key);
 			float scale_m = camera_scale_f(c, depth_m);
-			float at_m[3] = { ((float)x + 0.5f - (float)c->width / 2) * by_focal *
+			float at_m[3] = { ((float)x + 0.5f - (float)camera_middle_x(c)) * by_focal *
 						  scale_m,
-				((float)y + 0.5f - (float)c->height / 2) * by_focal * scale_m,
+				((float)y + 0.5f - (float)camera_middle_y(c)) * by_focal * scale_m,
 				depth_m };
 			float part = j->f->focus.amount *
 				     frame_away(&j->f->focus, at_m,

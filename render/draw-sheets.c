@@ -69,8 +69,10 @@ static float away_at(
 	if (depth_m >= FILTER_FAR)
 		depth_m = fmaxf(f->focus.at_m[2], (float)f->camera.near_m);
 	float scale_m = camera_scale_f(&f->camera, depth_m);
-	float at_m[3] = { ((float)x + 0.5f - (float)f->camera.width / 2) * by_focal * scale_m,
-		((float)y + 0.5f - (float)f->camera.height / 2) * by_focal * scale_m, depth_m };
+	float at_m[3] = {
+		((float)x + 0.5f - (float)camera_middle_x(&f->camera)) * by_focal * scale_m,
+		((float)y + 0.5f - (float)camera_middle_y(&f->camera)) * by_focal * scale_m, depth_m
+	};
 	return frame_away(
 		&f->focus, at_m, key < MASK_EMPTY && frame_pipeline(f, key & 255)->is_focus);
 }
@@ -395,7 +397,7 @@ static void filter_whole(struct sheet_job *s, const struct chunk_view *views, ui
 	const struct pipeline *p = &s->f->drawing->picture;
 	struct sheet_box b = { 0, 0, s->to->width, s->to->height };
 	struct filter_job j = job_of(s, &b);
-	j.spacing_px = sheet_spacing_px(s->f, views, count);
+	j.spacing_px = sheet_whole_spacing_px(s->f, views, count);
 	j.image.rgba = s->to->rgba; /* where it stays, if it is swapped an even number of times */
 	j.image.depth_m = s->depth_m;
 	j.image.normal = s->normal;

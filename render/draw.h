@@ -34,8 +34,5 @@ void picture_buffer_clear(struct picture_buffer *p);
 /* Means of factor x factor pixels, in linear light; sizes are multiples of it. */
 struct picture_buffer picture_buffer_reduced(const struct picture_buffer *p, uint32_t factor);
 bool picture_buffer_save(const struct picture_buffer *p, const char *path, GError **error);
-/* The same with a size on paper: so many pixels an inch. */
-bool picture_buffer_save_print(
-	const struct picture_buffer *p, double dpi, const char *path, GError **error);
 
 #endif

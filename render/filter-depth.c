@@ -33,9 +33,10 @@ static void sway_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct swaying *s = data;
 	const struct filter_image *i = s->image;
+	uint32_t left = filter_whole_left(s->j), top = filter_whole_top(s->j);
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
-			float at[2] = { (float)(x + i->left), (float)(y + i->top) };
+			float at[2] = { (float)(x + left), (float)(y + top) };
 			float by = s->by.amplitude * sinf(at[0] * s->by.wave[0] +
 							     at[1] * s->by.wave[1] + s->by.phase);
 			float from_x = (float)x - by * s->by.way[0],
@@ -104,8 +105,6 @@ struct shading {
 	int ring[EDL_AROUND][2];     /* of eye-dome lighting, in pixels */
 };
 
-/* Pixels that are looked at lie no farther. */
-#define REACH_MOST_PX 120.f
 /* Surface before a pixel hides the sky from this part of the radius on: what is plane hides nothing. */
 #define BEFORE_LEAST 0.08f
 
@@ -124,7 +123,7 @@ static void shade_rows(const void *data, uint32_t from, uint32_t end)
 			if (here >= FILTER_FAR)
 				continue;
 			float reach = fminf(radius_m * focal / camera_scale_f(c, here),
-				REACH_MOST_PX * s->j->px);
+				OCCLUSION_REACH_MOST_PX * s->j->px);
 			/* Pairs on both sides: what is as far before as the other is behind is a slope. */
 			const float(*way)[2] = s->way[(x & 3) | (y & 3) << 2];
 			for (int n = 0; n < OCCLUSION_RING; n++) {

@@ -1,4 +1,5 @@
 #include "render/filter-solid.h"
+#include "render/filter-tables.h"
 #include "render/filter-trace.h"
 #include <math.h>
 
@@ -24,7 +25,7 @@ static float *along_flow(struct filter_job *j, struct dog_pass *p, float sigma)
 	struct filter_trace t = {
 		.j = j, .by = TRACE_MEAN, .is_across = true, .from = p->lightness
 	};
-	t.flow = filter_flow_find(j, 2 * k->sigma_px + 1);
+	t.flow = filter_flow_find(j, dog_tensor_px(k));
 	float *fine = filter_room_part(j->room, 3, bytes),
 	      *coarse = filter_room_part(j->room, 5, bytes);
 	t.to = fine;

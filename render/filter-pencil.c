@@ -30,8 +30,8 @@ static struct sketched sketched_at(const struct filter_job *j, uint32_t x, uint3
 	struct lens l = lens_of(c);
 	float by_focal = 1 / l.focal_px;
 	struct sketched s = { .ray = { 0, 0, 1 }, .way = { 0, 0, 1 }, .depth_m = i->depth_m[at] };
-	float seen[2] = { ((float)(x + i->left) + 0.5f - (float)c->width / 2) * by_focal,
-		((float)(y + i->top) + 0.5f - (float)c->height / 2) * by_focal };
+	float seen[2] = { ((float)(x + i->left) + 0.5f - l.middle_x) * by_focal,
+		((float)(y + i->top) + 0.5f - l.middle_y) * by_focal };
 	for (int k = 0; k < 2; k++) {
 		s.ray[k] = seen[k] * l.fan;
 		s.way[k] = seen[k] * (LENS_SCALE_M(&l, s.depth_m) / s.depth_m);

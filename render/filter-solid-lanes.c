@@ -57,8 +57,8 @@ INLINE void places(const struct filter_job *j, vf x, float y, vf depth_m, vf ret
 	const struct camera *c = &j->f->camera;
 	const struct lens l = lens_of(c);
 	float by_focal = 1 / (float)c->focal_px,
-	      down = (y + (float)j->image.top + 0.5f - (float)c->height / 2) * by_focal;
-	vf right = (x + ((float)j->image.left + 0.5f - (float)c->width / 2)) * by_focal;
+	      down = (y + (float)j->image.top + 0.5f - l.middle_y) * by_focal;
+	vf right = (x + ((float)j->image.left + 0.5f - l.middle_x)) * by_focal;
 	vf part = LENS_SCALE_M(&l, depth_m) / depth_m;
 	for (int k = 0; k < 3; k++)
 		ret[k] = ((float)c->right[k] * (right * part) + (float)c->down[k] * (down * part) +
@@ -98,8 +98,8 @@ INLINE vf noise_at(const struct filter_noise_job *n, vf x, float y, vf depth_m)
 	if (!any(is_far))
 		return ret;
 	float by_grain = 1 / n->grain_px;
-	vf flat[3] = { (x + (float)j->image.left) * by_grain,
-		all((y + (float)j->image.top) * by_grain), all(0.5f) };
+	vf flat[3] = { (x + (float)filter_whole_left(j)) * by_grain,
+		all((y + (float)filter_whole_top(j)) * by_grain), all(0.5f) };
 	vi cell[3];
 	for (int k = 0; k < 3; k++) {
 		cell[k] = floor_of(flat[k]);

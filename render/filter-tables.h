@@ -33,8 +33,9 @@ struct warp_wave {
 struct warp_wave warp_wave_of(const struct warp_step *s, float px, double time_s);
 
 /* Where occlusion looks, of pixels that lie in turns. */
-#define OCCLUSION_RING  12
-#define OCCLUSION_TURNS 16
+#define OCCLUSION_RING          12
+#define OCCLUSION_TURNS         16
+#define OCCLUSION_REACH_MOST_PX 120.f /* of the style's: no farther */
 void occlusion_ways(float ret[OCCLUSION_TURNS][OCCLUSION_RING][2]);
 
 /* Layers of a pencil: planes across a direction of the site. */
@@ -48,6 +49,12 @@ struct pencil_layer {
 /* How many there are. */
 int pencil_layers(
 	const struct pencil_step *s, const frame *f, struct pencil_layer ret[PENCIL_LAYERS_MOST]);
+
+/* Of difference of Gaussians along the flow: how smooth that is. */
+static inline float dog_tensor_px(const struct dog_step *s)
+{
+	return 2 * s->sigma_px + 1;
+}
 
 /* Of edges: places on straight lines through a pixel, to one side; cosines of bends that begin to be lines, and are lines. */
 #define EDGES_WAYS  8

@@ -10,7 +10,7 @@
 /* Of each pixel, row by row without gaps. */
 struct filter_image {
 	uint32_t width, height;
-	uint32_t left, top;  /* where it is in the whole picture */
+	uint32_t left, top;  /* where it is in what the camera draws */
 	uint8_t (*rgba)[4];  /* sRGB, the last 255 */
 	uint8_t (*spare)[4]; /* as large: what a filter writes before they are swapped */
 	float *depth_m; /* along the optical axis, 32 bits: as exact, for how far it is, near and far away */
@@ -53,12 +53,26 @@ bool filter_wants_surface(const struct step *filters, uint32_t count);
 /* Pixels of the picture around a box that these filters may draw in, or look at. */
 uint32_t filter_reach(const struct step *filters, uint32_t count, float px);
 
+/* How many pixels away what these filters make of a pixel may depend on, in pictures in which all is full of things. UINT32_MAX: on all
+ * of the picture. */
+uint32_t filter_looks(const struct step *filters, uint32_t count, float px);
+
 /* ---- for filters ---- */
 
 typedef void filter_run(struct filter_job *j, const struct step *s);
 filter_run filter_kuwahara, filter_anisotropic, filter_bilateral, filter_gaussian, filter_gaps,
 	filter_quantise, filter_dog, filter_edges, filter_watercolour, filter_flow, filter_oil,
 	filter_pencil, filter_grade, filter_warp, filter_occlusion, filter_edl, filter_neural;
+
+/* Where it is in the whole picture, also where the camera draws a window of that: for what repeats from place to place. */
+static inline uint32_t filter_whole_left(const struct filter_job *j)
+{
+	return j->image.left + j->f->camera.whole.left;
+}
+static inline uint32_t filter_whole_top(const struct filter_job *j)
+{
+	return j->image.top + j->f->camera.whole.top;
+}
 
 static inline size_t filter_pixels(const struct filter_image *i)
 {

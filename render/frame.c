@@ -346,8 +346,10 @@ static void see_accents(frame *f)
 	turn_to_camera(f, away_m, f->focus.at_m);
 	f->focus.lens = lens_of(&f->camera);
 	if (f->focus.on == FOCUS_PICTURE) {
-		f->focus.at_m[0] = (f->focus.across - 0.5f) * (float)f->camera.width / focal;
-		f->focus.at_m[1] = (f->focus.down - 0.5f) * (float)f->camera.height / focal;
+		f->focus.at_m[0] =
+			(f->focus.across - 0.5f) * (float)camera_whole_width(&f->camera) / focal;
+		f->focus.at_m[1] =
+			(f->focus.down - 0.5f) * (float)camera_whole_height(&f->camera) / focal;
 		f->focus.at_m[2] = 1;
 		f->focus.radius_m = f->focus.radius_px * px;
 		f->focus.per_m = 1 / (f->focus.falloff_px * px);
@@ -401,13 +403,18 @@ static float height_at(const paper_texture *p, float x, float y)
 	return upper + v * (lower - upper);
 }
 
-/* Does not move with the camera, so it is laid once. */
+/* Does not move with the camera, so it is laid once; of each window again. */
 static bool lay_paper(frame *f, GError **error)
 {
-	g_autoptr(paper_texture) p = paper_texture_new(f->drawing->whole.paper.texture, error);
+	const struct camera_whole *whole = &f->camera.whole;
 	float step = 1 / (f->px * f->drawing->whole.paper.scale);
+	if (!f->paper)
+		f->paper = paper_texture_new(f->drawing->whole.paper.texture, error);
+	const paper_texture *p = f->paper;
 	if (!p)
 		return false;
+	g_free(f->relief);
+	f->relief_serial = scene_serial();
 	f->relief_width = f->camera.width;
 	f->relief_height = f->camera.height;
 	f->relief = g_malloc((size_t)f->relief_width * f->relief_height);
@@ -415,8 +422,8 @@ static bool lay_paper(frame *f, GError **error)
 	for (uint32_t y = 0; y < f->relief_height; y++)
 		for (uint32_t x = 0; x < f->relief_width; x++)
 			f->relief[(size_t)y * f->relief_width + x] =
-				(uint8_t)(height_at(p, ((float)x + 0.5f) * step,
-						  ((float)y + 0.5f) * step) +
+				(uint8_t)(height_at(p, ((float)(x + whole->left) + 0.5f) * step,
+						  ((float)(y + whole->top) + 0.5f) * step) +
 					  0.5f);
 	return true;
 }
@@ -509,8 +516,8 @@ const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kin
 float frame_ray_most(const frame *f, const struct frame_layer *l)
 {
 	float focal = (float)f->camera.focal_px, reach = l->ink.length_px / 2;
-	float corner[3] = { ((float)f->camera.width / 2 + reach) / focal,
-		((float)f->camera.height / 2 + reach) / focal, 1 };
+	float corner[3] = { ((float)camera_whole_width(&f->camera) / 2 + reach) / focal,
+		((float)camera_whole_height(&f->camera) / 2 + reach) / focal, 1 };
 	return f->camera.parallel_m > 0 ? 1 : vector3_length(corner);
 }
 
@@ -518,17 +525,21 @@ bool frame_move(frame *f, const struct camera *c, GError **error)
 {
 	if (!camera_validate(c, error))
 		return false;
-	if (f->relief && (c->width != f->relief_width || c->height != f->relief_height)) {
+	uint32_t width = camera_whole_width(&f->camera), height = camera_whole_height(&f->camera);
+	if (f->relief && (camera_whole_width(c) != width || camera_whole_height(c) != height)) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
-			"a frame of %ux%u cannot become one of %ux%u", f->relief_width,
-			f->relief_height, c->width, c->height);
+			"a frame of %ux%u cannot become one of %ux%u", width, height,
+			camera_whole_width(c), camera_whole_height(c));
 		return false;
 	}
+	bool is_paper_there =
+		f->relief && c->width == f->relief_width && c->height == f->relief_height &&
+		c->whole.left == f->camera.whole.left && c->whole.top == f->camera.whole.top;
 	f->camera = *c;
 	for (int k = 0; k < 3; k++)
 		f->eye_m[k] = c->eye_m[k] - f->scene->origin_m[k];
 	see_accents(f);
-	return true;
+	return is_paper_there || lay_paper(f, error);
 }
 
 frame *frame_new(const scene *s, const drawing *d, const struct camera *c, GError **error)
@@ -544,7 +555,7 @@ frame *frame_new_coarse(
 	f->scene = s;
 	f->drawing = d;
 	f->lanes = lanes_path_widest();
-	f->px = (float)(c->height / FRAME_STYLE_HEIGHT);
+	f->px = (float)(camera_whole_height(c) / FRAME_STYLE_HEIGHT);
 	f->ink_px = f->px * (float)coarser;
 	f->layer = g_new0(struct frame_layer, FRAME_LAYERS_MAX + 1);
 	g_autoptr(GError) wrong = NULL;
@@ -553,7 +564,7 @@ frame *frame_new_coarse(
 		g_propagate_error(error, g_steal_pointer(&wrong));
 		return NULL;
 	}
-	if (!frame_move(f, c, error) || !lay_paper(f, error) || !add_layers(f, error))
+	if (!frame_move(f, c, error) || !add_layers(f, error))
 		return NULL;
 	find_sheets(f);
 	frame_set_light(f, &d->whole.light);
@@ -582,6 +593,7 @@ void frame_free(frame *f)
 	}
 	frame_nets_free(f->nets);
 	g_free(f->relief);
+	paper_texture_free(f->paper);
 	g_free(f->layer);
 	g_free(f);
 }

@@ -104,11 +104,14 @@ struct frame {
 	struct frame_focus focus;
 	struct frame_layer *layer; /* inks, in the order in which they are drawn */
 	uint32_t layers;
-	uint8_t *relief; /* of the paper, width x height, PAPER_TEXTURE_MEAN is flat */
+	paper_texture *paper;
+	uint8_t *
+		relief; /* of that, of what the camera draws: width x height, PAPER_TEXTURE_MEAN is flat */
 	uint32_t relief_width, relief_height;
-	enum lanes_path lanes; /* with what vectors cpu draws it; tests try them all */
-	bool single_thread;    /* for tests */
-	double time_s;         /* of what moves by itself */
+	uint64_t relief_serial; /* scene_serial() */
+	enum lanes_path lanes;  /* with what vectors cpu draws it; tests try them all */
+	bool single_thread;     /* for tests */
+	double time_s;          /* of what moves by itself */
 	/* Pipelines whose filters are the same are drawn together, as one sheet (frame-sheets.h). */
 	bool is_painted;  /* some layer is paint */
 	bool is_filtered; /* some sheet has filters, or the picture; else there is one sheet */
@@ -132,8 +135,17 @@ frame *frame_new_coarse(
 	const scene *s, const drawing *d, const struct camera *c, double coarser, GError **error);
 void frame_free(frame *f); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(frame, frame_free)
-/* Another camera with a picture of the same size, which cuts if the first one did; the layers stay. */
+/* Another camera with a picture of the same size, or a window of one, which cuts if the first one did; the layers stay. What is drawn of
+ * windows is what is drawn of the whole picture there (poster.h tells how far from their edges). */
 bool frame_move(frame *f, const struct camera *c, GError **error);
+
+/* The same with the camera that f->camera is a window of: to look at, while f is there. */
+static inline frame frame_of_whole(const frame *f)
+{
+	frame ret = *f;
+	ret.camera = camera_whole(&f->camera);
+	return ret;
+}
 
 /* Another light or focus than the drawing's. */
 void frame_set_light(frame *f, const struct style_light *light);

@@ -28,6 +28,7 @@ void gles_stipple_clear(const gles_context *c, struct gles_stipple *s)
 	gles_buffer_clear(c, &s->texture[1]);
 	gles_buffer_clear(c, &s->tree);
 	gles_buffer_clear(c, &s->views);
+	gles_views_clear(c, &s->seen);
 }
 
 static bool upload(const gles_context *c, struct gles_buffer *b, const void *from, size_t bytes,
@@ -251,20 +252,39 @@ static void decide(gles_draw *d, const struct gles_stippled *s, const frame *f,
 	d->c->gl.Uniform4f(SHARE, 0, 0, 0, s->plan->apart_m);
 }
 
+/* What the eye sees is told by all that the whole picture shows, so that windows of it fit together. */
+static bool look_from_eye(
+	gles_draw *d, struct gles_stippled *s, const frame *f, uint32_t layer, GError **error)
+{
+	bool is_window = camera_is_window(&f->camera);
+	frame whole = frame_of_whole(f);
+	const gles_views *seen = is_window ? &d->stipple.seen : &d->views;
+	g_autofree struct chunk_view *views = NULL;
+	uint32_t count;
+	if (is_window) {
+		views = chunk_views_new(&whole, &count);
+		if (!gles_views_fill(
+			    d->c, &d->stipple.seen, &whole, &d->scene, views, count, error))
+			return false;
+	}
+	struct stipple_plane eye = stipple_plan_eye(s->plan, &whole, seen->view, seen->count);
+	if (!reserve_texture(d, &eye, error))
+		return false;
+	if (is_lit(s, f))
+		gles_draw_fill(d, &d->stipple.tree, 2u << (2 * s->plan->levels), STIPPLE_EMPTY);
+	put(d, s, &eye, seen->buffer.name, s->eye.name, seen->runs);
+	ask(d, s, &eye, s->eye.name, seen->runs, is_lit(s, f));
+	if (is_lit(s, f))
+		fill_tree(d, s->plan);
+	gles_draw_bind_storage(d, 1, d->views.buffer.name);
+	decide(d, s, f, &eye, layer);
+	return true;
+}
+
 bool gles_draw_stipple(gles_draw *d, const frame *f, uint32_t layer, GError **error)
 {
 	struct gles_stippled *s = &d->stipple.layer[layer];
 	if (!renew(d, s, f, layer, error))
 		return false;
-	struct stipple_plane eye = stipple_plan_eye(s->plan, f, d->views.view, d->views.count);
-	if (!reserve_texture(d, &eye, error))
-		return false;
-	if (is_lit(s, f))
-		gles_draw_fill(d, &d->stipple.tree, 2u << (2 * s->plan->levels), STIPPLE_EMPTY);
-	put(d, s, &eye, d->views.buffer.name, s->eye.name, d->views.runs);
-	ask(d, s, &eye, s->eye.name, d->views.runs, is_lit(s, f));
-	if (is_lit(s, f))
-		fill_tree(d, s->plan);
-	decide(d, s, f, &eye, layer);
-	return true;
+	return look_from_eye(d, s, f, layer, error);
 }

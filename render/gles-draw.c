@@ -7,6 +7,7 @@
 struct camera_block {
 	float lens[4], rays[4], cuts[4], turn[3][4], size[4], paper[4], light[256], light_from[4],
 		focus[4], eye[4], paint_light[4], focus_reach[4];
+	int32_t window[4];
 };
 
 /* ---- open, close ---- */
@@ -97,7 +98,8 @@ static void set_camera(gles_draw *d, const frame *f)
 	struct camera_block b = { .lens = { l.focal_px, l.middle_x, l.middle_y, l.near_m },
 		.rays = { l.fan, l.parallel_m, l.by_parallel, l.begin_m },
 		.cuts = { c->is_cut, (float)c->cut_m, fminf(l.far_m, FLT_MAX) },
-		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m } };
+		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m },
+		.window = { (int32_t)c->whole.left, (int32_t)c->whole.top } };
 	const double *row[3] = { c->right, c->down, c->forward };
 	for (int k = 0; k < 3; k++)
 		for (int n = 0; n < 3; n++)

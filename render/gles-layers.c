@@ -275,10 +275,22 @@ void gles_layers_clear(const gles_context *c, gles_layers *g)
 	memset(g, 0, sizeof *g);
 }
 
+/* Of each window another one. */
+static bool hold_relief(const gles_context *c, gles_layers *g, const frame *f, GError **error)
+{
+	if (g->relief_serial == f->relief_serial)
+		return true;
+	c->gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+	c->gl.DeleteTextures(1, &g->relief);
+	g->relief = upload_relief(&c->gl, f);
+	g->relief_serial = f->relief_serial;
+	return gles_context_check(c, "copying the style to the GPU", error);
+}
+
 bool gles_layers_hold(const gles_context *c, gles_layers *g, const frame *f, GError **error)
 {
 	if (g->serial == f->serial)
-		return true;
+		return hold_relief(c, g, f, error);
 	gles_layers_clear(c, g);
 	c->gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
 	upload_numbers(c, g, f);
@@ -288,9 +300,8 @@ bool gles_layers_hold(const gles_context *c, gles_layers *g, const frame *f, GEr
 		if (f->layer[n].hatch)
 			upload_hatch(&c->gl, g, n, f->layer[n].hatch);
 	}
-	g->relief = upload_relief(&c->gl, f);
 	g->layers = f->layers;
-	if (!gles_context_check(c, "copying the style to the GPU", error))
+	if (!hold_relief(c, g, f, error))
 		return false;
 	g->serial = f->serial;
 	return true;

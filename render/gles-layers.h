@@ -7,6 +7,7 @@
 typedef struct gles_layers gles_layers;
 struct gles_layers {
 	uint64_t serial; /* of the frame; 0: none */
+	uint64_t relief_serial;
 	GLuint numbers; /* the blocks Layer of layer.glsl, and last the block Pipelines of ground.frag.glsl */
 	GLintptr layer_bytes;             /* from one to the next */
 	GLuint texture[FRAME_LAYERS_MAX]; /* 0: none */

@@ -36,4 +36,11 @@ static bool gles_draw_here(void *state, const frame *f, struct picture_buffer *t
 	       gles_draw_frame(s->draw, f, to, ret_times, error);
 }
 
-const struct painter_ops painter_gles = { "gles", gles_open, gles_draw_here, gles_close };
+static uint32_t gles_side_most(const void *state)
+{
+	const struct gles_limits *l = &((const struct state *)state)->context->about.limits;
+	return MIN((uint32_t)MIN(l->texture_size, l->viewport_size), CAMERA_SIDE_MAX);
+}
+
+const struct painter_ops painter_gles = { "gles", gles_open, gles_draw_here, gles_close,
+	gles_side_most };

@@ -294,7 +294,7 @@ static void filter_whole(struct sheets_job *j, const struct chunk_view *views, u
 	struct sheet_box b = { 0, 0, j->width, j->height };
 	struct gles_filter_job on = job_of(j, &b);
 	int64_t pixels = (int64_t)j->width * j->height;
-	on.spacing_px = sheet_spacing_px(j->f, views, count);
+	on.spacing_px = sheet_whole_spacing_px(j->f, views, count);
 	on.image.pixels = &j->s->whole;
 	on.image.spare = &j->s->spare;
 	on.image.depth = &j->s->whole_depth;

@@ -3,7 +3,7 @@
 /* What a GPU holds for stippling (stipple.h): of each layer where its points are on the planes of eye and light, and room for the planes,
  * which layers use one after another. */
 #include "render/frame.h"
-#include "render/gles-buffer.h"
+#include "render/gles-views.h"
 #include "render/stipple-plan.h"
 
 /* Of a layer. The light's part is kept while frame and layer are the same. */
@@ -16,6 +16,7 @@ struct gles_stipple {
 	struct gles_stippled layer[FRAME_LAYERS_MAX];
 	struct gles_buffer texture[2];  /* the second one is spread into */
 	struct gles_buffer tree, views; /* of the light: all chunks that it sees */
+	gles_views seen;                /* of windows: what the whole picture shows */
 };
 void gles_stipple_clear(const gles_context *c, struct gles_stipple *s);
 

@@ -9,6 +9,7 @@
 
 struct lens {
 	float focal_px, middle_x, middle_y, near_m;
+	float width, height; /* of the picture, or the window */
 	float far_m; /* of a parallel camera nothing is drawn beyond it, to the point; else INFINITY: chunks alone tell */
 	float fan;   /* 1: rays fan out from the eye; 0: they are parallel */
 	float parallel_m;  /* of struct camera */
@@ -20,8 +21,10 @@ static inline struct lens lens_of(const struct camera *c)
 {
 	bool is_parallel = c->parallel_m > 0;
 	return (struct lens){ .focal_px = (float)c->focal_px,
-		.middle_x = (float)c->width / 2,
-		.middle_y = (float)c->height / 2,
+		.middle_x = (float)camera_middle_x(c),
+		.middle_y = (float)camera_middle_y(c),
+		.width = (float)c->width,
+		.height = (float)c->height,
 		.near_m = (float)c->near_m,
 		.far_m = is_parallel ? (float)c->far_m : INFINITY,
 		.fan = is_parallel ? 0 : 1,

@@ -165,10 +165,12 @@ void page_legend_paint(const page_legend *l, void *cairo)
 	cairo_restore(cr);
 }
 
-void page_legend_print(const page_legend *l, struct picture_buffer *to, double px_per_mm)
+void page_legend_print(
+	const page_legend *l, struct picture_buffer *to, uint32_t from_row, double px_per_mm)
 {
 	cairo_surface_t *s = vector_ground_surface(to);
 	cairo_t *cr = cairo_create(s);
+	cairo_translate(cr, 0, -(double)from_row);
 	cairo_scale(cr, px_per_mm, px_per_mm);
 	page_legend_paint(l, cr);
 	cairo_destroy(cr);

@@ -38,7 +38,8 @@ void page_legend_edges(
 
 /* On any surface whose units are millimetres: a cairo_t. */
 void page_legend_paint(const page_legend *l, void *cairo);
-/* Into a picture of so many pixels a millimetre. */
-void page_legend_print(const page_legend *l, struct picture_buffer *to, double px_per_mm);
+/* Into the rows of a picture from that one on, of so many pixels a millimetre. */
+void page_legend_print(
+	const page_legend *l, struct picture_buffer *to, uint32_t from, double px_per_mm);
 
 #endif

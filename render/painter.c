@@ -27,7 +27,13 @@ static void cpu_close(void *state)
 	draw_room_free(state);
 }
 
-const struct painter_ops painter_cpu = { "cpu", cpu_open, cpu_draw, cpu_close };
+static uint32_t cpu_side_most(const void *state)
+{
+	(void)state;
+	return CAMERA_SIDE_MAX;
+}
+
+const struct painter_ops painter_cpu = { "cpu", cpu_open, cpu_draw, cpu_close, cpu_side_most };
 
 /* From here on cpu draws, and says why. */
 static void fall_back(painter *p, const GError *error)
@@ -76,6 +82,11 @@ const char *painter_why(const painter *p)
 const char *painter_name(const painter *p)
 {
 	return p->ops->name;
+}
+
+uint32_t painter_side_most(const painter *p)
+{
+	return p->ops->side_most(p->state);
 }
 
 bool painter_draw(painter *p, const frame *f, struct picture_buffer *to,

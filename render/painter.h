@@ -14,7 +14,8 @@ struct painter_ops {
 	/* What it keeps of the scene it keeps between frames of the same scene. */
 	bool (*draw)(void *state, const frame *f, struct picture_buffer *to,
 		struct draw_times *ret_times, GError **error);
-	void (*close)(void *state); /* NULL is fine */
+	void (*close)(void *state);               /* NULL is fine */
+	uint32_t (*side_most)(const void *state); /* pixels of a picture that it draws at once */
 };
 extern const struct painter_ops painter_cpu, painter_gles;
 
@@ -27,6 +28,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(painter, painter_free)
 const char *painter_why(const painter *p);
 /* Of the backend that draws: "cpu", "gles". */
 const char *painter_name(const painter *p);
+/* Pixels a side that it draws at once. */
+uint32_t painter_side_most(const painter *p);
 /* Into a picture of the camera's size. ret_times may be NULL. G_IO_ERROR_CANCELLED: f->stop was set. */
 bool painter_draw(painter *p, const frame *f, struct picture_buffer *to,
 	struct draw_times *ret_times, GError **error);

@@ -12,7 +12,7 @@
 
 #define COMMAND "render"
 /* Of the picture before it is reduced. */
-#define PIXELS_MAX  ((uint64_t)1 << 29)
+#define PIXELS_MAX  ((uint64_t)1 << 29) /* of pages and films */
 #define FPS_NORMAL  25.0
 #define FPS_MAX     240.0
 #define SECONDS_MAX 86400.0
@@ -38,7 +38,8 @@ static const GOptionEntry entries[] = {
 		"section-a, section:X1,Y1:X2,Y2[:DEPTH], or X,Y,Z:X,Y,Z[:FOV] (default overview)",
 		"VIEW" },
 	{ "output", 'o', 0, G_OPTION_ARG_FILENAME, &output,
-		"Where it goes: .png a picture, .svg or .pdf a page of shapes, .mp4 or .webm a "
+		"Where it goes: .png or .tif a picture, .svg or .pdf a page of shapes, .mp4 or "
+		".webm a "
 		"film "
 		"(default SITE/exports/STYLE-VIEW.png); of a path FILE-0000.png and so on",
 		"FILE" },
@@ -225,15 +226,27 @@ static bool draw_one(struct work *w, uint32_t number, GError **error)
 {
 	struct draw_times t;
 	struct camera c = camera_of(w, number);
-	if (w->frame ? !frame_move(w->frame, &c, error)
-		     : !(w->frame = frame_new(w->site->scene, w->drawing, &c, error)))
+	struct camera first = output_first_camera(&w->out, &c);
+	if (w->frame ? !frame_move(w->frame, &first, error)
+		     : !(w->frame = frame_new(w->site->scene, w->drawing, &first, error)))
 		return false;
 	w->frame->time_s = time_s + number / fps;
 	if (!scene_pager_settle_for(w->site->scene, &c, w->frame->ink_px, error) ||
-		!output_add(&w->out, w->painter, w->frame, number, &t, error))
+		!output_add(&w->out, w->painter, w->frame, &c, number, &t, error))
 		return false;
 	add_times(&w->sum, &t);
 	return true;
+}
+
+/* Of a picture, which may be of many windows. */
+static bool is_going(void *data, double part, GError **error)
+{
+	struct work *w = data;
+	cli_bar_update(&w->bar, (w->frames + part) / w->count, "drawing");
+	if (cli_interrupted())
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_CANCELLED,
+			"stopped at %.0f %% of the picture", 100 * part);
+	return !cli_interrupted();
 }
 
 static bool draw_frames(struct work *w, GError **error)
@@ -361,16 +374,24 @@ static int check_size(struct work *w)
 			CAMERA_SIDE_MAX, size_text);
 	if (supersample < 1 || supersample > 8)
 		return cli_misuse(COMMAND, "--supersample goes from 1 to 8");
-	if ((uint64_t)size->width * size->height * (uint64_t)(supersample * supersample) >
-			PIXELS_MAX ||
-		size->width * (uint32_t)supersample > CAMERA_SIDE_MAX ||
-		size->height * (uint32_t)supersample > CAMERA_SIDE_MAX)
+	return CLI_DONE;
+}
+
+/* A picture is drawn in windows; pages and films at once. */
+static int check_pixels(const struct work *w)
+{
+	const struct page_size *size = &w->out.size;
+	uint64_t by = (uint64_t)supersample, pixels = size->width * by * size->height * by;
+	if (MAX(size->width, size->height) * by > CAMERA_SIDE_MAX)
 		return cli_misuse(COMMAND,
-			"%ux%u drawn %d times as large is more than %u million pixels or %u a "
-			"side: take a "
+			"%ux%u drawn %d times as large is more than %u pixels a side: take a "
 			"smaller --size, --dpi or --supersample",
-			size->width, size->height, supersample, (unsigned)(PIXELS_MAX / 1000000),
-			CAMERA_SIDE_MAX);
+			size->width, size->height, supersample, CAMERA_SIDE_MAX);
+	if (w->out.kind != OUTPUT_PICTURE && pixels > PIXELS_MAX)
+		return cli_misuse(COMMAND,
+			"%ux%u drawn %d times as large is more than the %u million pixels that "
+			"pages and films have: take a smaller --size, --dpi or --supersample",
+			size->width, size->height, supersample, (unsigned)(PIXELS_MAX / 1000000));
 	return CLI_DONE;
 }
 
@@ -398,6 +419,8 @@ static int check_usage(struct work *w, enum backend_wish *wish)
 	int status = check_size(w);
 	w->out.kind = output ? output_kind_of(output) : OUTPUT_PICTURE;
 	if (status != CLI_DONE)
+		return status;
+	if ((status = check_pixels(w)) != CLI_DONE)
 		return status;
 	if (w->out.kind == OUTPUT_KINDS)
 		return cli_misuse(COMMAND, "--output ends in %s, not '%s'", output_endings, output);
@@ -459,6 +482,8 @@ static bool draw(struct work *w, const char *site_folder, GError **error)
 	w->out.numbered = w->path;
 	w->out.has_paper = !no_paper;
 	w->out.fps = fps;
+	w->out.going = is_going;
+	w->out.data = w;
 	w->legend = w->scale > 0 && !no_frame ? legend_of(w, title) : NULL;
 	w->out.legend = w->legend;
 	w->count = count_frames(w);

@@ -16,16 +16,31 @@ static struct chunk_view *views_of(const frame *f, const struct chunk_view *all,
 
 /* ---- how far it reaches ---- */
 
-static uint32_t ink_reach(const frame *f, uint32_t sheet)
+uint32_t sheet_ink_reach(const frame *f, uint32_t sheet)
 {
 	float reach = 1;
 	for (uint32_t n = 0; n < f->layers; n++)
 		if (f->sheet_of[f->layer[n].pipeline] == sheet)
 			reach = fmaxf(
 				reach, f->layer[n].step->kind->radius_px(f->layer[n].step->bytes) *
-						       f->ink_px * fmaxf(f->layer[n].ink.grow, 1) +
+						       f->ink_px * fmaxf(f->layer[n].ink.grow, 1) *
+						       (1 + f->focus.abstraction) +
 					       1);
 	return (uint32_t)fminf(reach, 1e4f);
+}
+
+/* The part of a box of the whole picture that the camera draws. */
+static uint32_t drawn_place(uint32_t whole, uint32_t from, uint32_t side)
+{
+	return whole > from ? MIN(whole - from, side) : 0;
+}
+
+static struct sheet_box drawn_box(const struct camera *c, const struct sheet_box *b)
+{
+	const struct camera_whole *w = &c->whole;
+	return (struct sheet_box){ drawn_place(b->left, w->left, c->width),
+		drawn_place(b->top, w->top, c->height), drawn_place(b->right, w->left, c->width),
+		drawn_place(b->bottom, w->top, c->height) };
 }
 
 static struct sheet_box box_of(
@@ -41,7 +56,7 @@ static struct sheet_box box_of(
 	struct sheet_box b = { 0 };
 	uint32_t *from[2] = { &b.left, &b.top }, *end[2] = { &b.right, &b.bottom };
 	for (int k = 0; k < 2; k++) {
-		*from[k] = (uint32_t)CLAMP(low[k] - reach, 0, size[k]);
+		*from[k] = (uint32_t)CLAMP(low[k] - reach, 0, size[k]) / SHEET_BLOCK * SHEET_BLOCK;
 		*end[k] = (uint32_t)CLAMP(ceilf(high[k] + reach), 0, size[k]);
 	}
 	return b;
@@ -49,7 +64,7 @@ static struct sheet_box box_of(
 
 /* ---- what the style leaves to us ---- */
 
-float sheet_spacing_px(const frame *f, const struct chunk_view *views, uint32_t count)
+static float spacing_of(const frame *f, const struct chunk_view *views, uint32_t count)
 {
 	double sum = 0, points = 0;
 	for (uint32_t n = 0; n < count; n++) {
@@ -60,6 +75,16 @@ float sheet_spacing_px(const frame *f, const struct chunk_view *views, uint32_t 
 		points += v->chunk->count;
 	}
 	return points > 0 ? (float)(sum / points) : 0;
+}
+
+float sheet_whole_spacing_px(const frame *f, const struct chunk_view *views, uint32_t count)
+{
+	if (!camera_is_window(&f->camera))
+		return spacing_of(f, views, count);
+	frame whole = frame_of_whole(f);
+	uint32_t whole_count;
+	g_autofree struct chunk_view *all = chunk_views_new(&whole, &whole_count);
+	return spacing_of(&whole, all, whole_count);
 }
 
 /* The part of the chunks in whose boxes on the screen, and in depth, others of another sheet are. */
@@ -96,7 +121,6 @@ static float overlap_of(
 /* Filters draw as far beside things as they reach, at most, and what they draw there must find a depth across
  * the gaps between points; but where other segments are all around, a wide circle would take depths of other parts of a thing. */
 #define THRESHOLD    0.03f
-#define RADIUS_MOST  12
 #define RADIUS_CLOSE 0.5f /* of it, where all is close to other sheets */
 static void choose_inpainting(const frame *f, const struct chunk_view *all, uint32_t all_count,
 	uint32_t sheet, struct sheet_plan *p)
@@ -106,7 +130,7 @@ static void choose_inpainting(const frame *f, const struct chunk_view *all, uint
 	if (by->radius_px <= 0) {
 		float reach = fmaxf(
 			(float)filter_reach(p->steps, p->filters, f->px) / 2, 1.5f * p->spacing_px);
-		radius = fminf(2 + reach, RADIUS_MOST) *
+		radius = fminf(2 + reach, SHEET_RADIUS_MOST) *
 			 (1 - (1 - RADIUS_CLOSE) * overlap_of(f, all, all_count, sheet));
 	}
 	p->radius = MAX((int)rintf(radius), 1);
@@ -114,6 +138,19 @@ static void choose_inpainting(const frame *f, const struct chunk_view *all, uint
 }
 
 /* ---- all ---- */
+
+/* all: what the whole picture shows. */
+static void look_at_whole(const frame *f, const struct chunk_view *all, uint32_t count,
+	uint32_t sheet, struct sheet_plan *p)
+{
+	uint32_t own_count;
+	g_autofree struct chunk_view *own = views_of(f, all, count, sheet, &own_count);
+	p->box = box_of(f, own, own_count,
+		(float)(sheet_ink_reach(f, sheet) + filter_reach(p->steps, p->filters, f->px)));
+	p->spacing_px = spacing_of(f, own, own_count);
+	if (p->filters)
+		choose_inpainting(f, all, count, sheet, p);
+}
 
 struct sheet_plan sheet_plan_new(
 	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
@@ -123,11 +160,15 @@ struct sheet_plan sheet_plan_new(
 	p.steps = frame_filters(f, sheet, &p.filters);
 	if (!p.count)
 		return p;
-	p.box = box_of(f, p.views, p.count,
-		(float)(ink_reach(f, sheet) + filter_reach(p.steps, p.filters, f->px)));
-	p.spacing_px = sheet_spacing_px(f, p.views, p.count);
-	if (p.filters)
-		choose_inpainting(f, all, count, sheet, &p);
+	if (!camera_is_window(&f->camera)) {
+		look_at_whole(f, all, count, sheet, &p);
+		return p;
+	}
+	frame whole = frame_of_whole(f);
+	uint32_t whole_count;
+	g_autofree struct chunk_view *views = chunk_views_new(&whole, &whole_count);
+	look_at_whole(&whole, views, whole_count, sheet, &p);
+	p.box = drawn_box(&f->camera, &p.box);
 	return p;
 }
 

@@ -5,6 +5,9 @@
 #include "render/chunk-view.h"
 #include "render/frame.h"
 
+/* Boxes begin at whole multiples of so many pixels of the whole picture: filters that look at several pixels at once look at the same
+ * ones in a window of it. */
+#define SHEET_BLOCK 16u
 struct sheet_box {
 	uint32_t left, top, right, bottom; /* ends are beyond */
 };
@@ -14,7 +17,7 @@ struct sheet_plan {
 	const struct step *steps; /* its filters, and what else stands among them */
 	uint32_t filters;
 	struct sheet_box box; /* all that it draws, and that its filters look at */
-	float spacing_px;     /* mean distance of neighbouring points */
+	float spacing_px;     /* mean distance of neighbouring points, in the whole picture */
 	/* Of depth inpainting; radius 0: there are no filters. */
 	float threshold; /* 0..1 */
 	int radius;      /* pixels */
@@ -23,7 +26,12 @@ struct sheet_plan {
 struct sheet_plan sheet_plan_new(
 	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet);
 void sheet_plan_clear(struct sheet_plan *p);
-float sheet_spacing_px(const frame *f, const struct chunk_view *views, uint32_t count);
+/* The mean distance of neighbouring points in the whole picture. views: what the frame shows. */
+float sheet_whole_spacing_px(const frame *f, const struct chunk_view *views, uint32_t count);
+/* Pixels that strokes of a sheet reach from their middles. */
+uint32_t sheet_ink_reach(const frame *f, uint32_t sheet);
+/* Of depth inpainting, where the style leaves it to us; pixels. */
+#define SHEET_RADIUS_MOST 12
 /* Whether some sheet draws things that cover in part only what is behind them. */
 bool sheets_have_soft(const frame *f);
 

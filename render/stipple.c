@@ -158,7 +158,7 @@ static void put_in_tree(stipple *s, uint32_t slot, uint32_t part)
 				s->light.key[i]);
 }
 
-void stipple_look(
+static void look(
 	stipple *s, const frame *f, uint32_t layer, const struct chunk_view *views, uint32_t count)
 {
 	renew(s, f, layer);
@@ -177,6 +177,20 @@ void stipple_look(
 	}
 	if (s->is_lit)
 		stipple_quadtree_fill(&s->tree, f->single_thread);
+}
+
+void stipple_look(
+	stipple *s, const frame *f, uint32_t layer, const struct chunk_view *views, uint32_t count)
+{
+	if (!camera_is_window(&f->camera)) {
+		look(s, f, layer, views, count);
+		return;
+	}
+	/* Which dots there are is told by all that the picture shows, so that windows of it fit together. */
+	frame whole = frame_of_whole(f);
+	uint32_t whole_count;
+	g_autofree struct chunk_view *all = chunk_views_new(&whole, &whole_count);
+	look(s, &whole, layer, all, whole_count);
 }
 
 /* ---- what is drawn ---- */
@@ -241,8 +255,8 @@ static struct stroke stroke_of(const stipple *s, const frame *f, const struct fr
 {
 	float half_px = radius_of(s, f, l, d),
 	      scale = (float)f->camera.focal_px / camera_scale_f(&f->camera, d->at_m[2]);
-	struct stroke one = { .x_px = (float)f->camera.width / 2 + d->at_m[0] * scale,
-		.y_px = (float)f->camera.height / 2 + d->at_m[1] * scale,
+	struct stroke one = { .x_px = (float)camera_middle_x(&f->camera) + d->at_m[0] * scale,
+		.y_px = (float)camera_middle_y(&f->camera) + d->at_m[1] * scale,
 		.along = { 1, 0 },
 		.half_length_px = half_px,
 		.half_width_px = half_px,

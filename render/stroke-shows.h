@@ -86,9 +86,8 @@ INLINE unsigned promising(
 			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
 			  : scale * scale * b->wanted_most;
 	return bits((l->depth_m > b->lens.near_m) & (l->depth_m <= b->lens.far_m) &
-		    (l->x_px >= -reach) & (l->y_px >= -reach) &
-		    (l->x_px < 2 * b->lens.middle_x + reach) &
-		    (l->y_px < 2 * b->lens.middle_y + reach) &
+		    (l->x_px >= -reach) & (l->y_px >= -reach) & (l->x_px < b->lens.width + reach) &
+		    (l->y_px < b->lens.height + reach) &
 		    (c->rank < need * STROKE_FADE_MORE(octaves)));
 }
 

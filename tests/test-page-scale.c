@@ -320,7 +320,7 @@ static void test_legend(void)
 	g_assert_cmpfloat_with_epsilon(high - low, 40, 1e-9);
 	struct picture_buffer p = picture_buffer_new(420, 297);
 	memset(p.rgba, 255, (size_t)420 * 297 * 4);
-	page_legend_print(section, &p, 1);
+	page_legend_print(section, &p, 0, 1);
 	g_assert_cmpfloat(darkness(&p), >, 10000);
 	picture_buffer_clear(&p);
 }

@@ -8,6 +8,7 @@ static const struct take_preset pictures[] = {
 	{ "screen-4k", N_("4K, 3840 × 2160"), "png", "3840x2160" },
 	{ "a4", N_("A4, 300 dpi"), "png", "A4-landscape", .dpi = 300 },
 	{ "a3", N_("A3, 300 dpi"), "png", "A3-landscape", .dpi = 300 },
+	{ "poster", N_("Poster, A0, 300 dpi"), "png", "A0-landscape", .dpi = 300 },
 	{ NULL },
 };
 static const struct take_preset drawings[] = {

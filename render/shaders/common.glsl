@@ -23,6 +23,7 @@ layout(std140, binding = 0) uniform Camera {
 	vec4 eye;          /* from the scene's origin */
 	vec4 paint_light;  /* towards the light on paint (frame_paint_light) */
 	vec4 focus_reach;  /* radius_m, 1 / falloff_m, abstraction, 1: there is one; 2: all of that is at depth 1; 3: it is a segment */
+	ivec4 window;      /* where in the whole picture this one begins */
 };
 
 /* LENS_SCALE_M() */

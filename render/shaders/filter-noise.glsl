@@ -65,7 +65,7 @@ void main()
 	float near_m = a[at];
 	vec2 whole_at = vec2(p + area.zw);
 	if (near_m >= FAR) {
-		b[at] = flat_noise(whole_at);
+		b[at] = flat_noise(vec2(p + area.zw + window.xy));
 		return;
 	}
 	float octave = clamp(log2(scale_m(near_m) * (by[0].x / lens.x)), float(LOWEST), float(LOWEST + OCTAVES - 2));

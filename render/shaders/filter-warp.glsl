@@ -17,7 +17,7 @@ void main()
 	if (!is_here(p))
 		return;
 	int at = at_of(p);
-	float sway = by[1].x * sin(dot(vec2(p + area.zw), by[0].xy) + by[1].y);
+	float sway = by[1].x * sin(dot(vec2(p + area.zw + window.xy), by[0].xy) + by[1].y);
 	vec2 from = vec2(p) - sway * by[0].zw;
 	int near = at_of(ivec2(clamp(from + 0.5, vec2(0.0), vec2(area.xy - 1))));
 	if (extent.z == COLOURS) {
