@@ -303,8 +303,8 @@ static bool in_picture(
 	float beyond = BEYOND_PX * d->px;
 	part[0] = 0;
 	part[1] = 1;
-	return cut_off(a->x_px, b->x_px - a->x_px, -beyond, 2 * d->lens.middle_x + beyond, part) &&
-	       cut_off(a->y_px, b->y_px - a->y_px, -beyond, 2 * d->lens.middle_y + beyond, part);
+	return cut_off(a->x_px, b->x_px - a->x_px, -beyond, d->lens.width + beyond, part) &&
+	       cut_off(a->y_px, b->y_px - a->y_px, -beyond, d->lens.height + beyond, part);
 }
 
 /* The same in depth, before there are places; false: nothing of it is left. */
@@ -422,15 +422,48 @@ static struct drawer drawer_of(const frame *f, const struct frame_layer *l)
 	return d;
 }
 
+static bool is_near_window(const struct camera *c, const struct profile_link *l, float beyond)
+{
+	return l->see_px[0] >= -beyond && l->see_px[0] <= (float)c->width + beyond &&
+	       l->see_px[1] >= -beyond && l->see_px[1] <= (float)c->height + beyond;
+}
+
+/* What a window shows of the links of the whole picture, which are the same in all windows. */
+static void crop(const frame *f, GArray *links)
+{
+	const struct camera *c = &f->camera;
+	struct profile_link *link = (struct profile_link *)(void *)links->data;
+	float left = (float)c->whole.left, top = (float)c->whole.top;
+	guint kept = 0;
+	bool is_cut = false; /* the one before is not kept */
+	for (guint n = 0; n < links->len; n++) {
+		struct profile_link l = link[n];
+		l.x_px -= left;
+		l.y_px -= top;
+		l.see_px[0] -= left;
+		l.see_px[1] -= top;
+		bool is_kept = is_near_window(c, &l, BEYOND_PX * f->ink_px);
+		if (!is_kept && !is_cut && kept && !(l.flags & LINK_FIRST))
+			link[kept - 1].flags |= LINK_LAST;
+		if (is_kept && is_cut)
+			l.flags |= LINK_FIRST;
+		if (is_kept)
+			link[kept++] = l;
+		is_cut = !is_kept;
+	}
+	g_array_set_size(links, kept);
+}
+
 GArray *profile_links_new(const frame *f, const struct frame_layer *l)
 {
 	GArray *all = g_array_new(FALSE, FALSE, sizeof(struct profile_link));
 	uint32_t lines = f->scene->lines ? f->scene->lines->lines : 0,
 		 tasks = (lines + TASK_LINES - 1) / TASK_LINES;
 	g_autofree GArray **part = g_new0(GArray *, tasks + 1);
+	frame whole = frame_of_whole(f);
 #pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
 	for (uint32_t task = 0; task < tasks; task++) {
-		struct drawer d = drawer_of(f, l);
+		struct drawer d = drawer_of(&whole, l);
 		d.to = part[task] = g_array_new(FALSE, FALSE, sizeof(struct profile_link));
 		for (uint32_t n = task * TASK_LINES; n < MIN((task + 1) * TASK_LINES, lines); n++)
 			draw_line(&d, n);
@@ -439,5 +472,7 @@ GArray *profile_links_new(const frame *f, const struct frame_layer *l)
 		g_array_append_vals(all, part[task]->data, part[task]->len);
 		g_array_unref(part[task]);
 	}
+	if (camera_is_window(&f->camera))
+		crop(f, all);
 	return all;
 }

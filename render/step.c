@@ -169,8 +169,9 @@ static float point_radius_px(const void *step)
 static float profile_radius_px(const void *step)
 {
 	const struct profile_step *s = step;
+	/* Where the pen is lifted hangs on what hides the line so far away; and a little on what hides it beside. */
 	return 0.5f * s->ink.width_px * s->outlines * (1 + 0.6f * s->pressure) + 2 * s->wobble_px +
-	       s->overshoot_px;
+	       s->overshoot_px + s->taper_px + 15;
 }
 
 static float edl_radius_px(const void *step)

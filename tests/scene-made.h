@@ -4,6 +4,7 @@
  * writes it, in chunks along the curve, and read again by scene_new. Chance is seeded. */
 #include "firmware-io/files.h"
 #include "process/model-write.h"
+#include "process/profile-lines.h"
 #include "render/draw.h"
 #include <math.h>
 #include <string.h>
@@ -243,6 +244,31 @@ static inline made made_court(void)
 	made_add_edge(&m, left, right, south, 0.02);
 	made_add_ball(&m, tree, 0.6, 9000, MADE_LEAF + 1);
 	return m;
+}
+
+/* A profile line of MADE_LEAF; the face beside it looks south. */
+static inline void made_add_line(profile_lines *p, int kind, double x, double y, double z,
+	double to_x, double to_y, double to_z)
+{
+	const double at[2][3] = { { x, y, z }, { to_x, to_y, to_z } };
+	static const float south[3] = { 0, -1, 0 };
+	struct profile_line l = { .first = p->vertex->len,
+		.count = 2,
+		.confidence = 1,
+		.leaf = MADE_LEAF,
+		.kind = (uint8_t)kind };
+	double way[3];
+	for (int n = 0; n < 2; n++) {
+		struct profile_vertex v = { .face[1] = { MODEL_NORMAL_NONE, MODEL_NORMAL_NONE } };
+		model_pack_normal(south, v.face[0]);
+		for (int k = 0; k < 3; k++) {
+			v.at_m[k] = (float)(at[n][k] - p->origin_m[k]);
+			way[k] = at[1][k] - at[0][k];
+		}
+		g_array_append_val(p->vertex, v);
+	}
+	l.length_m = (float)made_length(way);
+	g_array_append_val(p->line, l);
 }
 
 /* ---- files ---- */

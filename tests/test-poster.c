@@ -95,6 +95,16 @@ static void assert_same(painter *p, const char *name)
 	picture_buffer_clear(&parts);
 }
 
+/* Along the wall, behind the tree, and before it. */
+static void draw_lines_too(void)
+{
+	g_autoptr(profile_lines) p = profile_lines_new();
+	for (int n = 0; n < 9; n++)
+		made_add_line(p, n % PROFILE_KINDS, 100, 205 - n % 2, 3.1 + 0.25 * n, 106,
+			205 - n % 2, 3.2 + 0.2 * n);
+	scene_set_lines((scene *)made_shared_court(), p);
+}
+
 static void shipped_styles(void)
 {
 	g_autoptr(painter) p = painter_new(BACKEND_WISH_CPU, NULL);
@@ -107,7 +117,7 @@ static void shipped_styles(void)
 static void on_gles(void)
 {
 	static const char *const names[] = { "figure-7d", "watercolour", "stipple-diffuse",
-		"gouache" };
+		"gouache", "construction-lines" };
 	g_autoptr(GError) error = NULL;
 	if (!gles_here())
 		return;
@@ -261,6 +271,7 @@ static void files_are_whole(void)
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
+	draw_lines_too();
 	g_test_add_func("/poster/shipped-styles", shipped_styles);
 	g_test_add_func("/poster/gles", on_gles);
 	g_test_add_func("/poster/reduces", reduces);

@@ -12,30 +12,6 @@ static const double eye[3] = { 103, 195, 6 }, target[3] = { 103, 204, 4 };
 
 /* ---- lines ---- */
 
-static void add_line(profile_lines *p, int kind, double x, double y, double z, double to_x,
-	double to_y, double to_z)
-{
-	const double at[2][3] = { { x, y, z }, { to_x, to_y, to_z } };
-	static const float south[3] = { 0, -1, 0 };
-	struct profile_line l = { .first = p->vertex->len,
-		.count = 2,
-		.confidence = 1,
-		.leaf = MADE_LEAF,
-		.kind = (uint8_t)kind };
-	double way[3];
-	for (int n = 0; n < 2; n++) {
-		struct profile_vertex v = { .face[1] = { MODEL_NORMAL_NONE, MODEL_NORMAL_NONE } };
-		model_pack_normal(south, v.face[0]);
-		for (int k = 0; k < 3; k++) {
-			v.at_m[k] = (float)(at[n][k] - p->origin_m[k]);
-			way[k] = at[1][k] - at[0][k];
-		}
-		g_array_append_val(p->vertex, v);
-	}
-	l.length_m = (float)made_length(way);
-	g_array_append_val(p->line, l);
-}
-
 static profile_lines *no_lines(void)
 {
 	profile_lines *p = profile_lines_new();
@@ -48,8 +24,8 @@ static profile_lines *no_lines(void)
 static profile_lines *court_lines(void)
 {
 	profile_lines *p = no_lines();
-	add_line(p, PROFILE_CREASE, 100, 205, 4.2, 106, 205, 4.2);
-	add_line(p, PROFILE_CREASE, 100.5, 206.5, 3.8, 105.5, 206.5, 3.8);
+	made_add_line(p, PROFILE_CREASE, 100, 205, 4.2, 106, 205, 4.2);
+	made_add_line(p, PROFILE_CREASE, 100.5, 206.5, 3.8, 105.5, 206.5, 3.8);
 	return p;
 }
 
@@ -193,8 +169,8 @@ static void test_wobbles(void)
 	g_auto(made) m = made_court();
 	drawing *d;
 	profile_lines *p = no_lines();
-	add_line(p, PROFILE_CREASE, 100, 205, 5, 106, 205, 5);
-	add_line(p, PROFILE_CREASE, 100, 205, 4.9, 106, 205, 4.9);
+	made_add_line(p, PROFILE_CREASE, 100, 205, 5, 106, 205, 5);
+	made_add_line(p, PROFILE_CREASE, 100, 205, 4.9, 106, 205, 4.9);
 	g_autoptr(frame) f = frame_with(&m, p, "\"wobble_px\":8", &d);
 	stroke_list *l = strokes_of(f, true);
 	double off[2] = { 0 }, together = 0, apart[2];
@@ -229,8 +205,8 @@ static void test_strongest(void)
 	drawing *d;
 	profile_lines *p = no_lines();
 	for (int n = 0; n < 6; n++)
-		add_line(p, PROFILE_CREASE, 100.4 + n / 3.0, 205, 4.8 + 0.1 * (n % 2), 104.5, 205,
-			4.85);
+		made_add_line(p, PROFILE_CREASE, 100.4 + n / 3.0, 205, 4.8 + 0.1 * (n % 2), 104.5,
+			205, 4.85);
 	g_autoptr(frame) f =
 		frame_with(&m, p, "\"width_px\":16,\"ink\":\"#000000\",\"opacity\":0.5", &d);
 	struct picture_buffer picture = picture_buffer_new(400, HEIGHT);
@@ -325,9 +301,9 @@ static void test_survive(void)
 	g_auto(made) m = made_court();
 	drawing *d;
 	profile_lines *p = no_lines();
-	add_line(p, PROFILE_CREASE, 100, 205, 4.8, 106, 205, 4.8);
-	add_line(p, PROFILE_CREASE, 100.5, 205, 4.84, 106, 205, 4.84);
-	add_line(p, PROFILE_CREASE, 103, 205, 5.2, 103.3, 205, 5.2);
+	made_add_line(p, PROFILE_CREASE, 100, 205, 4.8, 106, 205, 4.8);
+	made_add_line(p, PROFILE_CREASE, 100.5, 205, 4.84, 106, 205, 4.84);
+	made_add_line(p, PROFILE_CREASE, 103, 205, 5.2, 103.3, 205, 5.2);
 	g_autoptr(frame) f = frame_with(&m, p, "\"least_px\":40,\"room_px\":12", &d);
 	uint32_t long_one = line_at(m.scene, 4.8), near = line_at(m.scene, 4.84),
 		 brief = line_at(m.scene, 5.2);
@@ -364,8 +340,8 @@ static void test_threads(void)
 	drawing *d;
 	profile_lines *p = no_lines();
 	for (int n = 0; n < 300; n++)
-		add_line(p, n % PROFILE_KINDS, 100 + n % 7, 205 - n % 5 * 0.7, 3 + n % 11 * 0.3,
-			101 + n % 13 * 0.4, 205 - n % 3, 3.2 + n % 17 * 0.2);
+		made_add_line(p, n % PROFILE_KINDS, 100 + n % 7, 205 - n % 5 * 0.7,
+			3 + n % 11 * 0.3, 101 + n % 13 * 0.4, 205 - n % 3, 3.2 + n % 17 * 0.2);
 	g_autoptr(frame) f =
 		frame_with(&m, p, "\"hidden\":0.5,\"overshoot_px\":20,\"taper_px\":30", &d);
 	stroke_list *many = strokes_of(f, true);
