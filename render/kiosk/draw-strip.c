@@ -169,7 +169,8 @@ void draw_strip_fill(struct draw_screen *s)
 		}
 		g_ptr_array_add(drawings, d);
 		g_ptr_array_add(good, g_strdup(*n));
-		gtk_box_append(GTK_BOX(s->strip), style_button(s, *n, each->title));
+		gtk_box_append(
+			GTK_BOX(s->strip), style_button(s, *n, *each->title ? _(each->title) : *n));
 	}
 	g_ptr_array_add(good, NULL);
 	g_strfreev(s->names);

@@ -7,7 +7,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 collect() {
-	sed -n 's/^ *"title": \("[^"]*"\).*/_(\1);/p' render/styles/*.json > "$work/style-titles.c"
+	sed -n 's/^[[:space:]]*"title": \("[^"]*"\).*/_(\1);/p' render/styles/*.json > "$work/style-titles.c"
 	# Parameters of steps and sections as step-sliders.c says them ("length_px" is "Length"), their choices, and what they are.
 	awk 'function say(text) { if (text != "") print "_(\"" text "\");" }
 		function titled(name) { sub(/_(px|deg|m|s)$/, "", name); gsub(/_/, " ", name)
