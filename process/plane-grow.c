@@ -295,6 +295,24 @@ static void set_axes(struct plane_region *r, const double normal[3])
 	}
 }
 
+/* As they were, but in the plane of a normal that is hardly another: the box stays. */
+static void turn_axes(struct plane_region *r, const double normal[3])
+{
+	double u[3] = { (double)r->u[0], (double)r->u[1], (double)r->u[2] }, v[3];
+	double off = dot(u, normal), length;
+	for (int k = 0; k < 3; k++)
+		u[k] -= off * normal[k];
+	length = sqrt(dot(u, u));
+	for (int k = 0; k < 3; k++)
+		u[k] /= length;
+	cross(normal, u, v);
+	for (int k = 0; k < 3; k++) {
+		r->u[k] = (float)u[k];
+		r->v[k] = (float)v[k];
+		r->normal[k] = (float)normal[k];
+	}
+}
+
 static struct plane_draft draft_of(const struct grown *g, const double origin_m[3])
 {
 	struct plane_draft d = { .box_m = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } } };
@@ -380,7 +398,7 @@ static void refine(const model *m, const struct plane_leaf *leaf, const double o
 			shift += (f.middle[k] + origin_m[k] - r->origin_m[k]) * f.normal[k];
 		for (int k = 0; k < 3; k++)
 			r->origin_m[k] += shift * f.normal[k];
-		set_axes(r, f.normal);
+		turn_axes(r, f.normal);
 		r->noise_m = (float)sqrt(square[n] / sum[n].weight);
 		r->thickness_m = CLAMP(NOISES * r->noise_m, THICK_LEAST_M, THICK_MOST_M);
 	}
