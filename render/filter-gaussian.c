@@ -79,6 +79,7 @@ static void close_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct closing *c = data;
 	const struct filter_image *i = c->image;
+	int step = gaps_step_px(c->radius), reach = c->radius / step * step;
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x;
@@ -88,8 +89,8 @@ static void close_rows(const void *data, uint32_t from, uint32_t end)
 			if (i->depth_m[at] < FILTER_FAR ||
 				!c->near[(y / BLOCK) * c->across + x / BLOCK])
 				continue;
-			for (int dy = -c->radius; dy <= c->radius; dy++)
-				for (int dx = -c->radius; dx <= c->radius; dx++)
+			for (int dy = -reach; dy <= reach; dy += step)
+				for (int dx = -reach; dx <= reach; dx += step)
 					if ((dx || dy) &&
 						dx * dx + dy * dy <= c->radius * c->radius)
 						add_around(c, (int)x, (int)y, dx, dy, &a);
@@ -103,14 +104,12 @@ static void close_rows(const void *data, uint32_t from, uint32_t end)
 }
 
 /* Where nobody says: as wide as points ask for that are a little farther apart than most. */
-#define OF_SPACING  1.2f
-#define RADIUS_MOST 12.f /* of the style's pixels */
-
+#define OF_SPACING 1.2f
 int gaps_radius(const struct gaps_step *s, float px, float spacing_px)
 {
 	float radius = s->radius_px * px;
 	if (s->radius_px <= 0)
-		radius = fminf(OF_SPACING * spacing_px, RADIUS_MOST * px);
+		radius = fminf(OF_SPACING * spacing_px, GAPS_RADIUS_MOST_PX * px);
 	return MAX((int)rintf(radius), 1);
 }
 

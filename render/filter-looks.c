@@ -56,6 +56,11 @@ static float gaussian_looks(const struct step *s, float px)
 	return blur_looks(s->gaussian.sigma_px * px);
 }
 
+static float gaps_looks(const struct step *s, float px)
+{
+	return (s->gaps.radius_px > 0 ? s->gaps.radius_px : GAPS_RADIUS_MOST_PX) * px + 8;
+}
+
 static float quantise_looks(const struct step *s, float px)
 {
 	return blur_looks(s->quantise.smooth_px * px) + 1;
@@ -129,6 +134,7 @@ static const struct row {
 	{ "anisotropic-kuwahara", anisotropic_looks },
 	{ "bilateral", bilateral_looks },
 	{ "gaussian", gaussian_looks },
+	{ "gaps", gaps_looks },
 	{ "quantise", quantise_looks },
 	{ "dog", dog_looks },
 	{ "edges", edges_looks },

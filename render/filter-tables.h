@@ -69,6 +69,12 @@ void edges_bends(const struct edges_step *s, float ret[2]);
 
 /* Pixels that gaps are closed by. */
 int gaps_radius(const struct gaps_step *s, float px, float spacing_px);
+#define GAPS_RADIUS_MOST_PX 12.f /* of the style's, where nobody says */
+/* Of a wide circle not every pixel is asked: in large pictures it has a hundred thousand. */
+static inline int gaps_step_px(int radius)
+{
+	return 1 + (radius - 1) / 24;
+}
 /* Pixels of the squares of Kuwahara's filter. */
 int kuwahara_radius(const struct kuwahara_step *s, float px);
 

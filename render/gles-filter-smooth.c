@@ -120,9 +120,10 @@ void gles_gaussian(struct gles_filter_job *j, const struct step *s)
 
 void gles_gaps(struct gles_filter_job *j, const struct step *s)
 {
+	int32_t radius = gaps_radius(&s->gaps, j->px, j->spacing_px);
 	struct gles_pass p = { .use = GLES_FILTER_GAPS,
 		.plane = { 0, gles_filter_plane(j, 0, 1), gles_counts(j, 1) },
-		.whole = { { gaps_radius(&s->gaps, j->px, j->spacing_px) } } };
+		.whole = { { radius, gaps_step_px(radius) } } };
 	gles_pass_run(j, &p);
 	gles_filter_take(j, j->image.depth, 0);
 	gles_filter_swap(&j->image);

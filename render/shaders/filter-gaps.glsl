@@ -1,6 +1,6 @@
 #version 310 es
 /* Gaps that are closed, depths and all: depths into plane b; plane c tells how much of each block of pixels is
- * something. whole: radius. */
+ * something. whole: radius; asked are pixels so far apart. */
 const int SIDES_LEAST = 6, BLOCK = 4;
 
 /* Most of what is empty has nothing near. */
@@ -20,7 +20,7 @@ void main()
 	ivec2 p;
 	if (!is_here(p))
 		return;
-	int at = at_of(p), radius = whole[0].x;
+	int at = at_of(p), radius = whole[0].x, apart = whole[0].y, reach = radius / apart * apart;
 	spare[at] = pixels[at];
 	b[at] = depths[at];
 	if (depths[at] < FAR || !is_near(p, radius))
@@ -28,8 +28,8 @@ void main()
 	vec4 sum = vec4(0.0);
 	float depth_m = 0.0;
 	uint sides = 0u;
-	for (int dy = -radius; dy <= radius; dy++)
-		for (int dx = -radius; dx <= radius; dx++) {
+	for (int dy = -reach; dy <= reach; dy += apart)
+		for (int dx = -reach; dx <= reach; dx += apart) {
 			ivec2 there = p + ivec2(dx, dy);
 			int away2 = dx * dx + dy * dy;
 			if (away2 == 0 || away2 > radius * radius || !is_in_area(there) || depths[at_of(there)] >= FAR)
