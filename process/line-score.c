@@ -97,23 +97,46 @@ static double dot(const double a[3], const float b[3])
 	return a[0] * (double)b[0] + a[1] * (double)b[1] + a[2] * (double)b[2];
 }
 
-/* Whether the face of the cell goes on for a while, away from the edge. */
-static bool goes_on(const struct station *s, uint32_t row, uint32_t column, int down, int right)
+/* What of it does not run along the other, as long as it is. */
+static double across(const double off[3], const double along[3])
+{
+	double part = 0, length2 = 0, square = 0;
+	for (int c = 0; c < 3; c++) {
+		part += off[c] * along[c];
+		length2 += along[c] * along[c];
+	}
+	part = length2 > 0 ? part / length2 : 0;
+	for (int c = 0; c < 3; c++)
+		square += (off[c] - part * along[c]) * (off[c] - part * along[c]);
+	return sqrt(square);
+}
+
+/* Whether the face of the cell goes on for a while, away from the edge. Where cells lie aslant of an edge they run along it for long:
+ * its direction, where it is known (else 0 0 0), is what widths are measured across, in space and as the station sees it. */
+static bool goes_on(const struct station *s, uint32_t row, uint32_t column, int down, int right,
+	const double along[3])
 {
 	size_t i = (size_t)row * s->grid->columns + column, k;
-	double from[3], at[3];
+	double from[3], at[3], ahead[3], seen[3], off[3], turn[3];
 	const int cells = (int)ceil(FACE_CELLS * s->scan_cell_rad / s->grid->column_rad);
 	point(s, i, from);
+	look(s->grid, i, ahead);
+	double facing = along[0] * ahead[0] + along[1] * ahead[1] + along[2] * ahead[2];
+	for (int c = 0; c < 3; c++)
+		seen[c] = along[c] - facing * ahead[c];
 	for (int n = 1; n < 64; n++) {
-		double away = 0;
 		if (!range_grid_step(s->grid, row, column, n * down, n * right, &k) ||
 			s->cell[k].instance != s->cell[i].instance ||
 			vector3_dot(s->cell[k].normal, s->cell[i].normal) < SAME_FACE_COS)
 			return false;
 		point(s, k, at);
-		for (int c = 0; c < 3; c++)
-			away += (at[c] - from[c]) * (at[c] - from[c]);
-		if (n >= cells && sqrt(away) >= (double)FACE_M)
+		look(s->grid, k, turn);
+		for (int c = 0; c < 3; c++) {
+			off[c] = at[c] - from[c];
+			turn[c] -= ahead[c];
+		}
+		if (across(off, along) >= (double)FACE_M &&
+			across(turn, seen) >= (cells - 0.5) * s->grid->row_rad)
 			return true;
 	}
 	return false;
@@ -140,26 +163,32 @@ static void add_place(
 	g_array_append_val(t->places, p);
 }
 
+/* The direction in which both planes cut each other; false: none. */
+static bool find_cut(const struct station *s, size_t i, size_t k, double ret[3])
+{
+	float cut[3];
+	vector3_cross(s->cell[i].normal, s->cell[k].normal, cut);
+	bool good = vector3_unit(cut);
+	for (int c = 0; c < 3; c++)
+		ret[c] = (double)cut[c];
+	return good;
+}
+
 /* Where both planes cut each other, next to the middle of both points. */
-static void add_crease(line_truth *t, const struct station *s, size_t i, size_t k)
+static void add_crease(
+	line_truth *t, const struct station *s, size_t i, size_t k, const double along[3])
 {
 	const float *a = s->cell[i].normal, *b = s->cell[k].normal;
-	double p[3], q[3], at[3], along[3];
+	double p[3], q[3], at[3];
 	point(s, i, p);
 	point(s, k, q);
-	float cut[3];
-	vector3_cross(a, b, cut);
-	if (!vector3_unit(cut))
-		return;
 	for (int c = 0; c < 3; c++)
 		at[c] = (p[c] + q[c]) / 2;
 	double cosine = (double)vector3_dot(a, b), sine2 = 1 - cosine * cosine;
 	double off_a = dot(p, a) - dot(at, a), off_b = dot(q, b) - dot(at, b);
 	double by_a = (off_a - cosine * off_b) / sine2, by_b = (off_b - cosine * off_a) / sine2;
-	for (int c = 0; c < 3; c++) {
+	for (int c = 0; c < 3; c++)
 		at[c] += by_a * (double)a[c] + by_b * (double)b[c];
-		along[c] = (double)cut[c];
-	}
 	double moved = 0;
 	for (int c = 0; c < 3; c++)
 		moved += (at[c] - (p[c] + q[c]) / 2) * (at[c] - (p[c] + q[c]) / 2);
@@ -190,16 +219,19 @@ static bool stands_out(const struct station *s, size_t i, size_t k)
 static void add_creases(line_truth *t, const struct station *s, uint32_t row, uint32_t column)
 {
 	size_t i = (size_t)row * s->grid->columns + column, k;
-	for (int w = 0; w < 4 && is_fine_enough(s, i); w++)
+	for (int w = 0; w < 4 && is_fine_enough(s, i); w++) {
+		double along[3];
 		if (range_grid_step(s->grid, row, column, way[w][0], way[w][1], &k) &&
 			s->cell[k].range_m > 0 && !s->cell[k].is_plant && !s->cell[k].is_glass &&
 			vector3_dot(s->cell[i].normal, s->cell[k].normal) < CREASE_COS &&
-			goes_on(s, row, column, -way[w][0], -way[w][1]) &&
+			find_cut(s, i, k, along) &&
+			goes_on(s, row, column, -way[w][0], -way[w][1], along) &&
 			goes_on(s, (uint32_t)(k / s->grid->columns),
-				(uint32_t)(k % s->grid->columns), way[w][0], way[w][1])) {
-			add_crease(t, s, i, k);
+				(uint32_t)(k % s->grid->columns), way[w][0], way[w][1], along)) {
+			add_crease(t, s, i, k, along);
 			return;
 		}
+	}
 }
 
 /* On the plane of the near side, half way to the cell behind. */
@@ -213,7 +245,8 @@ static void add_ends(line_truth *t, const struct station *s, uint32_t row, uint3
 	for (int w = 0; w < 4; w++) {
 		double p[3], a[3], b[3], at[3];
 		if (!range_grid_step(s->grid, row, column, way[w][0], way[w][1], &k) ||
-			!stands_out(s, i, k) || !goes_on(s, row, column, -way[w][0], -way[w][1]))
+			!stands_out(s, i, k) ||
+			!goes_on(s, row, column, -way[w][0], -way[w][1], none))
 			continue;
 		point(s, i, p);
 		look(s->grid, i, a);
