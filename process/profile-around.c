@@ -2,40 +2,111 @@
 #include "process/vector3.h"
 #include <string.h>
 
-#define CELL_M 0.125f
+#define CELL_M PROFILE_AROUND_LAYER_M
+/* Cells on either side of the origin: 65 km. */
+#define CELLS_HALF (1 << 20)
 
 struct stored {
 	float at_m[3];
 	int16_t normal[2];
-	uint16_t spacing;
+	uint16_t spacing, scan;
 	uint8_t flags, is_feature;
 };
 
-struct profile_around {
-	uint32_t mask;
-	uint32_t *first; /* of each number, and the end */
-	struct stored *stored;
+/* A cube with points in it. */
+struct cell {
+	uint64_t key; /* UINT64_MAX: none */
+	uint32_t first, count;
 };
 
-static uint32_t number_of(uint32_t mask, int32_t x, int32_t y, int32_t z)
-{
-	uint32_t v =
-		(uint32_t)x * 0x9E3779B1u ^ (uint32_t)y * 0x85EBCA77u ^ (uint32_t)z * 0xC2B2AE3Du;
-	v ^= v >> 15;
-	v *= 0x2C1B3C6Du;
-	v ^= v >> 13;
-	return v & mask;
-}
+struct station {
+	uint16_t scan;
+	double at_m[3];
+};
+
+struct profile_around {
+	uint32_t mask, cells;
+	struct cell *cell; /* a hash table */
+	struct stored *
+		stored; /* cube by cube, in the order in which the model comes to them: what is near is near */
+	GArray *stations; /* of struct station */
+};
 
 static int32_t cell_of(float m)
 {
-	return (int32_t)floorf(m / CELL_M);
+	return (int32_t)floorf(m * (1 / CELL_M));
+}
+
+static uint64_t key_of(int32_t x, int32_t y, int32_t z)
+{
+	const uint64_t mask = 2 * CELLS_HALF - 1;
+	return ((uint64_t)(x + CELLS_HALF) & mask) << 42 |
+	       ((uint64_t)(y + CELLS_HALF) & mask) << 21 | ((uint64_t)(z + CELLS_HALF) & mask);
+}
+
+/* Where it is in the table, or would be. */
+static uint32_t slot_of(const profile_around *a, uint64_t key)
+{
+	uint64_t v = key * 0x9E3779B97F4A7C15u;
+	uint32_t slot = (uint32_t)(v >> 32) & a->mask;
+	while (a->cell[slot].key != key && a->cell[slot].key != UINT64_MAX)
+		slot = (slot + 1) & a->mask;
+	return slot;
+}
+
+static void set_table(profile_around *a, uint32_t mask)
+{
+	a->mask = mask;
+	a->cell = g_new(struct cell, (size_t)mask + 1);
+	for (uint32_t n = 0; n <= mask; n++)
+		a->cell[n] = (struct cell){ UINT64_MAX, 0, 0 };
+}
+
+static void widen_table(profile_around *a)
+{
+	struct cell *was = a->cell;
+	uint32_t mask = a->mask;
+	set_table(a, 2 * mask + 1);
+	for (uint32_t n = 0; n <= mask; n++)
+		if (was[n].key != UINT64_MAX)
+			a->cell[slot_of(a, was[n].key)] = was[n];
+	g_free(was);
+}
+
+/* Counts; first is for now which cube it was. */
+static void count_point(profile_around *a, uint64_t key)
+{
+	struct cell *c = &a->cell[slot_of(a, key)];
+	if (c->key == key) {
+		c->count++;
+		return;
+	}
+	*c = (struct cell){ key, a->cells++, 1 };
+	if (a->cells > a->mask / 2)
+		widen_table(a);
+}
+
+/* From which cube it was to where its points begin. */
+static void place_cells(profile_around *a)
+{
+	g_autofree uint32_t *begin = g_new0(uint32_t, a->cells + 1);
+	for (uint32_t n = 0; n <= a->mask; n++)
+		if (a->cell[n].key != UINT64_MAX)
+			begin[a->cell[n].first + 1] = a->cell[n].count;
+	for (uint32_t n = 0; n < a->cells; n++)
+		begin[n + 1] += begin[n];
+	for (uint32_t n = 0; n <= a->mask; n++)
+		if (a->cell[n].key != UINT64_MAX) {
+			a->cell[n].first = begin[a->cell[n].first];
+			a->cell[n].count = 0;
+		}
 }
 
 static struct stored stored_of(
 	const struct model_chunk *c, const struct model_point *p, const double origin_m[3])
 {
 	struct stored s = { .spacing = p->spacing,
+		.scan = p->scan,
 		.flags = p->flags,
 		.is_feature = p->kind >= FEATURE_UNDIRECTED };
 	for (int k = 0; k < 3; k++)
@@ -53,33 +124,67 @@ static void fill(profile_around *a, const model *m, const double origin_m[3], bo
 		const struct model_point *p = model_points(m) + chunk[n].first;
 		for (uint32_t i = 0; i < chunk[n].points; i++) {
 			struct stored s = stored_of(&chunk[n], &p[i], origin_m);
-			uint32_t number = number_of(a->mask, cell_of(s.at_m[0]), cell_of(s.at_m[1]),
-				cell_of(s.at_m[2]));
-			if (is_count)
-				a->first[number + 1]++;
-			else
-				a->stored[a->first[number]++] = s;
+			uint64_t key =
+				key_of(cell_of(s.at_m[0]), cell_of(s.at_m[1]), cell_of(s.at_m[2]));
+			if (is_count) {
+				count_point(a, key);
+			} else {
+				struct cell *c = &a->cell[slot_of(a, key)];
+				a->stored[c->first + c->count++] = s;
+			}
 		}
 		product_forget(model_file(m), p, chunk[n].points * sizeof *p);
 	}
 }
 
+/* ---- stations ---- */
+
+static JsonArray *array_in(JsonObject *o, const char *key)
+{
+	JsonNode *node = json_object_get_member(o, key);
+	return node && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : NULL;
+}
+
+/* As the model's manifest has the poses of what it was made from: nine numbers of a rotation, three of the place. */
+static void read_stations(profile_around *a, const model *m, const double origin_m[3])
+{
+	JsonArray *scans = array_in(product_manifest(model_file(m)), "made_from");
+	a->stations = g_array_new(FALSE, FALSE, sizeof(struct station));
+	for (guint n = 0; scans && n < json_array_get_length(scans); n++) {
+		JsonNode *node = json_array_get_element(scans, n);
+		JsonObject *scan = JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
+		JsonArray *pose = scan ? array_in(scan, "pose") : NULL;
+		if (!pose || json_array_get_length(pose) != 12)
+			continue;
+		struct station station = { (uint16_t)json_object_get_int_member_with_default(
+			scan, "scan", 0) };
+		for (guint k = 0; k < 3; k++)
+			station.at_m[k] = json_array_get_double_element(pose, 9 + k) - origin_m[k];
+		g_array_append_val(a->stations, station);
+	}
+}
+
+bool profile_around_station(const profile_around *a, uint16_t scan, double ret_m[3])
+{
+	for (guint n = 0; n < a->stations->len; n++) {
+		const struct station *s = &g_array_index(a->stations, struct station, n);
+		if (s->scan == scan) {
+			memcpy(ret_m, s->at_m, sizeof s->at_m);
+			return true;
+		}
+	}
+	return false;
+}
+
 profile_around *profile_around_new(const model *m, const double origin_m[3])
 {
 	profile_around *a = g_new0(profile_around, 1);
-	uint64_t count = model_count(m);
-	a->mask = 1023;
-	while (a->mask < count / 4)
-		a->mask = 2 * a->mask + 1;
-	a->first = g_new0(uint32_t, a->mask + 3);
-	a->stored = g_new(struct stored, count + 1);
+	read_stations(a, m, origin_m);
+	set_table(a, (1u << 16) - 1);
+	a->stored = g_new(struct stored, model_count(m) + 1);
 	fill(a, m, origin_m, true);
-	for (uint32_t n = 0; n <= a->mask; n++)
-		a->first[n + 1] += a->first[n];
+	place_cells(a);
 	fill(a, m, origin_m, false);
-	/* Each now stands where its next begins. */
-	memmove(a->first + 1, a->first, (a->mask + 1) * sizeof *a->first);
-	a->first[0] = 0;
 	return a;
 }
 
@@ -87,8 +192,9 @@ void profile_around_free(profile_around *a)
 {
 	if (!a)
 		return;
-	g_free(a->first);
+	g_free(a->cell);
 	g_free(a->stored);
+	g_array_unref(a->stations);
 	g_free(a);
 }
 
@@ -108,11 +214,10 @@ static void look_at(const struct query *q, const struct stored *s)
 	for (int k = 0; k < 3; k++)
 		off[k] = s->at_m[k] - q->at[k];
 	near.t = vector3_dot(off, f->axis[2]);
-	if (near.t < q->from_m || near.t > q->to_m)
-		return;
 	near.u = vector3_dot(off, f->axis[0]);
 	near.v = vector3_dot(off, f->axis[1]);
-	if (near.u * near.u + near.v * near.v > q->radius_m * q->radius_m)
+	if (near.t < q->from_m || near.t > q->to_m ||
+		near.u * near.u + near.v * near.v > q->radius_m * q->radius_m)
 		return;
 	model_unpack_normal(s->normal, normal);
 	for (int k = 0; k < 3; k++)
@@ -120,52 +225,66 @@ static void look_at(const struct query *q, const struct stored *s)
 	near.spacing_m = (float)s->spacing * 1e-4f;
 	near.flags = s->flags;
 	near.is_feature = s->is_feature;
+	near.scan = s->scan;
 	g_array_append_val(q->found, near);
 }
 
-/* The points of a cube; others with the same number come too, and are not in it. */
-static void look_in(const profile_around *a, const struct query *q, const int32_t cell[3])
+/* Whether the middle of the cube is so near to the line that some of it may be. */
+static bool is_near(const struct query *q, const int32_t cell[3])
 {
-	uint32_t number = number_of(a->mask, cell[0], cell[1], cell[2]);
-	for (uint32_t i = a->first[number]; i < a->first[number + 1]; i++) {
-		const struct stored *s = &a->stored[i];
-		if (cell_of(s->at_m[0]) == cell[0] && cell_of(s->at_m[1]) == cell[1] &&
-			cell_of(s->at_m[2]) == cell[2])
-			look_at(q, s);
-	}
+	float off[3], square = 0, reach = q->radius_m + 0.867f * CELL_M;
+	for (int k = 0; k < 3; k++)
+		off[k] = ((float)cell[k] + 0.5f) * CELL_M - q->at[k];
+	float t = vector3_dot(off, q->frame->axis[2]);
+	for (int k = 0; k < 3; k++)
+		square += (off[k] - t * q->frame->axis[2][k]) * (off[k] - t * q->frame->axis[2][k]);
+	return square <= reach * reach;
 }
 
-/* Step by step along the line the cubes around it whose middles lie beside that step. */
+static void look_in(const profile_around *a, const struct query *q, const int32_t cell[3])
+{
+	if (!is_near(q, cell))
+		return;
+	const struct cell *c = &a->cell[slot_of(a, key_of(cell[0], cell[1], cell[2]))];
+	for (uint32_t i = 0; i < c->count; i++)
+		look_at(q, &a->stored[c->first + i]);
+}
+
+/* Layer by layer of the cubes across the axis that the line runs along the most. */
 void profile_around_look(const profile_around *a, const struct profile_frame *f, double from_m,
-	double to_m, float radius_m, GArray *ret)
+	double to_m, float radius_m, uint32_t step, GArray *ret)
 {
 	struct query q = { f, { 0 }, (float)from_m, (float)to_m, radius_m, ret };
-	const float reach = radius_m + 0.867f * CELL_M;
-	int first = (int)floor((from_m - (double)CELL_M) / (double)CELL_M),
-	    last = (int)floor((to_m + (double)CELL_M) / (double)CELL_M);
+	int axis = 0;
+	float ends[2], slope[3];
 	g_array_set_size(ret, 0);
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < 3; k++) {
 		q.at[k] = (float)f->at[k];
-	for (int step = first; step <= last; step++) {
-		int32_t low[3], high[3], cell[3];
+		if (fabsf(f->axis[2][k]) > fabsf(f->axis[2][axis]))
+			axis = k;
+	}
+	for (int e = 0; e < 2; e++)
+		ends[e] = q.at[axis] + (e ? q.to_m : q.from_m) * f->axis[2][axis];
+	/* A disc around an end reaches so much further along the axis. */
+	float past = radius_m * sqrtf(fmaxf(1 - f->axis[2][axis] * f->axis[2][axis], 0));
+	int32_t cell[3], low[3], high[3], first = cell_of(fminf(ends[0], ends[1]) - past),
+					  last = cell_of(fmaxf(ends[0], ends[1]) + past);
+	for (int k = 0; k < 3; k++)
+		slope[k] = f->axis[2][k] / f->axis[2][axis];
+	for (int32_t layer = first; layer <= last; layer += (int32_t)step) {
+		float middle = ((float)layer + 0.5f) * CELL_M - q.at[axis];
 		for (int k = 0; k < 3; k++) {
-			float middle = q.at[k] + ((float)step + 0.5f) * CELL_M * f->axis[2][k];
-			low[k] = cell_of(middle - reach - CELL_M / 2);
-			high[k] = cell_of(middle + reach + CELL_M / 2);
+			/* Where the line is amid the layer; aside of that it slants, and so does its disc. */
+			float at = q.at[k] + slope[k] * middle,
+			      reach = k == axis ? 0
+						: radius_m * sqrtf(1 + slope[k] * slope[k]) +
+							  fabsf(slope[k]) * CELL_M / 2;
+			low[k] = k == axis ? layer : cell_of(at - reach);
+			high[k] = k == axis ? layer : cell_of(at + reach);
 		}
-		for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
+		for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++)
 			for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
-				for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++) {
-					float off[3], square = 0;
-					for (int k = 0; k < 3; k++)
-						off[k] = ((float)cell[k] + 0.5f) * CELL_M - q.at[k];
-					float t = vector3_dot(off, f->axis[2]);
-					for (int k = 0; k < 3; k++)
-						square += (off[k] - t * f->axis[2][k]) *
-							  (off[k] - t * f->axis[2][k]);
-					if ((int)floorf(t / CELL_M) == step &&
-						square <= reach * reach)
-						look_in(a, &q, cell);
-				}
+				for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
+					look_in(a, &q, cell);
 	}
 }

@@ -1,6 +1,6 @@
 #ifndef PROCESS_PROFILE_AROUND_H
 #define PROCESS_PROFILE_AROUND_H
-/* The points of a model around a straight line. It keeps a copy of what it needs of them, 20 bytes a point. Const after it was made; any
+/* The points of a model around a straight line. It keeps a copy of what it needs of them, 24 bytes a point. Const after it was made; any
  * number of threads may ask. */
 #include "process/features.h"
 #include "process/model.h"
@@ -19,14 +19,19 @@ struct profile_near {
 	float spacing_m;
 	uint8_t flags; /* enum feature_flag */
 	bool is_feature;
+	uint16_t scan; /* its number */
 };
 
 typedef struct profile_around profile_around;
 profile_around *profile_around_new(const model *m, const double origin_m[3]);
 void profile_around_free(profile_around *a); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(profile_around, profile_around_free)
-/* All within radius_m of the line between two places along it. ret is emptied first. */
+/* Where the scanner stood, from the origin; false: the model does not say. */
+bool profile_around_station(const profile_around *a, uint16_t scan, double ret_m[3]);
+/* All within radius_m of the line between two places along it. ret is emptied first. step: of layers across, PROFILE_AROUND_LAYER_M or so
+ * along it, one in so many; 1: all. */
+#define PROFILE_AROUND_LAYER_M 0.0625f
 void profile_around_look(const profile_around *a, const struct profile_frame *f, double from_m,
-	double to_m, float radius_m, GArray *ret);
+	double to_m, float radius_m, uint32_t step, GArray *ret);
 
 #endif

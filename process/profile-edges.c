@@ -6,27 +6,36 @@
 /* From where faces cut each other to where they end: so many spacings, and this. */
 #define MEETS_SPACINGS 1.3f
 #define MEETS_M        0.012f
+#define JOINT_M        0.015f
 #define FITS           4
 /* Beyond its last points a face goes on for half a spacing, on the mean. */
-#define LAST_SPACINGS 0.45
+#define LAST_SPACINGS     0.45
+#define END_STEP_SPACINGS 2.5f
 /* Next to an edge, within so many spacings, a part of the steps has feature points; of the points at the end of a face not more lie at the
  * end of a shadow. */
 #define BY_SPACINGS    1.5f
 #define BY_M           0.01f
-#define FEATURES_SHARE 0.4f
+#define REACH_SPACINGS 2.2f
+#define FEATURES_SHARE 0.35f
 /* Along an edge one looks for it in steps of this, with no larger gap between; for the feature points beside it in larger ones. */
-#define STEP_M               0.05f
-#define STEP_SPACINGS        2.0f
-#define GAP_M                0.13f
-#define GAP_SPACINGS         4.0f
-#define FEATURE_GAP_M        0.3f
-#define FEATURE_GAP_SPACINGS 6.0f
-#define AHEAD_M              1.0f
-#define LONGEST_M            100.0
+#define STEP_M               0.08f
+#define STEP_SPACINGS        3.0f
+#define GAP_M                0.25f
+#define GAP_SPACINGS         7.0f
+#define FEATURE_GAP_M        0.4f
+#define FEATURE_GAP_SPACINGS 8.0f
+/* Only so much farther than the section does it tell where an edge is. */
+#define FARTHER 3.0f
+/* What lies farther from what grew is left to what grew there. */
+#define MARK_SUPPORT    0.85f /* of what grew, where no face tells of it */
+#define OTHER_KIND_M    0.03
+#define BESIDE_M        0.04f
+#define BESIDE_SPACINGS 1.0f
+#define AHEAD_M         0.3f
 /* Beyond the end of a face there are at most so many points as inside. */
 #define BEYOND_SHARE 0.3f
 /* Of the steps of an edge that are borne out. */
-#define SUPPORT_LEAST 0.65f
+#define SUPPORT_LEAST 0.75f
 /* And at least so long, in spacings. */
 #define LONG_SPACINGS 8.0f
 /* The farthest points of a face that ends lie on a line, in most steps, as far as spacings explain. */
@@ -34,11 +43,6 @@
 #define STEPS_SHARE    0.5
 #define NOISE_SPACINGS 0.35
 #define NOISE_M        0.003
-/* An edge so much longer than what it was found by is found again by all of it, within this. */
-#define REFINED_LONGER 1.2
-#define REFINED_M      0.03
-#define REFINED_TIMES  1
-
 /* A face in the site's frame: normal . place = off_m. */
 struct plane {
 	float normal[3];
@@ -53,6 +57,8 @@ struct settler {
 	bool is_met[PROFILE_SPANS][2]; /* where a span begins, or ends, it meets another face */
 	GArray *near;
 	GArray *ret; /* of struct profile_piece */
+	bool (*is_known)(const struct profile_piece *p, const void *user_data);
+	const void *user_data;
 };
 
 static const struct profile_near *near_at(const GArray *near, guint i)
@@ -89,34 +95,45 @@ struct step {
 	uint32_t of[2], beyond, other, features, shadows;
 };
 
-/* What is next to an edge in each step from from_m on. */
+/* The steps of an edge, from its piece's middle on. */
+#define STEPS_MOST 2048
+struct walk {
+	float step_m;
+	struct profile_frame frame;
+	struct profile_face face[2];
+	int faces, side; /* side: a face of which alone ends, to 1 or -1 */
+	int most;        /* steps to either side, where the edge is still known by its section */
+	int from,
+		to; /* steps that were counted: from .. to - 1, of those of all from -STEPS_MOST to STEPS_MOST */
+	struct step *step; /* of number 0; before it those of less */
+};
+
+/* What is next to the edge in each step. */
 static void count_steps(const struct settler *s, const struct profile_piece *p,
-	const struct profile_frame *frame, const struct profile_face *face, int side, float from_m,
-	float step_m, struct step *step, int steps)
+	const struct walk *w, int from, int to)
 {
-	float reach_m = 3 * p->spacing_m + 0.02f, by_m = BY_SPACINGS * p->spacing_m + BY_M;
-	const int faces = 1 + (p->kind == PROFILE_CREASE);
-	profile_around_look(s->all, frame, (double)from_m, (double)(from_m + (float)steps * step_m),
-		reach_m, s->near);
+	float reach_m = REACH_SPACINGS * p->spacing_m + BY_M,
+	      by_m = BY_SPACINGS * p->spacing_m + BY_M;
+	profile_around_look(s->all, &w->frame, (double)((float)from * w->step_m),
+		(double)((float)to * w->step_m), reach_m, 1, s->near);
 	for (guint i = 0; i < s->near->len; i++) {
 		const struct profile_near *n = near_at(s->near, i);
-		int at = CLAMP((int)((n->t - from_m) / step_m), 0, steps - 1);
-		struct step *to = &step[at];
+		struct step *step = &w->step[CLAMP((int)floorf(n->t / w->step_m), from, to - 1)];
 		bool is_of = false;
-		for (int f = 0; f < faces; f++) {
-			if (!profile_is_of(n, &face[f]))
+		for (int f = 0; f < w->faces; f++) {
+			if (!profile_is_of(n, &w->face[f]))
 				continue;
 			is_of = true;
-			if (faces == 1 &&
-				profile_beside(n, &face[f]) * (float)side > 1.2f * p->spacing_m)
-				to->beyond++;
+			if (w->faces == 1 && profile_beside(n, &w->face[f]) * (float)w->side >
+						     1.2f * p->spacing_m)
+				step->beyond++;
 			else
-				to->of[f]++;
+				step->of[f]++;
 		}
-		to->other += !is_of;
-		if (hypotf(n->u, n->v) <= by_m) {
-			to->features += n->is_feature;
-			to->shadows += is_of && n->flags & FEATURE_BEHIND;
+		if (n->u * n->u + n->v * n->v <= by_m * by_m) {
+			step->other += !is_of;
+			step->features += n->is_feature;
+			step->shadows += is_of && n->flags & FEATURE_BEHIND;
 		}
 	}
 }
@@ -129,77 +146,89 @@ static bool is_good(const struct profile_piece *p, const struct step *s)
 	       s->shadows * 2 <= s->of[0];
 }
 
-struct walk {
+struct run {
 	int from, to; /* steps that are part of it: from .. to - 1 */
 	uint32_t good, features;
 };
 
 /* The longest run of good steps without large gaps. */
-static struct walk longest_run(
-	const struct profile_piece *p, const struct step *step, int steps, float step_m)
+static struct run longest_run(const struct profile_piece *p, const struct walk *w)
 {
-	int gap = (int)ceilf(fmaxf(GAP_M, GAP_SPACINGS * p->spacing_m) / step_m),
-	    feature_gap =
-		    (int)ceilf(fmaxf(FEATURE_GAP_M, FEATURE_GAP_SPACINGS * p->spacing_m) / step_m);
-	struct walk best = { 0 }, run = { 0 };
+	int gap = (int)ceilf(fmaxf(GAP_M, GAP_SPACINGS * p->spacing_m) / w->step_m),
+	    feature_gap = (int)ceilf(
+		    fmaxf(FEATURE_GAP_M, FEATURE_GAP_SPACINGS * p->spacing_m) / w->step_m);
+	struct run best = { 0 }, run = { 0 };
 	int last_good = INT32_MIN / 2, last_feature = INT32_MIN / 2;
-	for (int n = 0; n <= steps; n++) {
-		bool good = n < steps && is_good(p, &step[n]);
-		if (n < steps && step[n].features)
+	for (int n = w->from; n <= w->to; n++) {
+		bool good = n < w->to && is_good(p, &w->step[n]);
+		if (n < w->to && w->step[n].features)
 			last_feature = n;
-		if (n == steps || n - last_good > gap || n - last_feature > feature_gap) {
+		if (n == w->to || n - last_good > gap || n - last_feature > feature_gap) {
 			run.to = last_good + 1;
 			if (run.good && run.to - run.from > best.to - best.from)
 				best = run;
-			run = (struct walk){ n, n, 0, 0 };
+			run = (struct run){ n, n, 0, 0 };
 		}
 		if (good && last_feature > n - feature_gap) {
 			if (!run.good)
 				run.from = n;
 			run.good++;
-			run.features += step[n].features > 0;
+			run.features += w->step[n].features > 0;
 			last_good = n;
 		}
 	}
 	return best;
 }
 
+/* Ahead, at an end, by as much as it is long. false: it goes no further. */
+static bool walk_on(const struct settler *s, const struct profile_piece *p, struct walk *w,
+	const struct run *run)
+{
+	int more = w->to - w->from,
+	    near = (int)ceilf(fmaxf(GAP_M, GAP_SPACINGS * p->spacing_m) / w->step_m),
+	    from = run->from <= w->from + near ? MAX(w->from - more, -w->most) : w->from,
+	    to = run->to >= w->to - near ? MIN(w->to + more, w->most) : w->to;
+	if (from == w->from && to == w->to)
+		return false;
+	if (from < w->from)
+		count_steps(s, p, w, from, w->from);
+	if (to > w->to)
+		count_steps(s, p, w, w->to, to);
+	w->from = from;
+	w->to = to;
+	return true;
+}
+
 /* Sets where the edge begins and ends: as far as its faces, and feature points beside it, go along with it. */
 static bool find_extent(
 	const struct settler *s, struct profile_piece *p, const struct plane *plane, int side)
 {
-	float step_m = fmaxf(STEP_M, STEP_SPACINGS * p->spacing_m);
-	double ahead[2] = { (double)AHEAD_M, (double)AHEAD_M };
-	for (;;) {
-		struct profile_frame frame;
-		struct profile_piece wide = *p;
-		wide.from_m -= ahead[0];
-		wide.to_m += ahead[1];
-		float half_m = (float)profile_piece_length(&wide) / 2;
-		int steps = (int)ceilf(2 * half_m / step_m);
-		g_autofree struct step *step = g_new0(struct step, steps + 1);
-		struct profile_face face[2];
-		profile_frame_of(&wide, &frame);
-		for (int f = 0; f < 1 + (p->kind == PROFILE_CREASE); f++)
-			face[f] = face_in(&frame, &plane[f]);
-		count_steps(s, p, &frame, face, side, -half_m, step_m, step, steps);
-		struct walk run = longest_run(p, step, steps, step_m);
+	g_autofree struct step *steps = g_new0(struct step, 2 * STEPS_MOST);
+	struct walk w = { .step_m = fmaxf(STEP_M, STEP_SPACINGS * p->spacing_m),
+		.faces = 1 + (p->kind == PROFILE_CREASE),
+		.side = side,
+		.step = steps + STEPS_MOST };
+	double middle_m = (p->from_m + p->to_m) / 2;
+	struct run run;
+	profile_frame_of(p, &w.frame);
+	for (int f = 0; f < w.faces; f++)
+		w.face[f] = face_in(&w.frame, &plane[f]);
+	w.to = MIN((int)ceil(profile_piece_length(p) / 2 / (double)w.step_m), STEPS_MOST);
+	w.from = -w.to;
+	w.most = MIN(
+		MAX((int)(FARTHER * (float)w.to), w.to + (int)(AHEAD_M / w.step_m)), STEPS_MOST);
+	count_steps(s, p, &w, w.from, w.to);
+	do {
+		run = longest_run(p, &w);
 		if (run.to - run.from < 2)
 			return false;
-		bool more = false;
-		if (run.from == 0 && (double)half_m < LONGEST_M)
-			ahead[0] *= 2, more = true;
-		if (run.to == steps && (double)half_m < LONGEST_M)
-			ahead[1] *= 2, more = true;
-		if (more)
-			continue;
-		p->from_m = wide.from_m + (double)((float)run.from * step_m);
-		p->to_m = wide.from_m + (double)((float)run.to * step_m);
-		p->support = (float)run.good / (float)(run.to - run.from);
-		return p->support >= SUPPORT_LEAST &&
-		       (float)run.features >= FEATURES_SHARE * (float)(run.to - run.from) &&
-		       profile_piece_length(p) >= (double)(LONG_SPACINGS * p->spacing_m);
-	}
+	} while (walk_on(s, p, &w, &run));
+	p->from_m = middle_m + (double)((float)run.from * w.step_m);
+	p->to_m = middle_m + (double)((float)run.to * w.step_m);
+	p->support = (float)run.good / (float)(run.to - run.from);
+	return p->support >= SUPPORT_LEAST &&
+	       (float)run.features >= FEATURES_SHARE * (float)(run.to - run.from) &&
+	       profile_piece_length(p) >= (double)(LONG_SPACINGS * p->spacing_m);
 }
 
 /* ---- an edge ---- */
@@ -217,6 +246,8 @@ static struct profile_piece piece_between(
 {
 	const struct profile_section *section = &s->section;
 	struct profile_piece p = *s->seed;
+	p.seen_m = 2 * section->half_m;
+	p.spacing_m = section->spacing_m;
 	double from[3], to[3], length = 0;
 	to_site(&section->frame, (float[3]){ low[0], low[1], -section->half_m }, from);
 	to_site(&section->frame, (float[3]){ high[0], high[1], section->half_m }, to);
@@ -254,7 +285,11 @@ static void keep(struct settler *s, struct profile_piece *p, const struct plane 
 {
 	for (int f = 0; f < 1 + (p->kind == PROFILE_CREASE); f++)
 		memcpy(p->face[f], plane[f].normal, sizeof p->face[f]);
-	if (find_extent(s, p, plane, side))
+	double at[3];
+	straight_place(&p->line, (p->from_m + p->to_m) / 2, at);
+	if (straight_off(&s->seed->line, at) > (double)(BESIDE_M + BESIDE_SPACINGS * p->spacing_m))
+		return;
+	if (!(s->is_known && s->is_known(p, s->user_data)) && find_extent(s, p, plane, side))
 		g_array_append_val(s->ret, *p);
 }
 
@@ -295,21 +330,54 @@ static int span_at(const struct settler *s, uint32_t face, float beside_m, int *
 	return -1;
 }
 
-static void add_crease(struct settler *s, uint32_t a, uint32_t b)
+/* Whether a station sees them meet there. */
+static bool are_joined(const struct settler *s, uint32_t a, uint32_t b, const float at[2])
+{
+	for (uint32_t n = 0; n < s->section.joints; n++) {
+		const struct profile_joint *j = &s->section.joint[n];
+		if (j->border.is_crease &&
+			((j->face[0] == a && j->face[1] == b) ||
+				(j->face[0] == b && j->face[1] == a)) &&
+			hypotf(at[0] - j->border.at[0][0], at[1] - j->border.at[0][1]) < JOINT_M)
+			return true;
+	}
+	return false;
+}
+
+/* What ends in the shadow of something in front of it has no edge there. */
+static void leave_shadows(struct settler *s)
+{
+	for (uint32_t n = 0; n < s->section.joints; n++) {
+		const struct profile_joint *j = &s->section.joint[n];
+		for (int side = 0; side < 2; side++) {
+			int end = -1;
+			float beside =
+				beside_of(&s->section.face[j->face[side]], j->border.at[side]);
+			int span = span_at(s, j->face[side], beside, &end);
+			if (j->border.is_shadow[side] && span >= 0 && end >= 0)
+				s->is_met[span][end] = true;
+		}
+	}
+}
+
+/* Two faces that a station sees meet; or that both end there, and meet nothing else. */
+static void add_crease(struct settler *s, uint32_t a, uint32_t b, bool is_joined)
 {
 	const struct profile_section *section = &s->section;
 	const struct profile_face *f = &section->face[a], *g = &section->face[b];
 	float low[2], middle[2], high[2];
 	if (vector3_dot(f->normal, g->normal) > PROFILE_APART_COS || !cut_at(f, g, 0, middle) ||
 		!cut_at(f, g, -section->half_m, low) || !cut_at(f, g, section->half_m, high) ||
-		hypotf(middle[0], middle[1]) > section->radius_m)
+		hypotf(middle[0], middle[1]) > section->radius_m ||
+		are_joined(s, a, b, middle) != is_joined)
 		return;
 	int ends[2] = { -1, -1 }, span[2] = { span_at(s, a, beside_of(f, middle), &ends[0]),
 		span_at(s, b, beside_of(g, middle), &ends[1]) };
-	if (span[0] < 0 || span[1] < 0 || (ends[0] < 0 && ends[1] < 0))
-		return;
+	for (int n = 0; n < 2 && !is_joined; n++)
+		if (span[n] < 0 || ends[n] < 0 || s->is_met[span[n]][ends[n]])
+			return;
 	for (int n = 0; n < 2; n++)
-		if (ends[n] >= 0)
+		if (span[n] >= 0 && ends[n] >= 0)
 			s->is_met[span[n]][ends[n]] = true;
 	struct profile_piece p = piece_between(s, low, high);
 	const struct plane planes[2] = { plane_of(&section->frame, f),
@@ -328,7 +396,7 @@ static bool fit_end(
 	const struct profile_face *f = &section->face[span->face];
 	const float side = end ? 1 : -1, last_m = side * (end ? span->to_m : span->from_m),
 		    spacing_m = section->spacing_m;
-	float step_m = fmaxf(0.03f, 2.5f * spacing_m);
+	float step_m = fmaxf(0.03f, END_STEP_SPACINGS * spacing_m);
 	uint32_t steps = MAX((uint32_t)ceilf(2 * section->half_m / step_m), 1);
 	g_autofree float *last = g_new(float, steps);
 	for (uint32_t n = 0; n < steps; n++)
@@ -396,9 +464,12 @@ static void find_edges(struct settler *s)
 {
 	memset(s->is_met, 0, sizeof s->is_met);
 	profile_section_look(s->all, s->seed, &s->section);
-	for (uint32_t a = 0; a < s->section.faces; a++)
-		for (uint32_t b = a + 1; b < s->section.faces; b++)
-			add_crease(s, a, b);
+	for (int joined = 1; joined >= 0; joined--) {
+		for (uint32_t a = 0; a < s->section.faces; a++)
+			for (uint32_t b = a + 1; b < s->section.faces; b++)
+				add_crease(s, a, b, joined);
+		leave_shadows(s);
+	}
 	for (uint32_t n = 0; n < s->section.spans; n++)
 		for (int end = 0; end < 2; end++)
 			if (!s->is_met[n][end])
@@ -417,47 +488,41 @@ static double off_from(const struct profile_piece *p, const struct profile_piece
 	return most;
 }
 
-/* An edge that is longer than what it was found by is known better by all of its length: what is the same edge then takes its place. */
-static void refine(struct settler *s, struct profile_piece *p)
+/* Of an edge that was looked at again, the edge itself: the one that is the nearest, of its kind if there is one. */
+static void keep_same(const struct profile_piece *seed, GArray *ret)
 {
-	const struct profile_piece *found_by = s->seed;
-	GArray *ret = s->ret;
-	double best = REFINED_M + (double)p->spacing_m;
-	struct profile_piece was = *p;
-	s->seed = &was;
-	s->ret = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
-	find_edges(s);
-	for (guint n = 0; n < s->ret->len; n++) {
-		const struct profile_piece *q = &g_array_index(s->ret, struct profile_piece, n);
-		double off = off_from(&was, q);
-		if (q->kind == was.kind && off < best &&
-			profile_piece_length(q) > profile_piece_length(&was) / 2) {
-			best = off;
-			*p = *q;
+	double least = INFINITY;
+	struct profile_piece best = { 0 };
+	for (guint n = 0; n < ret->len; n++) {
+		const struct profile_piece *q = &g_array_index(ret, struct profile_piece, n);
+		double off = off_from(seed, q) + (q->kind == seed->kind ? 0 : OTHER_KIND_M);
+		if (off < least) {
+			least = off;
+			best = *q;
 		}
 	}
-	g_array_unref(s->ret);
-	s->ret = ret;
-	s->seed = found_by;
+	g_array_set_size(ret, 0);
+	if (least < INFINITY)
+		g_array_append_val(ret, best);
 }
 
-void profile_piece_settle(const profile_around *all, const struct profile_piece *seed, GArray *ret)
+void profile_piece_settle(const profile_around *all, const struct profile_piece *seed,
+	bool (*is_known)(const struct profile_piece *p, const void *user_data),
+	const void *user_data, GArray *ret)
 {
-	struct settler s = { .all = all, .seed = seed, .ret = ret };
+	struct settler s = {
+		.all = all, .seed = seed, .ret = ret, .is_known = is_known, .user_data = user_data
+	};
 	s.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 	s.section.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 	find_edges(&s);
-	for (guint n = 0; n < ret->len; n++)
-		for (int times = 0; times < REFINED_TIMES; times++) {
-			struct profile_piece *p = &g_array_index(ret, struct profile_piece, n);
-			if (profile_piece_length(p) > REFINED_LONGER * profile_piece_length(seed))
-				refine(&s, p);
-		}
-	if (ret->len == 0 && seed->is_directed && seed->support > 0.6f) {
+	if (ret->len == 0 && seed->is_directed && seed->support > MARK_SUPPORT) {
 		struct profile_piece p = *seed;
 		p.kind = s.section.faces ? PROFILE_MARK : PROFILE_THIN;
 		g_array_append_val(ret, p);
 	}
+	if (seed->seen_m > 0)
+		keep_same(seed, ret);
 	profile_section_clear(&s.section);
 	g_array_unref(s.near);
 }

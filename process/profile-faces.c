@@ -1,272 +1,251 @@
 #include "process/profile-faces.h"
 #include "process/normal-equations.h"
 #include "process/vector3.h"
-#include <limits.h>
 #include <string.h>
 
-/* Rows of points are looked for in so many directions across, and by how far they pass the piece. */
-#define WAYS      36
-#define OFF_M     0.01f
-#define OFFS      80
-#define VOTERS    800u
-#define PEAKS     3
-#define BINS_MOST 256
-/* Ranges waver by about this; a face has what lies within so much of it. */
-#define NOISE_M       0.008
-#define NOISE_LEAST_M 0.002
-#define REACH_NOISES  2.2
-#define FITS          3
-#define ROUNDS        2 /* of sharing points out among faces */
-#define POINTS_LEAST  8u
-#define POINTS_PART   0.025f
 /* Points next to an edge face roughly as their face does: their normals mix what is around. */
-#define ROUGHLY_COS 0.4f
+#define ROUGHLY_COS  -0.3f
+#define REACH_NOISES 2.2f
+#define NOISE_M      0.004f /* at least, where faces waver along an edge */
+#define POINTS_LEAST 8u
+/* What several stations see is one face when it faces the same way and lies so near; poses are no better. */
+#define SAME_COS 0.97f
+#define SAME_M   0.005f
+/* The piece is turned to run along its faces; so much of it is asked for, 1 sigma, before they say otherwise. */
+#define TURNS    1
+#define TURN_RAD 0.05
+/* Where no station is known it is as if all was seen from so far away. */
+#define FAR_M 30.0
 /* Of the steps along it in which a face is there. */
 #define STEP_M        0.05f
 #define STEP_SPACINGS 2.0f
 #define STEPS_SHARE   0.35f
-/* In a face, beside the piece: a gap of so many spacings ends it; narrower it is none. */
-#define GAP_SPACINGS       2.5f
-#define NARROWEST_M        0.03f
-#define NARROWEST_SPACINGS 1.4f
+/* In a face, beside the piece: a gap of so many spacings ends it. */
+#define GAP_SPACINGS 2.5f
 /* So many points tell a section. */
-#define POINTS_MOST 2000u
+#define POINTS_MOST 3000u
+/* Their spacing is that of this part of them, the closest. */
+#define CLOSEST_SHARE  0.25f
+#define SPACING_STEP_M 0.001f
+#define SPACINGS       256
 
-static const struct profile_near *near_at(const struct profile_section *s, guint i)
+static struct profile_near *near_at(const struct profile_section *s, guint i)
 {
 	return &g_array_index(s->near, struct profile_near, i);
 }
 
 /* ---- the frame of a piece ---- */
 
-void profile_frame_of(const struct profile_piece *p, struct profile_frame *f)
+/* Across: any two directions, from that of the piece. */
+static void set_across(struct profile_frame *f)
 {
 	int least = 0;
-	straight_place(&p->line, (p->from_m + p->to_m) / 2, f->at);
-	for (int k = 0; k < 3; k++) {
-		f->axis[2][k] = (float)p->line.along[k];
-		if (fabs(p->line.along[k]) < fabs(p->line.along[least]))
-			least = k;
-	}
 	float aside[3] = { 0 };
+	for (int k = 0; k < 3; k++)
+		if (fabsf(f->axis[2][k]) < fabsf(f->axis[2][least]))
+			least = k;
 	aside[least] = 1;
 	vector3_cross(f->axis[2], aside, f->axis[0]);
 	vector3_unit(f->axis[0]);
 	vector3_cross(f->axis[2], f->axis[0], f->axis[1]);
 }
 
-/* ---- a row of points ---- */
-
-/* Across: w along way, beside perpendicular to it. */
-static float w_of(const struct profile_near *p, const float way[2])
+void profile_frame_of(const struct profile_piece *p, struct profile_frame *f)
 {
-	return p->u * way[0] + p->v * way[1];
+	straight_place(&p->line, (p->from_m + p->to_m) / 2, f->at);
+	for (int k = 0; k < 3; k++)
+		f->axis[2][k] = (float)p->line.along[k];
+	set_across(f);
 }
 
-static float beside_of(const struct profile_near *p, const float way[2])
+/* So that it runs along what was (slope[0], slope[1], 1). */
+static void turn_frame(struct profile_section *s, const double slope[2])
 {
-	return p->v * way[0] - p->u * way[1];
-}
-
-/* It does not face across what runs that way. */
-static bool may_face(const struct profile_near *p, const float way[2])
-{
-	float along = p->normal[0] * way[0] + p->normal[1] * way[1];
-	return (p->normal[0] == 0 && p->normal[1] == 0 && p->normal[2] == 0) ||
-	       fabsf(along) >= ROUGHLY_COS;
-}
-
-/* A row: w = x0 + x1 s + x2 t in its part beside the piece. */
-struct row {
-	float way[2];
-	double x[3], noise_m;
-	float from_m, to_m;
-	uint32_t count;
-};
-
-static double off_of(const struct row *r, const struct profile_near *p)
-{
-	return (double)w_of(p, r->way) - r->x[0] - r->x[1] * (double)beside_of(p, r->way) -
-	       r->x[2] * (double)p->t;
-}
-
-static int by_size(const void *a, const void *b)
-{
-	const float *x = a, *y = b;
-	return (*x > *y) - (*x < *y);
-}
-
-/* Its longest part without gaps, among points that are free or its own; by bins of a quarter of a spacing. */
-static bool find_part(const struct profile_section *s, struct row *r, uint8_t own)
-{
-	const float bin_m = fmaxf(s->spacing_m / 4, 2 * s->radius_m / BINS_MOST);
-	const int bins = MIN((int)(2 * s->radius_m / bin_m) + 1, BINS_MOST),
-		  gap = (int)(GAP_SPACINGS * s->spacing_m / bin_m);
-	uint16_t count[BINS_MOST] = { 0 };
-	r->count = 0;
+	struct profile_frame *f = &s->frame, was = *f;
+	float turn[3][3];
+	for (int k = 0; k < 3; k++)
+		f->axis[2][k] +=
+			(float)slope[0] * was.axis[0][k] + (float)slope[1] * was.axis[1][k];
+	vector3_unit(f->axis[2]);
+	set_across(f);
+	for (int j = 0; j < 3; j++)
+		for (int k = 0; k < 3; k++)
+			turn[j][k] = vector3_dot(f->axis[j], was.axis[k]);
 	for (guint i = 0; i < s->near->len; i++) {
-		const struct profile_near *p = near_at(s, i);
-		if ((s->face_of[i] == PROFILE_NO_FACE || s->face_of[i] == own) &&
-			may_face(p, r->way) && fabs(off_of(r, p)) < REACH_NOISES * r->noise_m)
-			count[CLAMP((int)((beside_of(p, r->way) + s->radius_m) / bin_m), 0,
-				bins - 1)]++;
+		struct profile_near *p = near_at(s, i), to = *p;
+		const float at[3] = { p->u, p->v, p->t };
+		to.u = vector3_dot(turn[0], at);
+		to.v = vector3_dot(turn[1], at);
+		to.t = vector3_dot(turn[2], at);
+		for (int k = 0; k < 3; k++)
+			to.normal[k] = vector3_dot(turn[k], p->normal);
+		*p = to;
 	}
-	uint32_t sum = 0;
-	for (int from = 0, last = -2 * BINS_MOST, n = 0; n <= bins; n++) {
-		if (n < bins && !count[n])
-			continue;
-		if (n == bins || n - last > gap) {
-			if (sum > r->count) {
-				r->count = sum;
-				r->from_m = (float)from * bin_m - s->radius_m;
-				r->to_m = (float)(last + 1) * bin_m - s->radius_m;
-			}
-			sum = 0;
-			from = n;
-		}
-		if (n < bins)
-			sum += count[n];
-		last = n;
-	}
-	return r->count >= POINTS_LEAST &&
-	       r->to_m - r->from_m >= fmaxf(NARROWEST_M, NARROWEST_SPACINGS * s->spacing_m);
 }
 
-static bool fit_row(const struct profile_section *s, struct row *r, uint8_t own)
+/* ---- stations ---- */
+
+/* In the frame; false: it is not known, and is put where the points face on the whole. */
+static bool find_station(const profile_around *all, const struct profile_section *s,
+	const uint32_t *which, uint32_t count, double ret[3])
 {
-	double information[9] = { 0 }, gradient[3] = { 0 }, squares = 0, weights = 0;
-	for (guint i = 0; i < s->near->len; i++) {
-		const struct profile_near *p = near_at(s, i);
-		double beside = (double)beside_of(p, r->way), row[3] = { 1, beside, (double)p->t };
-		double part = off_of(r, p) / (REACH_NOISES * r->noise_m);
-		if ((s->face_of[i] != PROFILE_NO_FACE && s->face_of[i] != own) ||
-			!may_face(p, r->way) || fabs(part) > 1 || beside < (double)r->from_m ||
-			beside > (double)r->to_m)
-			continue;
-		double weight = (1 - part * part) * (1 - part * part);
+	double at[3];
+	if (profile_around_station(all, near_at(s, which[0])->scan, at)) {
 		for (int j = 0; j < 3; j++) {
-			gradient[j] += weight * row[j] * (double)w_of(p, r->way);
+			ret[j] = 0;
 			for (int k = 0; k < 3; k++)
-				information[3 * j + k] += weight * row[j] * row[k];
+				ret[j] += (double)s->frame.axis[j][k] * (at[k] - s->frame.at[k]);
 		}
-		squares += weight * off_of(r, p) * off_of(r, p);
-		weights += weight;
+		return true;
 	}
-	/* Of few points it is held to run along the piece. */
-	information[4] += 1e-4;
-	information[8] += 1e-2;
-	/* Weights leave out what is far off, so what they tell of the noise is too little by a third. */
-	if (weights < POINTS_LEAST / 2.0 ||
-		!normal_equations_solve(information, gradient, 3, r->x, NULL))
-		return false;
-	r->noise_m = CLAMP(1.4 * sqrt(squares / weights), NOISE_LEAST_M, 1.5 * NOISE_M);
-	return true;
+	float sum[3] = { 0 };
+	for (uint32_t i = 0; i < count; i++)
+		vector3_add(sum, 1, near_at(s, which[i])->normal);
+	sum[2] = 0;
+	if (!vector3_unit(sum))
+		sum[0] = 1;
+	for (int k = 0; k < 3; k++)
+		ret[k] = FAR_M * (double)sum[k];
+	return false;
 }
 
 /* ---- faces ---- */
 
-struct votes {
-	uint16_t count[WAYS][OFFS];
-};
-
-static void vote(const struct profile_section *s, struct votes *v)
+static void middle_of(
+	const struct profile_section *s, const uint8_t *part_of, uint8_t part, float ret[3])
 {
-	guint step = s->near->len / VOTERS + 1;
-	memset(v, 0, sizeof *v);
-	for (int b = 0; b < WAYS; b++) {
-		const float turn = (float)b * (float)G_PI / WAYS,
-			    way[2] = { cosf(turn), sinf(turn) };
-		for (guint i = 0; i < s->near->len; i += step) {
+	float count = 0, sum[3] = { 0 };
+	for (guint i = 0; i < s->near->len; i++)
+		if (part_of[i] == part) {
 			const struct profile_near *p = near_at(s, i);
-			int off = (int)floorf(w_of(p, way) / OFF_M) + OFFS / 2;
-			if (s->face_of[i] == PROFILE_NO_FACE && off >= 0 && off < OFFS &&
-				may_face(p, way))
-				v->count[b][off]++;
+			const float at[3] = { p->u, p->v, p->t };
+			vector3_add(sum, 1, at);
+			count++;
+		}
+	for (int k = 0; k < 3; k++)
+		ret[k] = count > 0 ? sum[k] / count : 0;
+}
+
+static bool is_same(
+	const struct profile_face *f, const struct profile_part *p, const float middle[3])
+{
+	return vector3_dot(f->normal, p->normal) > SAME_COS &&
+	       fabsf(vector3_dot(f->normal, middle) - f->off_m) < SAME_M + p->noise_m / 2;
+}
+
+/* Both, by how many points they have. */
+static void take_in(struct profile_face *f, const struct profile_part *p)
+{
+	float share = (float)p->points / (float)(f->points + p->points);
+	for (int k = 0; k < 3; k++)
+		f->normal[k] += share * (p->normal[k] - f->normal[k]);
+	float length = vector3_length(f->normal);
+	for (int k = 0; k < 3; k++)
+		f->normal[k] /= length;
+	f->off_m = (f->off_m + share * (p->off_m - f->off_m)) / length;
+	f->noise_m = fmaxf(f->noise_m, p->noise_m);
+	f->points += p->points;
+	f->along_information += p->along_information;
+}
+
+static uint8_t add_part(
+	struct profile_section *s, const struct profile_part *p, const float middle[3])
+{
+	for (uint32_t n = 0; n < s->faces; n++)
+		if (is_same(&s->face[n], p, middle)) {
+			take_in(&s->face[n], p);
+			return (uint8_t)n;
+		}
+	if (s->faces == PROFILE_FACES)
+		return PROFILE_NO_FACE;
+	struct profile_face *f = &s->face[s->faces];
+	*f = (struct profile_face){ .off_m = p->off_m,
+		.noise_m = fmaxf(p->noise_m, NOISE_M),
+		.points = p->points,
+		.along_information = p->along_information };
+	memcpy(f->normal, p->normal, sizeof f->normal);
+	return (uint8_t)s->faces++;
+}
+
+static void add_view(
+	struct profile_section *s, const struct profile_view *view, const uint8_t *part_of)
+{
+	uint8_t face[PROFILE_VIEW_PARTS];
+	for (uint32_t n = 0; n < view->parts; n++) {
+		float middle[3];
+		middle_of(s, part_of, (uint8_t)n, middle);
+		face[n] = add_part(s, &view->part[n], middle);
+	}
+	for (guint i = 0; i < s->near->len; i++)
+		if (part_of[i] != PROFILE_NO_FACE)
+			s->face_of[i] = face[part_of[i]];
+	for (uint32_t n = 0; n + 1 < view->parts && s->joints < PROFILE_JOINTS; n++)
+		if (face[n] != face[n + 1] && face[n] != PROFILE_NO_FACE &&
+			face[n + 1] != PROFILE_NO_FACE)
+			s->joint[s->joints++] =
+				(struct profile_joint){ { face[n], face[n + 1] }, view->border[n] };
+}
+
+/* Scan after scan, by their numbers. */
+static void find_faces(const profile_around *all, struct profile_section *s)
+{
+	g_autofree uint32_t *which = g_new(uint32_t, s->near->len + 1);
+	g_autofree uint8_t *part_of = g_malloc(s->near->len + 1);
+	s->faces = s->joints = 0;
+	memset(s->face_of, PROFILE_NO_FACE, s->near->len + 1);
+	for (int scan = -1;;) {
+		int next = INT32_MAX;
+		uint32_t count = 0;
+		for (guint i = 0; i < s->near->len; i++)
+			if (near_at(s, i)->scan > scan)
+				next = MIN(next, near_at(s, i)->scan);
+		if (next == INT32_MAX)
+			return;
+		scan = next;
+		for (guint i = 0; i < s->near->len; i++)
+			if (near_at(s, i)->scan == scan)
+				which[count++] = i;
+		double from[3];
+		struct profile_view view;
+		bool is_known = find_station(all, s, which, count, from);
+		memset(part_of, PROFILE_NO_FACE, s->near->len + 1);
+		profile_view_look(s->near, which, count, from, !is_known, s->radius_m, s->spacing_m,
+			part_of, &view);
+		add_view(s, &view, part_of);
+	}
+}
+
+/* How the piece must turn so that it runs along all faces. */
+static bool find_turn(const struct profile_section *s, double ret[2])
+{
+	double information[4] = { 1 / (TURN_RAD * TURN_RAD), 0, 0, 1 / (TURN_RAD * TURN_RAD) },
+	       gradient[2] = { 0 };
+	for (uint32_t n = 0; n < s->faces; n++) {
+		const struct profile_face *f = &s->face[n];
+		for (int j = 0; j < 2; j++) {
+			double weight = (double)(f->along_information * f->normal[j]);
+			gradient[j] -= weight * (double)f->normal[2];
+			for (int k = 0; k < 2; k++)
+				information[2 * j + k] += weight * (double)f->normal[k];
 		}
 	}
+	return normal_equations_solve(information, gradient, 2, ret, NULL) &&
+	       hypot(ret[0], ret[1]) < 5 * TURN_RAD;
 }
 
-/* The fullest row, which is then none of the next. */
-static bool take_peak(struct votes *v, struct row *ret)
+bool profile_is_of(const struct profile_near *p, const struct profile_face *f)
 {
-	uint32_t most = 2;
-	int way = 0, off = 0;
-	for (int b = 0; b < WAYS; b++)
-		for (int o = 1; o + 1 < OFFS; o++) {
-			uint32_t sum =
-				v->count[b][o - 1] + 2u * v->count[b][o] + v->count[b][o + 1];
-			if (sum > most) {
-				most = sum;
-				way = b;
-				off = o;
-			}
-		}
-	if (most == 2)
-		return false;
-	for (int d = -1; d <= 1; d++)
-		for (int o = MAX(off - 2, 0); o <= MIN(off + 2, OFFS - 1); o++)
-			v->count[(way + d + WAYS) % WAYS][o] = 0;
-	float turn = (float)way * (float)G_PI / WAYS;
-	*ret = (struct row){ .way = { cosf(turn), sinf(turn) },
-		.x = { ((double)(off - OFFS / 2) + 0.5) * (double)OFF_M, 0, 0 },
-		.noise_m = NOISE_M };
-	return true;
+	float at[3] = { p->u, p->v, p->t };
+	return vector3_dot(p->normal, f->normal) >= ROUGHLY_COS &&
+	       fabsf(vector3_dot(at, f->normal) - f->off_m) < REACH_NOISES * f->noise_m;
 }
 
-/* The one of the fullest rows that has the most points without gaps. */
-static bool find_row(const struct profile_section *s, struct votes *v, struct row *ret)
+float profile_beside(const struct profile_near *p, const struct profile_face *f)
 {
-	struct row row;
-	ret->count = 0;
-	vote(s, v);
-	for (int n = 0; n < PEAKS && take_peak(v, &row); n++) {
-		bool good = find_part(s, &row, PROFILE_NO_FACE);
-		for (int fit = 0; good && fit < FITS; fit++)
-			good = fit_row(s, &row, PROFILE_NO_FACE) &&
-			       find_part(s, &row, PROFILE_NO_FACE);
-		if (good && row.count > ret->count)
-			*ret = row;
-	}
-	return ret->count >= MAX(POINTS_LEAST, (uint32_t)(POINTS_PART * (float)s->near->len));
+	return (p->v * f->normal[0] - p->u * f->normal[1]) / hypotf(f->normal[0], f->normal[1]);
 }
 
-static void take_points(struct profile_section *s, const struct row *r, uint8_t number)
-{
-	for (guint i = 0; i < s->near->len; i++) {
-		const struct profile_near *p = near_at(s, i);
-		float beside = beside_of(p, r->way);
-		if (s->face_of[i] == PROFILE_NO_FACE && may_face(p, r->way) &&
-			beside >= r->from_m && beside <= r->to_m &&
-			fabs(off_of(r, p)) < REACH_NOISES * r->noise_m)
-			s->face_of[i] = number;
-	}
-}
-
-/* How far a point is from a row that ends. */
-static double away_of(const struct row *r, const struct profile_near *p)
-{
-	float beside = beside_of(p, r->way);
-	double past = (double)fmaxf(fmaxf(r->from_m - beside, beside - r->to_m), 0);
-	return hypot(off_of(r, p), past);
-}
-
-/* Near a corner points are of the face that they are nearest to, whichever was found first. */
-static void share_out(struct profile_section *s, const struct row *rows)
-{
-	for (guint i = 0; i < s->near->len; i++) {
-		const struct profile_near *p = near_at(s, i);
-		double least = INFINITY;
-		s->face_of[i] = PROFILE_NO_FACE;
-		for (uint32_t f = 0; f < s->faces; f++) {
-			double away = away_of(&rows[f], p);
-			if (away < least && away < 1.2 * REACH_NOISES * rows[f].noise_m &&
-				may_face(p, rows[f].way)) {
-				least = away;
-				s->face_of[i] = (uint8_t)f;
-			}
-		}
-	}
-}
+/* ---- where faces begin and end ---- */
 
 /* The part of the steps along the piece in which the face has points. */
 static float share_of(const struct profile_section *s, uint8_t number)
@@ -283,57 +262,11 @@ static float share_of(const struct profile_section *s, uint8_t number)
 	return (float)some / (float)steps;
 }
 
-/* Towards where its points face, on the whole. */
-static struct profile_face face_of_row(
-	const struct profile_section *s, const struct row *r, uint8_t number)
+static int by_size(const void *a, const void *b)
 {
-	struct profile_face f = { .noise_m = (float)r->noise_m };
-	float beside[2] = { -r->way[1], r->way[0] }, sum = 0;
-	for (int k = 0; k < 2; k++)
-		f.normal[k] = r->way[k] - (float)r->x[1] * beside[k];
-	f.normal[2] = -(float)r->x[2];
-	float length = vector3_length(f.normal);
-	for (guint i = 0; i < s->near->len; i++)
-		if (s->face_of[i] == number)
-			sum += vector3_dot(near_at(s, i)->normal, f.normal);
-	for (int k = 0; k < 3; k++)
-		f.normal[k] /= sum < 0 ? -length : length;
-	f.off_m = (float)r->x[0] / (sum < 0 ? -length : length);
-	return f;
+	const float *x = a, *y = b;
+	return (*x > *y) - (*x < *y);
 }
-
-static void find_faces(struct profile_section *s)
-{
-	g_autofree struct votes *votes = g_new(struct votes, 1);
-	struct row rows[PROFILE_FACES];
-	while (s->faces < PROFILE_FACES && find_row(s, votes, &rows[s->faces])) {
-		take_points(s, &rows[s->faces], (uint8_t)s->faces);
-		s->faces++;
-	}
-	for (int n = 0; n < ROUNDS; n++) {
-		share_out(s, rows);
-		for (uint32_t f = 0; f < s->faces; f++)
-			if (fit_row(s, &rows[f], (uint8_t)f))
-				find_part(s, &rows[f], (uint8_t)f);
-	}
-	share_out(s, rows);
-	for (uint32_t f = 0; f < s->faces; f++)
-		s->face[f] = face_of_row(s, &rows[f], (uint8_t)f);
-}
-
-bool profile_is_of(const struct profile_near *p, const struct profile_face *f)
-{
-	float at[3] = { p->u, p->v, p->t };
-	return vector3_dot(p->normal, f->normal) >= ROUGHLY_COS &&
-	       fabsf(vector3_dot(at, f->normal) - f->off_m) < (float)REACH_NOISES * f->noise_m;
-}
-
-float profile_beside(const struct profile_near *p, const struct profile_face *f)
-{
-	return (p->v * f->normal[0] - p->u * f->normal[1]) / hypotf(f->normal[0], f->normal[1]);
-}
-
-/* ---- where faces begin and end ---- */
 
 static void find_spans(struct profile_section *s, uint8_t number)
 {
@@ -358,13 +291,23 @@ static void find_spans(struct profile_section *s, uint8_t number)
 	}
 }
 
-static void thin_out(struct profile_section *s)
+/* Of a long piece some layers across tell enough. */
+static uint32_t step_of(const struct profile_section *s)
 {
-	guint step = s->near->len / POINTS_MOST + 1, kept = 0;
-	for (guint i = 0; i < s->near->len && step > 1; i += step)
-		g_array_index(s->near, struct profile_near, kept++) = *near_at(s, i);
-	if (step > 1)
-		g_array_set_size(s->near, kept);
+	float points = 4 * s->half_m * s->radius_m / (s->spacing_m * s->spacing_m);
+	return MAX((uint32_t)(points / (float)POINTS_MOST), 1);
+}
+
+/* Of the points around those that lie the closest tell how far apart beams are: others are of faces aslant. */
+static float find_spacing(const struct profile_section *s)
+{
+	uint32_t count[SPACINGS] = { 0 }, sum = 0;
+	int n = 0;
+	for (guint i = 0; i < s->near->len; i++)
+		count[CLAMP((int)(near_at(s, i)->spacing_m / SPACING_STEP_M), 0, SPACINGS - 1)]++;
+	for (; n + 1 < SPACINGS && sum + count[n] < CLOSEST_SHARE * (float)s->near->len; n++)
+		sum += count[n];
+	return ((float)n + 0.5f) * SPACING_STEP_M;
 }
 
 void profile_section_look(
@@ -375,14 +318,19 @@ void profile_section_look(
 	s->spacing_m = p->spacing_m;
 	s->radius_m = CLAMP(PROFILE_RADIUS_SPACINGS * p->spacing_m, PROFILE_RADIUS_LEAST_M,
 		PROFILE_RADIUS_MOST_M);
-	s->faces = s->spans = 0;
-	profile_around_look(
-		all, &s->frame, -(double)s->half_m, (double)s->half_m, s->radius_m, s->near);
-	thin_out(s);
+	s->spans = 0;
+	profile_around_look(all, &s->frame, -(double)s->half_m, (double)s->half_m, s->radius_m,
+		step_of(s), s->near);
+	if (s->near->len)
+		s->spacing_m = find_spacing(s);
 	g_free(s->face_of);
 	s->face_of = g_malloc(s->near->len + 1);
-	memset(s->face_of, PROFILE_NO_FACE, s->near->len + 1);
-	find_faces(s);
+	find_faces(all, s);
+	double slope[2];
+	for (int n = 0; n < TURNS && find_turn(s, slope); n++) {
+		turn_frame(s, slope);
+		find_faces(all, s);
+	}
 	for (uint32_t f = 0; f < s->faces; f++)
 		find_spans(s, (uint8_t)f);
 }

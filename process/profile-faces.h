@@ -3,6 +3,7 @@
 /* What a surface is like across a straight piece of an edge: all points around it, taken together along it, show a section through the
  * faces beside it, however few points each of them has. A moulding has several. */
 #include "process/profile-pieces.h"
+#include "process/profile-view.h"
 
 /* Around a piece points are looked at within so many spacings of them. */
 #define PROFILE_RADIUS_SPACINGS 8.0f
@@ -10,19 +11,28 @@
 #define PROFILE_RADIUS_MOST_M   0.30f
 /* Two faces are so far apart at least. */
 #define PROFILE_APART_COS 0.92f /* 23 degrees */
-#define PROFILE_FACES     10
-#define PROFILE_SPANS     32
+#define PROFILE_FACES     24
+#define PROFILE_SPANS     48
+#define PROFILE_JOINTS    32
 #define PROFILE_NO_FACE   255
 
 struct profile_face {
 	float normal[3]; /* in the frame: across, across, along */
 	float off_m;     /* normal . place = off_m */
 	float noise_m;
+	uint32_t points;
+	float along_information; /* profile-view.h */
 };
 /* A part of a face without gaps, beside the piece. */
 struct profile_span {
 	uint32_t face;
 	float from_m, to_m;
+};
+
+/* Where two faces lie side by side, as a station sees them (profile-view.h). */
+struct profile_joint {
+	uint32_t face[2];
+	struct profile_border border;
 };
 
 struct profile_section {
@@ -35,6 +45,8 @@ struct profile_section {
 	uint32_t faces;
 	struct profile_span span[PROFILE_SPANS];
 	uint32_t spans;
+	struct profile_joint joint[PROFILE_JOINTS];
+	uint32_t joints;
 };
 /* s->near is an empty array of them, or one of before; clear it in the end. */
 void profile_section_look(

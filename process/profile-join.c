@@ -1,9 +1,8 @@
 #include "process/profile-join.h"
+#include "process/profile-places.h"
 #include <math.h>
 #include <string.h>
 
-/* Places of pieces are looked up by cubes of this edge, which is also how often along a piece they are. */
-#define CELL_M 0.1
 /* Pieces side by side are one when they are so near, and half a spacing; those longer than LONG_M when their directions agree the better. */
 #define BESIDE_M        0.012
 #define BESIDE_SPACINGS 0.5
@@ -12,12 +11,16 @@
 #define SAME_SHORT_COS  0.978  /* 12 */
 /* One behind the other they are one when what is between is shorter. */
 #define BETWEEN_M 0.2
+/* What makes one longer by so much moves it. */
+#define LONGER_M 0.1
 /* What grew in feature points is explained by edges that are so near, and go the same way, along this part of it. */
-#define EXPLAINS_M        0.02
-#define EXPLAINS_SPACINGS 0.8
-#define EXPLAINS_COS      0.966 /* 15 degrees */
-#define EXPLAINS_SHARE    0.75
-#define EXPLAINS_EDGE     0.7
+#define EXPLAINS_M             0.02
+#define EXPLAINS_SPACINGS      0.8
+#define EXPLAINS_COS           0.966 /* 15 degrees */
+#define EXPLAINS_SHARE         0.75
+#define EXPLAINS_STEP_M        0.1
+#define EXPLAINS_EDGE_M        0.008
+#define EXPLAINS_EDGE_SPACINGS 0.3
 /* Ends that are so near, and turn less, go on in each other. */
 #define LINK_M        0.05
 #define LINK_SPACINGS 1.0
@@ -26,70 +29,6 @@
 #define CORNER_M        0.06
 #define CORNER_SPACINGS 1.5
 #define CORNER_PAST_M   0.02 /* lines pass each other so near */
-
-/* ---- which pieces are where ---- */
-
-struct places {
-	GHashTable *at; /* key of a cube: GArray of uint32_t */
-};
-
-static gint64 key_of(const double at[3], int dx, int dy, int dz)
-{
-	gint64 x = (gint64)floor(at[0] / CELL_M) + dx, y = (gint64)floor(at[1] / CELL_M) + dy,
-	       z = (gint64)floor(at[2] / CELL_M) + dz;
-	return (x & 0x1fffff) << 42 | (y & 0x1fffff) << 21 | (z & 0x1fffff);
-}
-
-static void places_add_at(struct places *p, const double at[3], uint32_t piece)
-{
-	gint64 key = key_of(at, 0, 0, 0);
-	GArray *in = g_hash_table_lookup(p->at, &key);
-	if (!in) {
-		in = g_array_new(FALSE, FALSE, sizeof(uint32_t));
-		g_hash_table_insert(p->at, g_memdup2(&key, sizeof key), in);
-	}
-	if (!in->len || g_array_index(in, uint32_t, in->len - 1) != piece)
-		g_array_append_val(in, piece);
-}
-
-static uint32_t steps_of(double from_m, double to_m)
-{
-	return (uint32_t)ceil((to_m - from_m) / CELL_M);
-}
-
-static void places_add(struct places *p, const struct profile_piece *piece, double from_m,
-	double to_m, uint32_t number)
-{
-	uint32_t steps = steps_of(from_m, to_m);
-	for (uint32_t s = 0; s <= steps && to_m > from_m; s++) {
-		double at[3];
-		straight_place(&piece->line, from_m + (to_m - from_m) * s / MAX(steps, 1), at);
-		places_add_at(p, at, number);
-	}
-}
-
-/* Pieces with a place near this one, into a set. */
-static void places_find(const struct places *p, const double at[3], GHashTable *ret)
-{
-	for (int n = 0; n < 27; n++) {
-		gint64 key = key_of(at, n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-		const GArray *in = g_hash_table_lookup(p->at, &key);
-		for (guint i = 0; in && i < in->len; i++)
-			g_hash_table_add(ret, GUINT_TO_POINTER(g_array_index(in, uint32_t, i)));
-	}
-}
-
-static struct places places_new(void)
-{
-	return (struct places){ g_hash_table_new_full(
-		g_int64_hash, g_int64_equal, g_free, (GDestroyNotify)g_array_unref) };
-}
-
-static int by_number(gconstpointer a, gconstpointer b)
-{
-	return (GPOINTER_TO_UINT(a) > GPOINTER_TO_UINT(b)) -
-	       (GPOINTER_TO_UINT(a) < GPOINTER_TO_UINT(b));
-}
 
 /* ---- twice, or in parts ---- */
 
@@ -106,7 +45,7 @@ profile_joiner *profile_joiner_new(const struct profile_options *options)
 	j->options = *options;
 	j->pieces = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
 	j->sums = g_array_new(FALSE, FALSE, sizeof(struct line_sums));
-	j->places = places_new();
+	places_init(&j->places);
 	return j;
 }
 
@@ -116,7 +55,7 @@ void profile_joiner_free(profile_joiner *j)
 		return;
 	g_array_unref(j->pieces);
 	g_array_unref(j->sums);
-	g_hash_table_unref(j->places.at);
+	places_clear(&j->places);
 	g_free(j);
 }
 
@@ -145,7 +84,7 @@ static struct line_sums sums_of(const struct profile_piece *p)
 	for (int n = 0; n < 3; n++) {
 		double at[3];
 		straight_place(&p->line, p->from_m + n * profile_piece_length(p) / 2, at);
-		line_sums_add(&sums, at, profile_piece_length(p) * (double)p->support);
+		line_sums_add(&sums, at, pow(profile_piece_length(p), 3) * (double)p->support);
 	}
 	return sums;
 }
@@ -204,9 +143,12 @@ static bool absorb(profile_joiner *j, uint32_t number, struct profile_piece *p)
 		double shared = fmax(fmin(to, q->to_m) - fmax(from, q->from_m), 0);
 		q->support = fmaxf(q->support * (float)(profile_piece_length(q) / whole),
 			(float)fmin((both - shared) / whole, 1));
+		bool extends = whole > LONGER_M + profile_piece_length(q);
 		q->from_m = fmin(q->from_m, from);
 		q->to_m = fmax(q->to_m, to);
-		fit_anew(j, number, p);
+		/* What lies beside it all along may be another edge: the longer one is known better. */
+		if (extends)
+			fit_anew(j, number, p);
 		return true;
 	}
 	/* They part, or meet, at a small angle: what lies beside the other goes. */
@@ -230,18 +172,18 @@ static bool absorb(profile_joiner *j, uint32_t number, struct profile_piece *p)
 	return false;
 }
 
-/* All that may have to do with it. */
-static GList *pieces_near(const profile_joiner *j, const struct profile_piece *p, double reach_m)
+/* All that may have to do with it, in order; caller unrefs. */
+static GArray *pieces_near(const profile_joiner *j, const struct profile_piece *p, double reach_m)
 {
-	g_autoptr(GHashTable) near = g_hash_table_new(NULL, NULL);
+	struct places_found near = places_found_new(j->pieces->len);
 	double from = p->from_m - reach_m, to = p->to_m + reach_m;
-	uint32_t steps = steps_of(from, to);
+	uint32_t steps = places_steps(from, to);
 	for (uint32_t s = 0; s <= steps; s++) {
 		double at[3];
 		straight_place(&p->line, from + (to - from) * s / MAX(steps, 1), at);
-		places_find(&j->places, at, near);
+		places_find(&j->places, at, &near);
 	}
-	return g_list_sort(g_hash_table_get_keys(near), by_number);
+	return places_found_take(&near);
 }
 
 /* Whether the place is on the piece, as exactly as feature points tell it. */
@@ -249,23 +191,37 @@ static bool is_on(const struct profile_piece *q, const struct profile_piece *p, 
 	const double at[3])
 {
 	double along = straight_along(&q->line, at);
-	return fabs(cosine_of(p, q)) > EXPLAINS_COS && along > q->from_m - BETWEEN_M / 2 &&
-	       along < q->to_m + BETWEEN_M / 2 &&
+	return along > q->from_m - BETWEEN_M / 2 && along < q->to_m + BETWEEN_M / 2 &&
 	       straight_off(&q->line, at) <
-		       (is_edge ? EXPLAINS_EDGE : 1) *
-			       (EXPLAINS_M + EXPLAINS_SPACINGS *
-						     (double)fmaxf(p->spacing_m, q->spacing_m));
+		       (is_edge ? EXPLAINS_EDGE_M : EXPLAINS_M) +
+			       (is_edge ? EXPLAINS_EDGE_SPACINGS : EXPLAINS_SPACINGS) *
+				       (double)fmaxf(p->spacing_m, q->spacing_m);
+}
+
+/* Those that do not go its way are none that explain it. */
+static void leave_out_crossing(
+	const profile_joiner *j, const struct profile_piece *p, GArray *numbers)
+{
+	guint kept = 0;
+	for (guint n = 0; n < numbers->len; n++) {
+		uint32_t number = g_array_index(numbers, uint32_t, n);
+		if (fabs(cosine_of(p, piece_at(j->pieces, number))) > EXPLAINS_COS)
+			g_array_index(numbers, uint32_t, kept++) = number;
+	}
+	g_array_set_size(numbers, kept);
 }
 
 bool profile_joiner_explains(const profile_joiner *j, const struct profile_piece *p, bool is_edge)
 {
-	g_autoptr(GList) near = pieces_near(j, p, 0);
-	uint32_t steps = steps_of(p->from_m, p->to_m), some = 0;
-	for (uint32_t s = 0; s <= steps && near; s++) {
+	g_autoptr(GArray) near = pieces_near(j, p, 0);
+	uint32_t steps = (uint32_t)ceil(profile_piece_length(p) / EXPLAINS_STEP_M), some = 0;
+	leave_out_crossing(j, p, near);
+	for (uint32_t s = 0; s <= steps && near->len; s++) {
 		double at[3];
 		straight_place(&p->line, p->from_m + (p->to_m - p->from_m) * s / MAX(steps, 1), at);
-		for (GList *n = near; n; n = n->next)
-			if (is_on(piece_at(j->pieces, GPOINTER_TO_UINT(n->data)), p, is_edge, at)) {
+		for (guint n = 0; n < near->len; n++)
+			if (is_on(piece_at(j->pieces, g_array_index(near, uint32_t, n)), p, is_edge,
+				    at)) {
 				some++;
 				break;
 			}
@@ -276,9 +232,9 @@ bool profile_joiner_explains(const profile_joiner *j, const struct profile_piece
 void profile_joiner_add(profile_joiner *j, const struct profile_piece *piece)
 {
 	struct profile_piece p = *piece;
-	g_autoptr(GList) near = pieces_near(j, &p, BETWEEN_M);
-	for (GList *n = near; n; n = n->next)
-		if (absorb(j, GPOINTER_TO_UINT(n->data), &p) ||
+	g_autoptr(GArray) near = pieces_near(j, &p, BETWEEN_M);
+	for (guint n = 0; n < near->len; n++)
+		if (absorb(j, g_array_index(near, uint32_t, n), &p) ||
 			profile_piece_length(&p) < (double)j->options.length_least_m / 2)
 			return;
 	if (profile_joiner_explains(j, &p, true))
@@ -329,6 +285,14 @@ static double spacing_of(const struct ends *e, uint32_t a, uint32_t b)
 	return (double)fmaxf(piece_of_end(e, a)->spacing_m, piece_of_end(e, b)->spacing_m);
 }
 
+/* Caller unrefs. */
+static GArray *ends_near(const struct ends *e, uint32_t end)
+{
+	struct places_found near = places_found_new(e->count);
+	places_find(&e->places, e->at[end], &near);
+	return places_found_take(&near);
+}
+
 struct link {
 	double cost;
 	uint32_t a, b;
@@ -345,13 +309,9 @@ static int by_cost(const void *a, const void *b)
 static void find_links(struct ends *e, GArray *ret)
 {
 	for (uint32_t a = 0; a < e->count; a++) {
-		g_autoptr(GHashTable) near = g_hash_table_new(NULL, NULL);
-		places_find(&e->places, e->at[a], near);
-		GHashTableIter i;
-		gpointer other;
-		g_hash_table_iter_init(&i, near);
-		while (g_hash_table_iter_next(&i, &other, NULL)) {
-			uint32_t b = GPOINTER_TO_UINT(other);
+		g_autoptr(GArray) near = ends_near(e, a);
+		for (guint n = 0; n < near->len; n++) {
+			uint32_t b = g_array_index(near, uint32_t, n);
 			double gap = apart(e->at[a], e->at[b]), cosine = 0;
 			for (int k = 0; k < 3; k++)
 				cosine -= end_way(e, a, k) * end_way(e, b, k);
@@ -400,13 +360,11 @@ static bool nearest(const double p[3], const double along[3], const double q[3],
 static void meet_corners(struct ends *e)
 {
 	for (uint32_t a = 0; a < e->count; a++) {
-		g_autoptr(GHashTable) near = g_hash_table_new(NULL, NULL);
 		if (e->link[a] != UINT32_MAX)
 			continue;
-		places_find(&e->places, e->at[a], near);
-		g_autoptr(GList) sorted = g_list_sort(g_hash_table_get_keys(near), by_number);
-		for (GList *n = sorted; n; n = n->next) {
-			uint32_t b = GPOINTER_TO_UINT(n->data);
+		g_autoptr(GArray) near = ends_near(e, a);
+		for (guint n = 0; n < near->len; n++) {
+			uint32_t b = g_array_index(near, uint32_t, n);
 			double ways[2][3], at[2],
 				reach = CORNER_M + CORNER_SPACINGS * spacing_of(e, a, b);
 			for (int k = 0; k < 3; k++) {
@@ -497,9 +455,8 @@ static void drop_short(profile_lines *lines, const struct profile_options *o)
 profile_lines *profile_joiner_finish(profile_joiner *j, const double origin_m[3])
 {
 	profile_lines *lines = profile_lines_new();
-	struct ends e = {
-		.pieces = j->pieces, .count = 2 * j->pieces->len, .places = places_new()
-	};
+	struct ends e = { .pieces = j->pieces, .count = 2 * j->pieces->len };
+	places_init(&e.places);
 	g_autofree bool *is_done = g_new0(bool, j->pieces->len + 1);
 	memcpy(lines->origin_m, origin_m, sizeof lines->origin_m);
 	e.link = g_new(uint32_t, e.count + 1);
@@ -518,7 +475,7 @@ profile_lines *profile_joiner_finish(profile_joiner *j, const double origin_m[3]
 			if (!is_done[n / 2] && (closed || e.link[n] == UINT32_MAX))
 				add_line(lines, &e, n, is_done);
 	drop_short(lines, &j->options);
-	g_hash_table_unref(e.places.at);
+	places_clear(&e.places);
 	g_free(e.link);
 	g_free(e.at);
 	return lines;

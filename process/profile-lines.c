@@ -6,8 +6,9 @@
 #define LENGTH_LEAST_M 0.2f
 /* Pieces that are looked at side by side. */
 #define BATCH 32u
-/* What grew becomes edges, and these, which are longer, are found again by all of their length. */
-#define PASSES 2
+/* What grew becomes edges, and those that are so much longer than what they were found by are found again by all of their length. */
+#define PASSES 4
+#define LONGER 1.3
 
 profile_lines *profile_lines_new(void)
 {
@@ -48,12 +49,24 @@ static int by_length(const void *a, const void *b)
 	return m != n ? (m > n ? -1 : 1) : memcmp(x, y, sizeof *x);
 }
 
-/* The longest first, some at a time: what these show explains many of those that come later. false: progress stopped it. */
-static bool settle(const model *m, GArray *pieces, const double origin_m[3], profile_joiner *joiner,
-	const struct profile_options *options)
+/* Creases before what else there is: where faces meet is known the best. */
+static int by_worth(const void *a, const void *b)
 {
-	g_autoptr(profile_around) around = profile_around_new(m, origin_m);
-	g_array_sort(pieces, by_length);
+	const struct profile_piece *x = a, *y = b;
+	bool is_crease[2] = { x->kind == PROFILE_CREASE, y->kind == PROFILE_CREASE };
+	return is_crease[0] != is_crease[1] ? (is_crease[0] ? -1 : 1) : by_length(a, b);
+}
+
+static bool is_known(const struct profile_piece *p, const void *joiner)
+{
+	return profile_joiner_explains(joiner, p, true);
+}
+
+/* The longest first, some at a time: what these show explains many of those that come later. false: progress stopped it. */
+static bool settle(const profile_around *around, GArray *pieces, bool is_again,
+	profile_joiner *joiner, const struct profile_options *options)
+{
+	g_array_sort(pieces, is_again ? by_worth : by_length);
 	for (guint n = 0; n < pieces->len; n += BATCH) {
 		GArray *found[BATCH];
 		guint count = MIN(BATCH, pieces->len - n);
@@ -62,15 +75,19 @@ static bool settle(const model *m, GArray *pieces, const double origin_m[3], pro
 			const struct profile_piece *p =
 				&g_array_index(pieces, struct profile_piece, n + k);
 			found[k] = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
-			if (!profile_joiner_explains(joiner, p, false))
-				profile_piece_settle(around, p, found[k]);
+			if (is_again &&
+				(p->kind > PROFILE_END ||
+					profile_piece_length(p) < LONGER * (double)p->seen_m))
+				g_array_append_val(found[k], *p);
+			else if (!profile_joiner_explains(joiner, p, is_again))
+				profile_piece_settle(around, p, is_known, joiner, found[k]);
 		}
 		g_autoptr(GArray) edges = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
 		for (guint k = 0; k < count; k++) {
 			g_array_append_vals(edges, found[k]->data, found[k]->len);
 			g_array_unref(found[k]);
 		}
-		g_array_sort(edges, by_length);
+		g_array_sort(edges, by_worth);
 		for (guint k = 0; k < edges->len; k++)
 			profile_joiner_add(joiner, &g_array_index(edges, struct profile_piece, k));
 		if (options->progress &&
@@ -93,10 +110,11 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 	const struct profile_options o = defaults(options);
 	double origin_m[3];
 	find_origin(m, origin_m);
+	g_autoptr(profile_around) around = profile_around_new(m, origin_m);
 	g_autoptr(GArray) pieces = profile_pieces_grow(m, origin_m, &o);
 	for (int pass = 0; pieces && pass < PASSES; pass++) {
 		g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
-		if (!settle(m, pieces, origin_m, joiner, &o))
+		if (!settle(around, pieces, pass > 0, joiner, &o))
 			return NULL;
 		if (pass + 1 == PASSES)
 			return profile_joiner_finish(joiner, origin_m);

@@ -9,6 +9,7 @@ struct profile_piece {
 	struct straight line; /* from the origin of the lines */
 	double from_m, to_m;  /* along it */
 	float spacing_m;      /* of the points on it, the mean */
+	float seen_m;         /* of an edge: how long the section is that it was found by */
 	float support;        /* 0..1: part of its length that feature points are on */
 	float degree;         /* 0..1: of these, the mean */
 	bool is_directed;     /* of directional points */
@@ -27,7 +28,10 @@ GArray *profile_pieces_grow(
 	const model *m, const double origin_m[3], const struct profile_options *options);
 
 /* Looks at the faces around a piece that grew, and adds the edges that they make: where two cut each other, and where one ends; the piece
- * itself where there are none and its points are directional. Any number of threads. */
-void profile_piece_settle(const profile_around *all, const struct profile_piece *seed, GArray *ret);
+ * itself where there are none and its points are directional. What is_known (may be NULL) says of the part beside the piece is left out. Any
+ * number of threads. */
+void profile_piece_settle(const profile_around *all, const struct profile_piece *seed,
+	bool (*is_known)(const struct profile_piece *p, const void *user_data),
+	const void *user_data, GArray *ret);
 
 #endif
