@@ -5,6 +5,7 @@
 #include "process/vector3.h"
 #include "tests/simulated.h"
 #include <math.h>
+#include <string.h>
 
 /* ---- straight lines ---- */
 
@@ -135,13 +136,30 @@ static int by_order(const void *a, const void *b)
 	return part_point_compare(a, b);
 }
 
-static model *make_block(void)
+/* Of all points, with what the manifest says of where they were seen from; NULL: nothing. */
+static model *write_model(GArray *all, JsonArray *made_from)
 {
 	g_autoptr(GError) error = NULL;
-	g_autoptr(GRand) r = g_rand_new_with_seed(11);
-	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
 	g_autofree char *folder = simulated_folder();
 	g_autofree char *path = g_build_filename(folder, "points.model", NULL);
+	JsonObject *made = json_object_new();
+	if (made_from)
+		json_object_set_array_member(made, "made_from", made_from);
+	g_array_sort(all, by_order);
+	g_autoptr(model_writer) w = model_writer_new(path, 0, &error);
+	for (guint n = 0; n < all->len; n++)
+		g_assert_true(
+			model_writer_add(w, &g_array_index(all, struct part_point, n), 1, NULL));
+	g_assert_true(model_writer_finish(w, NULL, 0, made, NULL));
+	model *m = model_open_file(path, &error);
+	g_assert_no_error(error);
+	return m;
+}
+
+static model *make_block(void)
+{
+	g_autoptr(GRand) r = g_rand_new_with_seed(11);
+	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
 	for (int face = 0; face < 3; face++)
 		for (double a = SPACING_M / 3; a < block_m[(face + 1) % 3]; a += SPACING_M)
 			for (double b = SPACING_M / 4; b < block_m[(face + 2) % 3];
@@ -154,15 +172,7 @@ static model *make_block(void)
 						block_m[(face + 2) % 3]));
 				g_array_append_val(all, p);
 			}
-	g_array_sort(all, by_order);
-	g_autoptr(model_writer) w = model_writer_new(path, 0, &error);
-	for (guint n = 0; n < all->len; n++)
-		g_assert_true(
-			model_writer_add(w, &g_array_index(all, struct part_point, n), 1, NULL));
-	g_assert_true(model_writer_finish(w, NULL, 0, json_object_new(), NULL));
-	model *m = model_open_file(path, &error);
-	g_assert_no_error(error);
-	return m;
+	return write_model(all, NULL);
 }
 
 static void vertex_at(const profile_lines *lines, uint32_t v, double ret[3])
@@ -273,6 +283,119 @@ static void test_block(void)
 	g_assert_cmpfloat(astray_m, <, 0.05 * all_m);
 }
 
+/* ---- a moulding ---- */
+
+/* A band 8 cm high stands 9 cm out of a wall, y = 0, above a scanner whose beams are 2.1 mrad apart and waver by 8 mm. */
+#define BAND_LOW_M    1.0
+#define BAND_HIGH_M   1.08
+#define BAND_OUT_M    0.09
+#define BAND_LONG_M   1.2 /* to either side */
+#define BEAM_RAD      0.0021
+#define RANGE_NOISE_M 0.008
+static const double scanner_m[3] = { 0.3, -7, -3 };
+
+/* What a beam from the scanner meets, per metre along y: the band's front, its underside, the wall. */
+static double meet_band(const double way[3], float ret_normal[3])
+{
+	double front = -scanner_m[1] - BAND_OUT_M, under = (BAND_LOW_M - scanner_m[2]) / way[2],
+	       z = scanner_m[2] + front * way[2];
+	memset(ret_normal, 0, 3 * sizeof *ret_normal);
+	ret_normal[1] = -1;
+	if (z >= BAND_LOW_M && z <= BAND_HIGH_M)
+		return front;
+	if (under > front && under < -scanner_m[1]) {
+		ret_normal[1] = 0;
+		ret_normal[2] = -1;
+		return under;
+	}
+	return -scanner_m[1];
+}
+
+/* Its three edges that are seen, all along x. */
+static const double band_edge[3][2] = { { -BAND_OUT_M, BAND_LOW_M }, { 0, BAND_LOW_M },
+	{ -BAND_OUT_M, BAND_HIGH_M } };
+
+static struct part_point band_point(GRand *r, const double way[3])
+{
+	float normal[3], along[3] = { 1, 0, 0 };
+	double far = meet_band(way, normal), length = sqrt(way[0] * way[0] + 1 + way[2] * way[2]),
+	       wavers = RANGE_NOISE_M * gauss(r) / length, at[3], nearest = INFINITY;
+	for (int n = 0; n < 3; n++)
+		nearest = fmin(nearest, hypot(scanner_m[1] + far - band_edge[n][0],
+						scanner_m[2] + far * way[2] - band_edge[n][1]));
+	for (int k = 0; k < 3; k++)
+		at[k] = scanner_m[k] + (far + wavers) * way[k];
+	struct morton_place place;
+	g_assert_true(morton_from_point(at, morton_cell_m(0), &place));
+	struct part_point p = { .code = place.code,
+		.leaf = 20,
+		.size = 170,
+		.spacing = 170,
+		.plane_error = 80,
+		.feature = 200 };
+	memcpy(p.within, place.within, sizeof p.within);
+	model_pack_normal(normal, p.normal);
+	model_pack_normal(along, p.direction);
+	p.k1 = p.k2 = MODEL_HALF_NONE;
+	if (nearest < 0.025)
+		p.kind = g_rand_double(r) < 0.6 ? FEATURE_DIRECTED : FEATURE_UNDIRECTED;
+	return p;
+}
+
+static model *make_band(void)
+{
+	g_autoptr(GRand) r = g_rand_new_with_seed(3);
+	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
+	JsonArray *scans = json_array_new(), *pose = json_array_new();
+	JsonObject *scan = json_object_new();
+	for (double x = -0.25; x < 0.16; x += BEAM_RAD)
+		for (double z = 0.5; z < 0.64; z += BEAM_RAD) {
+			struct part_point p = band_point(r, (double[3]){ x, 1, z });
+			double side = scanner_m[0] - scanner_m[1] * x;
+			if (fabs(side) < BAND_LONG_M)
+				g_array_append_val(all, p);
+		}
+	for (int n = 0; n < 12; n++)
+		json_array_add_double_element(pose, n < 9 ? n % 4 == 0 : scanner_m[n - 9]);
+	json_object_set_int_member(scan, "scan", 1);
+	json_object_set_array_member(scan, "pose", pose);
+	json_array_add_object_element(scans, scan);
+	return write_model(all, scans);
+}
+
+static double nearest_line(const profile_lines *lines, const double at[3])
+{
+	double least = INFINITY;
+	for (guint i = 0; i < lines->line->len; i++) {
+		const struct profile_line *line =
+			&g_array_index(lines->line, struct profile_line, i);
+		for (uint32_t v = line->first; v + 1 < line->first + line->count; v++) {
+			double p[3], q[3];
+			vertex_at(lines, v, p);
+			vertex_at(lines, v + 1, q);
+			least = fmin(least, off_segment(at, p, q));
+		}
+	}
+	return least;
+}
+
+/* Four rows of beams meet its front, two its underside; all along it that is enough. */
+static void test_band(void)
+{
+	g_autoptr(model) m = make_band();
+	g_autoptr(profile_lines) lines = profile_lines_find(m, NULL);
+	for (int n = 0; n < 3; n++) {
+		int some = 0;
+		for (int s = 0; s < 100; s++) {
+			double at[3] = { (s / 50.0 - 0.99) * 0.95 * BAND_LONG_M, band_edge[n][0],
+				band_edge[n][1] };
+			some += nearest_line(lines, at) < 0.02;
+		}
+		g_test_message("edge %d: %d %% within 2 cm of lines", n, some);
+		g_assert_cmpint(some, >=, 90);
+	}
+}
+
 /* The same bytes on one thread and on many. */
 static void test_threads(void)
 {
@@ -307,6 +430,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/profile-lines/fit", test_fit);
 	g_test_add_func("/profile-lines/grow", test_grow);
 	g_test_add_func("/profile-lines/block", test_block);
+	g_test_add_func("/profile-lines/band", test_band);
 	g_test_add_func("/profile-lines/threads", test_threads);
 	g_test_add_func("/profile-lines/stopped", test_stopped);
 	return g_test_run();
