@@ -8,9 +8,11 @@
 #include <string.h>
 
 /* Steps of opacity, of colours, and of widths: each so much broader than the last. */
-#define SHADES      16
+#define SHADES      8
 #define COLOURS     16
 #define WIDTH_RATIO 1.08f
+/* What is shorter is not seen on a page. */
+#define FINE_MM 0.25f
 /* Cells of coats, in the style's pixels. */
 #define COAT_CELL 0.6f
 
@@ -315,8 +317,8 @@ static void add_layers(
 	for (uint32_t n = 0; n < f->layers; n++) {
 		const struct frame_layer *from = &f->layer[n];
 		struct hand h = { .f = f, .from = from, .tree = tree, .coats = coats };
-		h.shaper = vector_shaper_of(
-			from, from->stipple ? NULL : chosen->mask, c->width, c->height);
+		h.shaper = vector_shaper_of(from, from->stipple ? NULL : chosen->mask, c->width,
+			c->height, FINE_MM * (float)(c->width / p->width_mm));
 		h.to = layer_new(from, h.shaper.form);
 		h.mm_per_px = (float)(p->width_mm / c->width);
 		vector_coats_clear(coats);

@@ -8,6 +8,11 @@
  * below. Thousands of strokes are one path: opacities and widths have steps, between which strokes are spread by chance so that means
  * stay, and shapes of a path do not overlap (vector-coats.h).
  *
+ * A page is small enough to be edited: where the mask hides a stroke or shows it for less than a quarter of a millimetre is not told, and
+ * outlines have the corners that they cannot do without. Of the court (5.6 million points) from "walk" on A3, SVG: figure-7d 7.4 MB,
+ * ballpoint 8.4, gouache 4.8, impressionist 12.8, pencil 19.8; more than 20 MB have stippling (28) and coloured-crayons (34). Means of
+ * tiles of 23 pixels are within 8.2 of 255 (RMS, pencil, rsvg-convert) of the picture's.
+ *
  * One owner; const once it is made. */
 #include "render/draw.h"
 #include "render/page-legend.h"

@@ -1,11 +1,15 @@
 #include "render/vector-shape.h"
 #include <math.h>
+#include <string.h>
 
 /* Of a sprite's Gaussian kernel: its diameter is so many sigmas (band-draw-lanes.c), and within it is this part of all its ink. */
 #define SIGMAS 5.f
 #define WITHIN 0.956f
 /* Samples along a stroke: one to each pixel, but no more than this. */
 #define SAMPLES_MOST 48
+
+/* Edges lie no farther from where they should than this part of what nobody sees along a stroke. */
+#define EDGE_FINE 0.4f
 
 /* ---- profiles ---- */
 
@@ -61,10 +65,12 @@ static uint32_t variant_of(const struct vector_shaper *v, const struct stroke *s
 			  (float)texture_of(v->layer)->variants);
 }
 
-struct vector_shaper vector_shaper_of(
-	const struct frame_layer *l, const visibility_mask *m, uint32_t width, uint32_t height)
+struct vector_shaper vector_shaper_of(const struct frame_layer *l, const visibility_mask *m,
+	uint32_t width, uint32_t height, float fine_px)
 {
-	struct vector_shaper v = { .layer = l, .mask = m, .width = width, .height = height };
+	struct vector_shaper v = {
+		.layer = l, .mask = m, .width = width, .height = height, .fine_px = fine_px
+	};
 	const stroke_texture *t = texture_of(l);
 	double covers = l->paint ? PAINT_COVERS : 1;
 	v.form = t || l->is_profile      ? VECTOR_AREAS
@@ -152,6 +158,38 @@ static bool is_dot_seen(const struct vector_shaper *v, const struct stroke *s)
 	return seen >= 3;
 }
 
+/* A part that is too short is left out, or as long as can be seen, by chance: so that means stay. */
+static bool keeps(const struct stroke *s, uint32_t number, float fine, float run[2])
+{
+	float length = run[1] - run[0], middle = (run[0] + run[1]) / 2;
+	if (length >= 2 * fine)
+		return true;
+	if (stroke_chance(s->point ^ (number + 1) * 0x5bd1e995u, stroke_salt(s->copy, SALT_SHADE)) *
+			2 * fine >=
+		length)
+		return false;
+	run[0] = middle - fine;
+	run[1] = middle + fine;
+	return true;
+}
+
+/* Of these, with what is between them where that is too short to be seen. */
+static uint32_t join_runs(
+	const struct vector_shaper *v, const struct stroke *s, float run[][2], uint32_t runs)
+{
+	float fine = fminf(v->fine_px / s->half_length_px, 0.5f);
+	uint32_t joined = 0, kept = 0;
+	for (uint32_t n = 0; n < runs; n++)
+		if (joined && run[n][0] - run[joined - 1][1] < 2 * fine)
+			run[joined - 1][1] = run[n][1];
+		else
+			memmove(run[joined++], run[n], sizeof *run);
+	for (uint32_t n = 0; n < joined; n++)
+		if (keeps(s, n, fine, run[n]))
+			memmove(run[kept++], run[n], sizeof *run);
+	return kept;
+}
+
 /* Parts that are seen, from and to along the stroke, -1 to 1. */
 static uint32_t find_runs(
 	const struct vector_shaper *v, const struct stroke *s, float run[VECTOR_PARTS_MOST][2])
@@ -170,7 +208,7 @@ static uint32_t find_runs(
 			run[runs - 1][1] = 2.f * (float)(n + 1) / (float)samples - 1;
 		before = seen;
 	}
-	return runs;
+	return join_runs(v, s, run, runs);
 }
 
 /* ---- shapes ---- */
@@ -182,36 +220,96 @@ static void add_corner(struct vector_shape *to, const struct stroke *s, float al
 	c[1] = s->y_px + along * s->along[1] + across * s->along[0];
 }
 
-/* One edge of an area, at t of -1 to 1; side -1 or 1. */
-static void add_edge(struct vector_shape *to, const struct vector_profile *p,
-	const struct stroke *s, float t, float side)
+static float station_at(int n)
+{
+	return 2.f * (float)n / (VECTOR_STATIONS - 1) - 1;
+}
+
+/* Where an edge of an area is at t of -1 to 1, in half widths; side: -1 or 1, or farther from the middle. */
+static float edge_at(const struct vector_profile *p, float t, float side)
 {
 	float at = (t + 1) / 2 * (VECTOR_STATIONS - 1);
 	int first = CLAMP((int)at, 0, VECTOR_STATIONS - 2);
 	float part = at - (float)first;
 	float middle = p->middle[first] + part * (p->middle[first + 1] - p->middle[first]),
 	      half = p->half[first] + part * (p->half[first + 1] - p->half[first]);
-	add_corner(to, s, t * s->half_length_px, (middle + side * half) * s->half_width_px);
+	return middle + side * half;
 }
 
-static float station_at(int n)
+static void add_edge(struct vector_shape *to, const struct vector_profile *p,
+	const struct stroke *s, float t, float side)
 {
-	return 2.f * (float)n / (VECTOR_STATIONS - 1) - 1;
+	add_corner(to, s, t * s->half_length_px, edge_at(p, t, side) * s->half_width_px);
 }
 
+/* How far the edges at t lie from straight ones between two other places; in half widths. */
+static float away_from(const struct vector_profile *p, float from, float end, float t)
+{
+	float most = 0, part = (t - from) / (end - from);
+	for (int side = -1; side <= 1; side += 2) {
+		float a = edge_at(p, from, (float)side), b = edge_at(p, end, (float)side);
+		most = fmaxf(most, fabsf(edge_at(p, t, (float)side) - a - part * (b - a)));
+	}
+	return most;
+}
+
+/* Of the places first to last those that edges cannot do without (Douglas & Peucker 1973). */
+static void keep_between(const struct vector_profile *p, const float *place, int first, int last,
+	float tolerance, bool *kept)
+{
+	int worst = first;
+	float most = tolerance;
+	for (int n = first + 1; n < last; n++) {
+		float away = away_from(p, place[first], place[last], place[n]);
+		if (away > most) {
+			worst = n;
+			most = away;
+		}
+	}
+	if (worst == first)
+		return;
+	kept[worst] = true;
+	keep_between(p, place, first, worst, tolerance, kept);
+	keep_between(p, place, worst, last, tolerance, kept);
+}
+
+/* What lies between the edges; kept NULL: with all places. */
+static float area_of(const struct vector_profile *p, const float *place, const bool *kept, int last)
+{
+	float sum = 0, from = place[0];
+	for (int n = 1; n <= last; n++) {
+		if (kept && !kept[n])
+			continue;
+		float broad = edge_at(p, from, 1) - edge_at(p, from, -1) + edge_at(p, place[n], 1) -
+			      edge_at(p, place[n], -1);
+		sum += (place[n] - from) * broad / 2;
+		from = place[n];
+	}
+	return sum;
+}
+
+/* No less ink than with all places, or nearly. */
+#define BROADER_MOST 1.5f
 static void outline(struct vector_shape *to, const struct vector_profile *p, const struct stroke *s,
-	const float run[2])
+	const float run[2], float fine_px)
 {
-	add_edge(to, p, s, run[0], -1);
+	float place[VECTOR_STATIONS + 2] = { run[0] };
+	bool kept[VECTOR_STATIONS + 2] = { true };
+	int last = 0;
 	for (int n = 0; n < VECTOR_STATIONS; n++)
 		if (station_at(n) > run[0] && station_at(n) < run[1])
-			add_edge(to, p, s, station_at(n), -1);
-	add_edge(to, p, s, run[1], -1);
-	add_edge(to, p, s, run[1], 1);
-	for (int n = VECTOR_STATIONS - 1; n >= 0; n--)
-		if (station_at(n) > run[0] && station_at(n) < run[1])
-			add_edge(to, p, s, station_at(n), 1);
-	add_edge(to, p, s, run[0], 1);
+			place[++last] = station_at(n);
+	place[++last] = run[1];
+	kept[last] = true;
+	keep_between(p, place, 0, last, fine_px / s->half_width_px, kept);
+	float broader = area_of(p, place, NULL, last) / fmaxf(area_of(p, place, kept, last), 1e-6f);
+	broader = CLAMP(broader, 1, BROADER_MOST);
+	for (int n = 0; n <= last; n++)
+		if (kept[n])
+			add_edge(to, p, s, place[n], -broader);
+	for (int n = last; n >= 0; n--)
+		if (kept[n])
+			add_edge(to, p, s, place[n], broader);
 }
 
 uint32_t vector_shapes_of(const struct vector_shaper *v, const struct stroke *s,
@@ -228,7 +326,8 @@ uint32_t vector_shapes_of(const struct vector_shaper *v, const struct stroke *s,
 	for (uint32_t n = 0; n < runs; n++) {
 		ret[n].corners = 0;
 		if (v->form == VECTOR_AREAS)
-			outline(&ret[n], &v->profile[variant_of(v, s)], s, run[n]);
+			outline(&ret[n], &v->profile[variant_of(v, s)], s, run[n],
+				v->fine_px * EDGE_FINE);
 		else
 			for (int end = 0; end < 2; end++)
 				add_corner(&ret[n], s, run[n][end] * s->half_length_px, 0);

@@ -2,7 +2,8 @@
 #define RENDER_VECTOR_SHAPE_H
 /* What strokes look like as shapes: sprites become dots, line segments lines, and strokes with a texture areas, as broad along the
  * stroke as its texture has ink there. Each leaves as much ink as what the painter draws in pixels: it is moved together, so that
- * edges are sharp at any size. Where the mask hides a stroke, its shape ends.
+ * edges are sharp at any size. Where the mask hides a stroke, its shape ends; but not where that is for so short a way that nobody sees
+ * it on the page, and of what is seen for as short a way some are longer and the others not there.
  *
  * Const once made; any number of threads may ask. */
 #include "render/stroke.h"
@@ -21,11 +22,12 @@ struct vector_shaper {
 	const struct frame_layer *layer;
 	const visibility_mask *mask; /* NULL: nothing is hidden */
 	uint32_t width, height;      /* of the picture */
+	float fine_px;               /* shorter than that nobody sees on the page */
 	enum vector_form form;
 	struct vector_profile profile[STROKE_TEXTURE_VARIANTS]; /* of areas */
 };
-struct vector_shaper vector_shaper_of(
-	const struct frame_layer *l, const visibility_mask *m, uint32_t width, uint32_t height);
+struct vector_shaper vector_shaper_of(const struct frame_layer *l, const visibility_mask *m,
+	uint32_t width, uint32_t height, float fine_px);
 
 /* Of a dot its middle, of a line both ends, of an area what goes around it; in pixels of the picture. */
 #define VECTOR_CORNERS_MOST (2 * (VECTOR_STATIONS + 2))

@@ -3,41 +3,34 @@
 #include <math.h>
 #include <string.h>
 
-/* Of a millimetre: what coordinates are whole numbers of. */
-#define PARTS 100
+/* Of a millimetre: what coordinates of strokes are whole numbers of. Layers are scaled by that, so that numbers have no point. */
+#define PARTS 25
 
 /* ---- numbers ---- */
 
-/* The shortest: "-.05", "12.3". A number follows another without a space when it begins with a sign. */
+/* A number follows another without a space when it begins with a sign. */
 static void add_number(GString *to, long parts, bool follows)
 {
 	char digits[24];
-	unsigned long size = (unsigned long)labs(parts);
-	int n = g_snprintf(digits, sizeof digits, "%lu", size / PARTS);
-	if (parts < 0)
-		g_string_append_c(to, '-');
-	else if (follows)
+	if (parts >= 0 && follows)
 		g_string_append_c(to, ' ');
-	if (size >= PARTS || size == 0)
-		g_string_append_len(to, digits, n);
-	if (size % PARTS == 0)
-		return;
-	g_string_append_c(to, '.');
-	g_string_append_c(to, (char)('0' + size % PARTS / 10));
-	if (size % 10)
-		g_string_append_c(to, (char)('0' + size % 10));
+	g_string_append_len(to, digits, g_snprintf(digits, sizeof digits, "%ld", parts));
 }
 
 struct pen_at {
 	long x, y;
 };
 
-static void add_move(GString *to, struct pen_at *at, const float corner[2], bool follows)
+/* false: it is where the pen is already, and must not be written. */
+static bool add_move(GString *to, struct pen_at *at, const float corner[2], bool follows, bool must)
 {
 	long x = lround((double)corner[0] * PARTS), y = lround((double)corner[1] * PARTS);
+	if (x == at->x && y == at->y && !must)
+		return false;
 	add_number(to, x - at->x, follows);
 	add_number(to, y - at->y, true);
 	*at = (struct pen_at){ x, y };
+	return true;
 }
 
 /* ---- paths ---- */
@@ -46,16 +39,16 @@ static void add_shape(GString *to, struct pen_at *at, const float (*corner)[2], 
 	enum vector_form form)
 {
 	g_string_append_c(to, 'm');
-	add_move(to, at, corner[0], false);
+	add_move(to, at, corner[0], false, true);
 	struct pen_at first = *at;
 	if (form == VECTOR_DOTS) { /* some show nothing of a line without any length */
-		g_string_append(to, "h.01");
+		g_string_append(to, "h1");
 		at->x++;
 		return;
 	}
-	g_string_append_c(to, 'l');
+	/* A move's further corners are lines to them. */
 	for (uint32_t n = 1; n < corners; n++)
-		add_move(to, at, corner[n], n > 1);
+		add_move(to, at, corner[n], true, n == 1);
 	if (form == VECTOR_AREAS) {
 		g_string_append_c(to, 'z');
 		*at = first;
@@ -76,7 +69,8 @@ static void add_path(GString *to, const struct vector_path *p, const struct vect
 			to, " %s=\"#%02x%02x%02x\"", what, p->rgb[0], p->rgb[1], p->rgb[2]);
 	if (l->form != VECTOR_AREAS)
 		g_string_append_printf(to, " stroke-width=\"%s\"",
-			g_ascii_formatd(number, sizeof number, "%.3g", (double)p->width_mm));
+			g_ascii_formatd(
+				number, sizeof number, "%.3g", (double)p->width_mm * PARTS));
 	if (p->opacity < 1)
 		g_string_append_printf(to, " %s-opacity=\"%s\"", what,
 			g_ascii_formatd(number, sizeof number, "%.3g", (double)p->opacity));
@@ -116,6 +110,7 @@ static char *looks_of(const struct vector_layer *l)
 	else
 		g_string_append_printf(s, "fill:none;stroke:%s;stroke-linecap:%s\"", ink,
 			l->form == VECTOR_DOTS ? "round" : "butt");
+	g_string_append_printf(s, " transform=\"scale(%g)\"", 1.0 / PARTS);
 	return g_strdup(s->str);
 }
 

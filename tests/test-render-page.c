@@ -107,6 +107,12 @@ static void svg_has_shapes(void)
 	g_assert_cmpuint(s.shapes, >, 20);
 	g_assert_cmpuint(less, <, length);
 	g_assert_cmpuint(less, >, 5000);
+	/* Small enough to edit: numbers are whole, and few. */
+	guint moves = 0;
+	for (const char *at = lines; (at = strchr(at, 'm')); at++)
+		moves += g_ascii_isdigit(at[1]) || at[1] == '-';
+	g_assert_cmpuint(moves, >, 500);
+	g_assert_cmpuint(less, <, 60 * moves);
 	/* The same bytes again. */
 	g_autofree char *again = drawn("c.svg", "200x100mm", "--title=Oak <&> ash", &less);
 	g_assert_cmpmem(whole, length, again, less);
