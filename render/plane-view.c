@@ -99,8 +99,8 @@ static void cross_rows(const struct camera *c, const double a[2], const double b
 static void project(const struct camera *c, const struct corner *p, double ret[2])
 {
 	double scale = c->focal_px / camera_scale_m(c, p->at[2]);
-	ret[0] = p->at[0] * scale + c->width / 2.0;
-	ret[1] = p->at[1] * scale + c->height / 2.0;
+	ret[0] = p->at[0] * scale + camera_middle_x(c);
+	ret[1] = p->at[1] * scale + camera_middle_y(c);
 }
 
 static void cross_ring(const struct camera *c, const GArray *ring, GArray *to)

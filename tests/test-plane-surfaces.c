@@ -105,6 +105,29 @@ static void test_depth(void)
 	}
 }
 
+/* A window of a picture shows what the picture has there. */
+static void test_window(void)
+{
+	enum { LEFT = 160, TOP = 96, SIDE = 128, AROUND = 8 };
+	g_autoptr(drawing) d = made_drawing(MADE_SITE(PLANES POINTS));
+	for (int n = 0; n < CAMERAS; n++) {
+		struct camera c = camera_at(n), part = camera_window(&c, LEFT, TOP, SIDE, SIDE);
+		g_autoptr(frame) f = made_frame(room.scene, d, &c);
+		struct picture_buffer whole = made_picture(f);
+		g_assert_true(frame_move(f, &part, NULL));
+		struct picture_buffer window = made_picture(f);
+		uint32_t off = 0;
+		for (uint32_t y = AROUND; y < SIDE - AROUND; y++)
+			for (uint32_t x = AROUND; x < SIDE - AROUND; x++)
+				off += memcmp(window.rgba[y * SIDE + x],
+					       whole.rgba[(y + TOP) * WIDTH + x + LEFT], 4) != 0;
+		g_test_message("camera %d: %u pixels differ", n, off);
+		g_assert_cmpuint(off, <, 30);
+		picture_buffer_clear(&whole);
+		picture_buffer_clear(&window);
+	}
+}
+
 /* A section through the room has nothing before its cut, and the wall behind it. */
 static void test_cut(void)
 {
@@ -277,6 +300,7 @@ int main(int argc, char **argv)
 	g_assert_nonnull(room.scene->planes);
 	g_test_add_func("/plane-surfaces/coverage", test_coverage);
 	g_test_add_func("/plane-surfaces/depth", test_depth);
+	g_test_add_func("/plane-surfaces/window", test_window);
 	g_test_add_func("/plane-surfaces/cut", test_cut);
 	g_test_add_func("/plane-surfaces/colours", test_colours);
 	g_test_add_func("/plane-surfaces/edges", test_edges);
