@@ -65,6 +65,36 @@ static uint32_t variant_of(const struct vector_shaper *v, const struct stroke *s
 			  (float)texture_of(v->layer)->variants);
 }
 
+/* Of a disc the edges are so near where they should be, in half widths. */
+#define ROUND_OFF 0.2f
+
+static bool is_round(const struct vector_profile *p)
+{
+	for (int n = 0; n < VECTOR_STATIONS; n++) {
+		float t = 2 * (float)n / (VECTOR_STATIONS - 1) - 1;
+		if (fabsf(p->middle[n]) > ROUND_OFF ||
+			fabsf(p->half[n] - sqrtf(1 - t * t)) > ROUND_OFF)
+			return false;
+	}
+	return p->opacity > 0;
+}
+
+/* Diameter of the disc that has as much ink, in half lengths. */
+static float disc_of(const struct vector_profile *p)
+{
+	float area = 0;
+	for (int n = 1; n < VECTOR_STATIONS; n++)
+		area += (p->half[n - 1] + p->half[n]) * 2 / (VECTOR_STATIONS - 1);
+	return 2 * sqrtf(area / (float)G_PI);
+}
+
+/* Dots of hatching that follow the screen are as long as wide on any surface. */
+static bool has_discs(const struct frame_layer *l)
+{
+	return l->hatch && l->hatch->step.follows == FOLLOWS_SCREEN &&
+	       fabsf(l->ink.length_px / l->ink.width_px - 1) < 0.05f;
+}
+
 struct vector_shaper vector_shaper_of(const struct frame_layer *l, const visibility_mask *m,
 	uint32_t width, uint32_t height, float fine_px)
 {
@@ -78,6 +108,13 @@ struct vector_shaper vector_shaper_of(const struct frame_layer *l, const visibil
 					 : VECTOR_LINES;
 	for (uint32_t n = 0; t && n < MIN(t->variants, STROKE_TEXTURE_VARIANTS); n++)
 		v.profile[n] = profile_of(t, covers, n);
+	bool round = t && has_discs(l);
+	for (uint32_t n = 0; round && n < MIN(t->variants, STROKE_TEXTURE_VARIANTS); n++)
+		round = is_round(&v.profile[n]);
+	if (round) {
+		v.form = VECTOR_DOTS;
+		v.disc = disc_of(&v.profile[0]);
+	}
 	return v;
 }
 
@@ -343,11 +380,15 @@ float vector_width_px(const struct vector_shaper *v, const struct stroke *s)
 		return 0;
 	if (v->form == VECTOR_LINES)
 		return 2 * s->half_width_px;
+	if (v->disc > 0)
+		return v->disc * s->half_length_px;
 	float sigma = 2 * s->half_length_px / SIGMAS; /* a disc of the area 2 pi sigma^2 */
 	return 2 * sigma * sqrtf(2 * WITHIN);
 }
 
 float vector_alpha(const struct vector_shaper *v, const struct stroke *s)
 {
-	return v->form == VECTOR_AREAS ? s->alpha * v->profile[variant_of(v, s)].opacity : s->alpha;
+	return v->form == VECTOR_AREAS || v->disc > 0
+		       ? s->alpha * v->profile[variant_of(v, s)].opacity
+		       : s->alpha;
 }

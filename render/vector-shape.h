@@ -25,6 +25,7 @@ struct vector_shaper {
 	float fine_px;               /* shorter than that nobody sees on the page */
 	enum vector_form form;
 	struct vector_profile profile[STROKE_TEXTURE_VARIANTS]; /* of areas */
+	float disc; /* above 0: strokes are round whatever they lie on, and dots of so many of their half lengths */
 };
 struct vector_shaper vector_shaper_of(const struct frame_layer *l, const visibility_mask *m,
 	uint32_t width, uint32_t height, float fine_px);
