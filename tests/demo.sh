@@ -18,10 +18,12 @@ done
 "$bin/pleinair" export "$site" --output "$site/exports/points-2cm.las" --spacing 0.02
 echo "demo: drawing the site in every style"
 "$bin/pleinair" styles "$site" --thumbnails "$site/exports/gallery" --size 1200x900
+"$bin/pleinair" render "$site" --style line-drawing --view walk --size A3-landscape --output "$site/exports/walk.svg"
 echo
 echo "demo: done in $(($(date +%s) - started)) s. Look at:"
 folder=$(cd "$site" && pwd)
 echo "    $folder/exports/gallery/index.html      the place drawn in every style"
+echo "    $folder/exports/walk.svg                its edges as a page of lines, for Inkscape"
 echo "    $folder/exports/panoramas/index.html    the panoramas"
 echo "    $folder/exports/points.e57              all points, for other programs; thinned out to 2 cm in points-2cm.las"
 echo "    $folder/exports/report.html             how the four scans fit"
