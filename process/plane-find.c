@@ -254,12 +254,17 @@ static void make_regions(struct search *s)
 static void meet(struct search *s)
 {
 	g_autofree GArray **to = g_new(GArray *, s->draft->len + 1);
+	g_autofree GArray **met = g_new(GArray *, s->draft->len + 1);
 #pragma omp parallel for schedule(dynamic, 1)
-	for (guint n = 0; n < s->draft->len; n++)
-		to[n] = plane_meet(drafts(s), s->draft->len, n, drafts(s)[n].met);
+	for (guint n = 0; n < s->draft->len; n++) {
+		met[n] = g_array_new(FALSE, FALSE, sizeof(struct plane_met));
+		to[n] = plane_meet(drafts(s), s->draft->len, n, met[n]);
+	}
 	for (guint n = 0; n < s->draft->len; n++) {
 		g_array_unref(drafts(s)[n].vertex);
+		g_array_unref(drafts(s)[n].met);
 		drafts(s)[n].vertex = to[n];
+		drafts(s)[n].met = met[n];
 		plane_prune(&drafts(s)[n]);
 	}
 }

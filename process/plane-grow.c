@@ -490,7 +490,7 @@ void plane_grow(const model *m, const struct plane_leaf *leaf, float area_least_
 	g_autoptr(GArray) all = grow_all(&g, area_least_m2);
 	struct grown *r = (struct grown *)(void *)all->data;
 	g_autofree uint32_t *becomes = g_new(uint32_t, all->len + 1);
-	qsort(r, all->len, sizeof *r, by_area);
+	g_array_sort(all, by_area);
 	uint32_t count = merge(r, all->len, becomes);
 	g_autofree struct plane_draft *d = g_new(struct plane_draft, count + 1);
 	make_drafts(&g, r, count, becomes, d);

@@ -136,7 +136,7 @@ static GArray *crossings_of(
 		cut_ring(ring, spare, c->far_m, -1);
 		cross_ring(c, ring, all);
 	}
-	qsort(all->data, all->len, sizeof(struct crossing), by_row);
+	g_array_sort(all, by_row);
 	return all;
 }
 
@@ -235,9 +235,10 @@ static void gather(plane_views *v, GArray *const *spans)
 	v->span = g_new(struct plane_span, v->spans + 1);
 	for (uint32_t n = 0; n < v->count; n++) {
 		struct plane_span *to = v->span + v->view[n].first_span;
-		memcpy(to, spans[n]->data, spans[n]->len * sizeof *to);
-		for (guint k = 0; k < spans[n]->len; k++)
+		for (guint k = 0; k < spans[n]->len; k++) {
+			to[k] = g_array_index(spans[n], struct plane_span, k);
 			to[k].view = n;
+		}
 	}
 }
 
