@@ -12,7 +12,8 @@
  * One thread. */
 #include "render/painter.h"
 
-/* Of a window's planes; the points, their strokes and the rows that are handed on come beside it. */
+/* Of a window's planes; the points, their strokes and the rows that are handed on come beside it. A window is no smaller than its margin
+ * all around it: of filters and broad strokes that look far, some styles' windows take several times as much in very large pictures. */
 #define POSTER_BYTES ((size_t)1 << 30)
 
 struct poster_desc {
