@@ -4,6 +4,7 @@
 #include "process/plane-outline.h"
 #include "process/plane-straight.h"
 #include "process/plane-texture.h"
+#include "process/segments.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -469,6 +470,8 @@ plane_regions *plane_regions_find(const model *m, const struct plane_options *o,
 	if (!(s.o.texel_m > 0))
 		s.o.texel_m = TEXEL_LEAST_M;
 	plane_regions *r = search(&s);
+	if (r)
+		r->classes = segments_classes_checksum(s.o.leaf_class);
 	for (guint n = 0; n < s.draft->len; n++)
 		plane_draft_clear(&drafts(&s)[n]);
 	g_array_unref(s.draft);

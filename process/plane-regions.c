@@ -41,6 +41,7 @@ bool plane_regions_save(const plane_regions *r, const model *of, const char *pat
 	JsonObject *made = json_object_new();
 	json_object_set_int_member(made, "points", (gint64)r->points);
 	json_object_set_int_member(made, "model_checksum", product_checksum(model_file(of)));
+	json_object_set_int_member(made, "classes", r->classes);
 	return product_writer_finish(w, PLANE_REGIONS_KIND, PLANE_REGIONS_VERSION, made, error);
 }
 
@@ -134,6 +135,8 @@ static bool find_sections(plane_regions *r, GError **error)
 	r->rings = (uint32_t)rings;
 	r->vertices = (uint32_t)vertices;
 	r->points = (uint64_t)points;
+	r->classes = (uint32_t)json_object_get_int_member_with_default(
+		product_manifest(r->file), "classes", 0);
 	return true;
 }
 

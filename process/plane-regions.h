@@ -43,6 +43,7 @@ typedef struct plane_regions plane_regions;
 struct plane_regions {
 	uint32_t count, rings, vertices;
 	uint64_t texels, points; /* points: of the model */
+	uint32_t classes;        /* segments_classes_checksum() of those that it was found with */
 	const struct plane_region *region;
 	const struct plane_ring *ring;
 	const float (*vertex)[2]; /* u v, m */

@@ -8,22 +8,29 @@ static bool say_due(const char *why, bool *ret_due, char **ret_why)
 	return true;
 }
 
-bool plane_site_is_due(const site *s, bool *ret_due, char **ret_why, GError **error)
+static const char *why_due(const site *s, const model *m, const uint8_t *leaf_class)
 {
-	(void)error;
 	g_autofree char *path = plane_regions_path(site_path(s));
 	g_autoptr(GError) none = NULL;
-	g_autoptr(model) m = model_open(site_path(s), NULL);
-	if (!m)
-		return say_due(NULL, ret_due, ret_why);
 	g_autoptr(plane_regions) r = plane_regions_open(path, &none);
-	if (r)
-		return say_due(plane_regions_are_of(r, m) ? NULL : "the model has changed", ret_due,
-			ret_why);
-	return say_due(g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND)
-			       ? "there are no planes yet"
-			       : "the planes cannot be read",
-		ret_due, ret_why);
+	if (g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND))
+		return "there are no planes yet";
+	if (!r)
+		return "the planes cannot be read";
+	if (!plane_regions_are_of(r, m))
+		return "the model has changed";
+	return r->classes == segments_classes_checksum(leaf_class)
+		       ? NULL
+		       : "what is a wall and what is ground has changed";
+}
+
+bool plane_site_is_due(const site *s, bool *ret_due, char **ret_why, GError **error)
+{
+	g_autofree uint8_t *leaf_class = NULL;
+	g_autoptr(model) m = model_open(site_path(s), NULL);
+	if (m && !segments_classes_load(site_path(s), &leaf_class, error))
+		return false;
+	return say_due(m ? why_due(s, m, leaf_class) : NULL, ret_due, ret_why);
 }
 
 static void sum_up(const plane_regions *r, struct plane_site_result *ret)
@@ -41,11 +48,10 @@ bool plane_site(
 	struct plane_options options = *o;
 	g_autofree char *path = plane_regions_path(site_path(s));
 	g_autoptr(model) m = model_open(site_path(s), error);
-	if (!m)
+	g_autofree uint8_t *leaf_class =
+		NULL; /* NULL: nobody knows what is a wall, and all of it may be */
+	if (!m || !segments_classes_load(site_path(s), &leaf_class, error))
 		return false;
-	/* Without a tree nobody knows what is a wall: all of it may be. */
-	g_autoptr(segments) tree = segments_load(site_path(s), NULL);
-	g_autofree uint8_t *leaf_class = tree ? segments_classes(tree) : NULL;
 	options.leaf_class = leaf_class;
 	g_autoptr(GError) wrong = NULL;
 	g_autoptr(plane_regions) r = plane_regions_find(m, &options, &wrong);

@@ -1,6 +1,7 @@
 #include "process/segments.h"
 #include "acquire/manifest.h"
 #include "acquire/strict-json.h"
+#include "firmware-io/crc32c.h"
 #include <math.h>
 #include <string.h>
 
@@ -181,6 +182,11 @@ uint8_t *segments_classes(const segments *s)
 		classes[node->id] = (uint8_t)node->class;
 	}
 	return classes;
+}
+
+uint32_t segments_classes_checksum(const uint8_t *leaf_class)
+{
+	return leaf_class ? crc32c(0, leaf_class, SEGMENTS_MAX + 1) : 0;
 }
 
 char *segments_name(const segments *s, uint32_t id)
@@ -502,4 +508,24 @@ segments *segments_load_file(const char *path, GError **error)
 	if (!read_nodes(s, m, error) || !read_next(s, m, error) || !read_labels(s, m, error))
 		return NULL;
 	return g_steal_pointer(&s);
+}
+
+bool segments_load_any(const char *site_path, segments **ret, GError **error)
+{
+	g_autoptr(GError) none = NULL;
+	*ret = segments_load(site_path, &none);
+	if (*ret || g_error_matches(none, G_FILE_ERROR, G_FILE_ERROR_NOENT) ||
+		g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND))
+		return true;
+	g_propagate_error(error, g_steal_pointer(&none));
+	return false;
+}
+
+bool segments_classes_load(const char *site_path, uint8_t **ret, GError **error)
+{
+	g_autoptr(segments) tree = NULL;
+	if (!segments_load_any(site_path, &tree, error))
+		return false;
+	*ret = tree ? segments_classes(tree) : NULL;
+	return true;
 }

@@ -72,6 +72,8 @@ char *segments_automatic_path(const char *site_path);
 /* Refuses a tree that is none: unknown parents, circles, equal numbers. */
 segments *segments_load(const char *site_path, GError **error);
 segments *segments_load_file(const char *path, GError **error);
+/* The same of a site of which there may be none yet: *ret is NULL then, without an error. */
+bool segments_load_any(const char *site_path, segments **ret, GError **error);
 bool segments_save(const segments *s, const char *site_path, GError **error);
 bool segments_save_file(const segments *s, const char *path, GError **error);
 
@@ -87,6 +89,10 @@ bool segments_is_leaf(const segments *s, uint32_t id);
 bool segments_is_above(const segments *s, uint32_t a, uint32_t b);
 /* The class of every number up to SEGMENTS_MAX, enum segment_class; of those that nothing has CLASS_OTHER. Caller frees. */
 uint8_t *segments_classes(const segments *s);
+/* Of the site's tree; *ret NULL, without an error: there is none yet. */
+bool segments_classes_load(const char *site_path, uint8_t **ret, GError **error);
+/* Another one when any class is another; 0 of NULL. */
+uint32_t segments_classes_checksum(const uint8_t *leaf_class);
 /* "Vegetation / Tree 4"; caller frees. */
 char *segments_name(const segments *s, uint32_t id);
 

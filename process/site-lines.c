@@ -1,5 +1,4 @@
 #include "process/site-lines.h"
-#include "firmware-io/crc32c.h"
 #include "process/segments.h"
 #include <math.h>
 #include <string.h>
@@ -102,24 +101,10 @@ profile_lines *site_lines_load(const char *site_path, GError **error)
 
 /* ---- what they are made from ---- */
 
-/* [SEGMENTS_MAX + 1]; *ret NULL: nothing was told apart yet. */
-static bool load_classes(const site *s, uint8_t **ret, GError **error)
-{
-	g_autoptr(GError) none = NULL;
-	g_autoptr(segments) tree = segments_load(site_path(s), &none);
-	*ret = tree ? segments_classes(tree) : NULL;
-	if (tree || g_error_matches(none, G_FILE_ERROR, G_FILE_ERROR_NOENT) ||
-		g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND))
-		return true;
-	g_propagate_error(error, g_steal_pointer(&none));
-	return false;
-}
-
 static char *key_of(const product *model_file, const uint8_t *leaf_class)
 {
 	return g_strdup_printf("%s %d model %08x classes %08x", SITE_LINES_KIND, SITE_LINES_VERSION,
-		product_checksum(model_file),
-		leaf_class ? crc32c(0, leaf_class, SEGMENTS_MAX + 1) : 0);
+		product_checksum(model_file), segments_classes_checksum(leaf_class));
 }
 
 /* Why they must be made; NULL: they need not. What cannot be read is made again. */
@@ -145,7 +130,7 @@ bool site_lines_is_due(const site *s, bool *ret_due, char **ret_why, GError **er
 	g_autoptr(product) model_file = product_open(path, MODEL_KIND, MODEL_VERSION, NULL);
 	const char *why = NULL;
 	if (model_file) {
-		if (!load_classes(s, &leaf_class, error))
+		if (!segments_classes_load(site_path(s), &leaf_class, error))
 			return false;
 		key = key_of(model_file, leaf_class);
 		why = why_due(s, key);
@@ -191,7 +176,7 @@ profile_lines *site_lines_make(site *s, const struct site_lines_options *options
 	struct site_lines_options own = options ? *options : (struct site_lines_options){ 0 };
 	g_autofree uint8_t *leaf_class = NULL;
 	g_autoptr(model) m = model_open(site_path(s), error);
-	if (!m || !load_classes(s, &leaf_class, error))
+	if (!m || !segments_classes_load(site_path(s), &leaf_class, error))
 		return NULL;
 	const struct profile_options find = {
 		.leaf_class = leaf_class, .progress = pass_on, .user_data = &own

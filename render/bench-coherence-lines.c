@@ -39,14 +39,6 @@ static float alpha_at(const stroke_list *l, uint32_t line, const double px[2])
 	return nearest <= APART_PX ? alpha : 0;
 }
 
-static void compare(struct stroke_tally *t, float before, float now)
-{
-	float step = fabsf(now - before);
-	t->compared++;
-	t->jumped += step > STEP_MOST;
-	t->step_most = fmaxf(t->step_most, step);
-}
-
 /* Where a link of one shot is in the other one; false: it is not to be seen there, or was hidden itself. */
 static bool find_in(const struct shot *from, const struct stroke *s, const struct shot *to,
 	double ret_px[2], bool *ret_own)
@@ -72,10 +64,10 @@ void line_tally_add(
 		t->shown++;
 		t->kept += alpha > 0;
 		if (own)
-			compare(t, was->stroke[n].alpha, alpha);
+			stroke_tally_compare(t, was->stroke[n].alpha, alpha);
 	}
 	for (uint32_t n = 0; n < is->count; n++)
 		if (find_in(now, &is->stroke[n], before, px, &own) && own &&
 			!(alpha_at(was, is->stroke[n].point, px) > 0))
-			compare(t, 0, is->stroke[n].alpha);
+			stroke_tally_compare(t, 0, is->stroke[n].alpha);
 }

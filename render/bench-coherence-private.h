@@ -43,6 +43,8 @@ struct stroke_tally {
 void stroke_tally_add(struct stroke_tally *t, const struct shot *before, const struct shot *now,
 	uint32_t layer, float *const scratch[2]);
 
+/* How dark a stroke is in both. */
+void stroke_tally_compare(struct stroke_tally *t, float before, float now);
 /* Of a layer of profile lines: the same of their links, each held against the line at the same place. */
 void line_tally_add(
 	struct stroke_tally *t, const struct shot *before, const struct shot *now, uint32_t layer);

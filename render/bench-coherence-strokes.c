@@ -16,7 +16,7 @@ static void lay_out(const stroke_list *l, uint32_t copy, float *alpha_of_point, 
 			alpha_of_point[l->stroke[n].point] = clear ? 0 : l->stroke[n].alpha;
 }
 
-static void compare(struct stroke_tally *t, float before, float now)
+void stroke_tally_compare(struct stroke_tally *t, float before, float now)
 {
 	float step = fabsf(now - before);
 	t->compared++;
@@ -41,7 +41,7 @@ static void add_copy(struct stroke_tally *t, const struct shot *before, const st
 		t->shown++;
 		t->kept += scratch[1][s->point] > 0;
 		if (reproject_shows(&before->camera, before->mask, place_m))
-			compare(t, s->alpha, scratch[1][s->point]);
+			stroke_tally_compare(t, s->alpha, scratch[1][s->point]);
 	}
 	for (uint32_t n = 0; n < is->count; n++) {
 		const struct stroke *s = &is->stroke[n];
@@ -50,7 +50,7 @@ static void add_copy(struct stroke_tally *t, const struct shot *before, const st
 		place_of(&now->camera, s, place_m);
 		if (reproject_shows(&before->camera, before->mask, place_m) &&
 			reproject_shows(&now->camera, now->mask, place_m))
-			compare(t, 0, s->alpha);
+			stroke_tally_compare(t, 0, s->alpha);
 	}
 	lay_out(was, copy, scratch[0], true);
 	lay_out(is, copy, scratch[1], true);

@@ -23,17 +23,6 @@ static bool make_site(bench_place *p, const struct bench_place_options *o, GErro
 	return good;
 }
 
-static bool open_tree(bench_place *p, GError **error)
-{
-	g_autoptr(GError) none = NULL;
-	p->tree = segments_load(p->path, &none);
-	if (p->tree || g_error_matches(none, G_FILE_ERROR, G_FILE_ERROR_NOENT) ||
-		g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND))
-		return true;
-	g_propagate_error(error, g_steal_pointer(&none));
-	return false;
-}
-
 static bool open_site(bench_place *p, double aspect, GError **error)
 {
 	p->site = site_open(p->path, error);
@@ -46,7 +35,7 @@ static bool open_site(bench_place *p, double aspect, GError **error)
 		.station_count = p->stations->len,
 		.aspect = aspect };
 	p->sources.boxes = p->boxes = view_boxes_new(p->model);
-	return open_tree(p, error);
+	return segments_load_any(p->path, &p->tree, error);
 }
 
 bench_place *bench_place_new(const struct bench_place_options *o, double aspect, GError **error)

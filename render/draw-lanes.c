@@ -178,28 +178,20 @@ INLINE vf uncovered(
 	return on_relief(load(bare + at), load(d->relief + at), l->ink.tooth);
 }
 
-/* Most of a picture has no ink of a layer. */
-INLINE void add_inked(const struct frame_layer *l, struct draw_desk *d, size_t at)
+/* What is of one ink multiplies what is below, or covers it. Most of a picture has no ink of a layer. */
+INLINE void add_inked(
+	const struct frame_layer *l, struct draw_desk *d, size_t at, enum band_blend blend)
 {
 	if (!any(load(d->ink.bare + at) < 1))
 		return;
 	vf bare = uncovered(l, d->ink.bare, d, at);
 	store(d->ink.bare + at, all(1));
-	for (int k = 0; k < 3; k++)
-		store(d->canvas[k] + at,
-			load(d->canvas[k] + at) *
-				(l->ink_linear[k] + (1 - l->ink_linear[k]) * bare));
-}
-
-INLINE void add_covering(const struct frame_layer *l, struct draw_desk *d, size_t at)
-{
-	if (!any(load(d->ink.bare + at) < 1))
-		return;
-	vf bare = uncovered(l, d->ink.bare, d, at);
-	store(d->ink.bare + at, all(1));
-	for (int k = 0; k < 3; k++)
-		store(d->canvas[k] + at,
-			load(d->canvas[k] + at) * bare + (1 - bare) * l->ink_linear[k]);
+	for (int k = 0; k < 3; k++) {
+		float ink = l->ink_linear[k];
+		vf below = load(d->canvas[k] + at);
+		store(d->canvas[k] + at, blend == BAND_COVERING ? below * bare + (1 - bare) * ink
+								: below * (ink + (1 - ink) * bare));
+	}
 }
 
 INLINE void add_coloured(const struct frame_layer *l, struct draw_desk *d, size_t at)
@@ -295,10 +287,8 @@ INLINE void add_layer(const struct frame_layer *l, const struct band *b, struct 
 {
 	enum band_blend blend = band_blend_of(l);
 	for (size_t at = 0; at < (size_t)b->pitch * b->rows; at += LANES)
-		if (blend == BAND_INKED || blend == BAND_STRONGEST)
-			add_inked(l, d, at);
-		else if (blend == BAND_COVERING)
-			add_covering(l, d, at);
+		if (blend < BAND_COLOURED)
+			add_inked(l, d, at, blend);
 		else if (blend == BAND_COLOURED)
 			add_coloured(l, d, at);
 		else

@@ -56,13 +56,8 @@ static bool load_lines(drawn_site *d, GError **error)
 
 bool drawn_site_load(drawn_site *d, GError **error)
 {
-	g_autoptr(GError) none = NULL;
-	d->tree = segments_load(d->folder, &none);
-	if (none && !g_error_matches(none, G_FILE_ERROR, G_FILE_ERROR_NOENT) &&
-		!g_error_matches(none, G_IO_ERROR, G_IO_ERROR_NOT_FOUND)) {
-		g_propagate_error(error, g_steal_pointer(&none));
+	if (!segments_load_any(d->folder, &d->tree, error))
 		return false;
-	}
 	d->scene = scene_new_within(d->model, memory_bytes, error);
 	return d->scene && load_lines(d, error);
 }

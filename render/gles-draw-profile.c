@@ -17,7 +17,7 @@ static void run(gles_draw *d, enum gles_use use, uint32_t count, uint32_t lift)
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-static bool tell_count(gles_draw *d, uint32_t layer, uint32_t count)
+static void tell_count(gles_draw *d, uint32_t layer, uint32_t count)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	uint32_t command[4] = { 4, count };
@@ -26,7 +26,6 @@ static bool tell_count(gles_draw *d, uint32_t layer, uint32_t count)
 		(GLintptr)offsetof(struct gles_commands, command[layer]), sizeof command, command);
 	gl->BufferSubData(GL_COPY_WRITE_BUFFER,
 		(GLintptr)offsetof(struct gles_commands, total[layer]), sizeof count, &count);
-	return true;
 }
 
 bool gles_draw_profile(gles_draw *d, const frame *f, uint32_t layer, GError **error)

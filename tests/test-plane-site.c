@@ -6,6 +6,7 @@
 #include "process/plane-site.h"
 #include "process/scan-geometry.h"
 #include "process/segment-site.h"
+#include "process/segments.h"
 #include "sim/truth.h"
 #include "tests/simulated.h"
 #include <math.h>
@@ -66,6 +67,18 @@ static void make_model(void)
 	g_assert_no_error(error);
 }
 
+/* What is a wall is another thing then. */
+static void change_a_class(void)
+{
+	g_autoptr(GError) error = NULL;
+	g_autoptr(segments) tree = segments_load(site_path(hall.site), &error);
+	g_assert_no_error(error);
+	g_assert_cmpuint(
+		segments_add(tree, segment_of_class(CLASS_BUILDING), "Porch", "user"), >, 0);
+	g_assert_true(segments_save(tree, site_path(hall.site), &error));
+	g_assert_no_error(error);
+}
+
 static void test_due(void)
 {
 	struct plane_site_result made;
@@ -82,6 +95,11 @@ static void test_due(void)
 	g_assert_true(g_file_set_contents(path, "PLPRODUC", -1, NULL));
 	g_assert_true(is_due());
 	make_planes(&made);
+	g_assert_false(is_due());
+	change_a_class();
+	g_assert_true(is_due());
+	make_planes(&made);
+	g_assert_false(is_due());
 }
 
 /* ---- against the truth ---- */

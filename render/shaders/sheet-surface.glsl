@@ -1,19 +1,6 @@
 #version 310 es
-/* What each pixel is of (surface-pass.h): sums of normals in fixed point and the nearest depth of the discs that show; then, of those that
- * are as near, the segment. Groups: slices of 256 points x views. */
+/* Discs as surface for filters (surface-sums.glsl). Groups: slices of 256 points x views. */
 layout(local_size_x = 256) in;
-layout(std430, binding = 2) buffer Sums {
-	int sums[]; /* three of each pixel */
-};
-layout(std430, binding = 3) buffer Nearest {
-	int nearest[]; /* bits of metres, which are in their order */
-};
-layout(std430, binding = 4) buffer Leaves {
-	uint leaves[];
-};
-layout(location = 2) uniform uint finds_leaf;
-
-const float ONE = 65536.0;
 
 void main()
 {
@@ -31,16 +18,6 @@ void main()
 			uint key = texelFetch(mask_keys, ivec2(x, y), 0).r;
 			if (!(w > 0.0) || (key & 255u) != views[n].pipeline.x || uintBitsToFloat(key) < depth_m)
 				continue;
-			int at = y * int(size.x) + x, bits = floatBitsToInt(depth_m);
-			if (finds_leaf != 0u) {
-				if (nearest[at] == bits)
-					atomicMax(leaves[at], views[n].pipeline.z);
-				continue;
-			}
-			ivec3 add = ivec3(floor(normal * w * ONE + 0.5));
-			atomicAdd(sums[3 * at], add.x);
-			atomicAdd(sums[3 * at + 1], add.y);
-			atomicAdd(sums[3 * at + 2], add.z);
-			atomicMin(nearest[at], bits);
+			add_surface(y * int(size.x) + x, depth_m, normal * w, views[n].pipeline.z);
 		}
 }
