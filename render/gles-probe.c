@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,11 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+/* Tells the child its platform and its parent. */
+#define CHILD "PLEINAIR_PROBE"
+/* Where it writes to. */
+#define ANSWERS 3
 
 /* What the child writes, at once; it has no padding that matters and no pointers. */
 struct answer {
@@ -73,13 +79,6 @@ static void leave(int status, void *unused)
 
 static void keep_to_itself(pid_t parent)
 {
-	static const int crashes[] = { SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT,
-		SIGPIPE };
-	sigset_t none;
-	for (size_t i = 0; i < G_N_ELEMENTS(crashes); i++)
-		signal(crashes[i], SIG_DFL);
-	sigemptyset(&none);
-	sigprocmask(SIG_SETMASK, &none, NULL);
 	/* 1, not 0: only that keeps handlers of core files away too (Linux, fs/coredump.c). */
 	setrlimit(RLIMIT_CORE, &(struct rlimit){ 1, 1 });
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -92,17 +91,29 @@ static void keep_to_itself(pid_t parent)
 		dup2(nowhere, STDERR_FILENO);
 }
 
-static G_NORETURN void look(enum gles_platform platform, int to, pid_t parent)
+static G_NORETURN void look(enum gles_platform platform, pid_t parent)
 {
 	struct answer a = { 0 };
 	g_autoptr(GError) error = NULL;
+	fcntl(ANSWERS, F_SETFD, FD_CLOEXEC);
+	g_unsetenv(CHILD);
 	keep_to_itself(parent);
 	a.is_found = try_platform(platform, &a.about, &error);
 	if (error) {
 		a.code = error->code;
 		g_strlcpy(a.why, error->message, sizeof a.why);
 	}
-	_exit(write(to, &a, sizeof a) == (ssize_t)sizeof a ? EXIT_SUCCESS : EXIT_FAILURE);
+	_exit(write(ANSWERS, &a, sizeof a) == (ssize_t)sizeof a ? EXIT_SUCCESS : EXIT_FAILURE);
+}
+
+/* The program again, to look only: it never comes to main(). */
+__attribute__((constructor)) static void look_if_child(void)
+{
+	const char *told = g_getenv(CHILD);
+	unsigned platform;
+	int parent;
+	if (told && sscanf(told, "%u %d", &platform, &parent) == 2 && platform < GLES_PLATFORMS)
+		look((enum gles_platform)platform, parent);
 }
 
 /* ---- the parent: waits ---- */
@@ -192,23 +203,42 @@ static bool wait_for(
 	return have == sizeof a ? judge(&a, ret, error) : silent(status, error);
 }
 
+/* With the signals that programs begin with. 0: there is none, and errno says why. */
+static pid_t start(enum gles_platform platform, int to)
+{
+	posix_spawnattr_t how;
+	posix_spawn_file_actions_t files;
+	sigset_t none, all;
+	pid_t child = 0;
+	g_autofree char *told = g_strdup_printf("%d %d", (int)platform, (int)getpid());
+	g_auto(GStrv) environment = g_environ_setenv(g_get_environ(), CHILD, told, TRUE);
+	char *arguments[] = { (char *)"pleinair: looks for OpenGL ES", NULL };
+	sigemptyset(&none);
+	sigfillset(&all);
+	posix_spawnattr_init(&how);
+	posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+	posix_spawnattr_setsigmask(&how, &none);
+	posix_spawnattr_setsigdefault(&how, &all);
+	posix_spawn_file_actions_init(&files);
+	posix_spawn_file_actions_adddup2(&files, to, ANSWERS);
+	int why = posix_spawn(&child, "/proc/self/exe", &files, &how, arguments, environment);
+	posix_spawn_file_actions_destroy(&files);
+	posix_spawnattr_destroy(&how);
+	errno = why;
+	return why ? 0 : child;
+}
+
 static bool probe_platform(
 	enum gles_platform platform, unsigned patience_s, struct gles_about *ret, GError **error)
 {
 	int ends[2];
-	pid_t parent = getpid();
-	/* What stands in its buffers, a driver that calls exit would write once more. */
-	fflush(NULL);
 	if (pipe2(ends, O_CLOEXEC))
 		return driver_failed(error, "no pipe: %s", g_strerror(errno));
-	pid_t child = fork();
-	if (child == 0) {
-		close(ends[0]);
-		look(platform, ends[1], parent);
-	}
+	pid_t child = start(platform, ends[1]);
+	int why = errno;
 	close(ends[1]);
-	bool is_found = child > 0 ? wait_for(child, ends[0], patience_s, ret, error)
-				  : driver_failed(error, "no child process: %s", g_strerror(errno));
+	bool is_found = child ? wait_for(child, ends[0], patience_s, ret, error)
+			      : driver_failed(error, "no child process: %s", g_strerror(why));
 	close(ends[0]);
 	return is_found;
 }

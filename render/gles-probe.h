@@ -5,11 +5,11 @@
  * context on each of its displays, draws (gles-trial.h), and says through a pipe what it found. The first GPU ends the
  * search; failing one, it is the first software renderer. So a machine whose Mesa knows llvmpipe alone gets its NVIDIA GPU.
  *
- * The child is a fork without an exec. Of a process with threads it has only the one that called, and a lock that another one
- * held is held for ever; a child that hangs of it is ended, and its platform counts as hanging. Probe before threads are started
- * and before the first context is opened. The child has no core file, no words on stderr (unless debug messages are shown),
- * none of the handlers of signals and exit; it dies with its parent's thread. Its descriptors that are not close-on-exec are
- * copies until it ends.
+ * The child is the program itself, started again and taken aside before main(): a driver that was opened before a fork does not
+ * work behind it (NVIDIA's loses its context or hangs, and a touch screen has opened it by then), and locks that other threads
+ * held would be held for ever. So it may be called at any time, from any thread. A child that hangs is ended, and its platform
+ * counts as hanging. It has no core file, no words on stderr (unless debug messages are shown), none of the handlers of signals
+ * and exit; it dies with its parent's thread.
  *
  * PLEINAIR_EGL=surfaceless|device|gbm tries that one alone, none tries nothing. */
 #include "render/gles-about.h"
