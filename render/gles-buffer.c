@@ -1,27 +1,49 @@
 #include "render/gles-buffer.h"
 #include <string.h>
 
-bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t bytes,
-	const char *what, GError **error)
+static bool fits(const gles_context *c, int64_t bytes, const char *what, GError **error)
 {
-	if (b->name && b->bytes >= bytes)
+	if (bytes <= c->about.limits.storage_block_bytes)
 		return true;
-	if (bytes > c->about.limits.storage_block_bytes) {
-		g_set_error(error, GLES_ERROR, GLES_ERROR_LIMIT,
-			"%s need %.0f MB at once, and the GPU has %.0f", what, (double)bytes / 1e6,
-			(double)c->about.limits.storage_block_bytes / 1e6);
-		return false;
-	}
-	gles_buffer_clear(c, b);
-	c->gl.GenBuffers(1, &b->name);
+	g_set_error(error, GLES_ERROR, GLES_ERROR_LIMIT,
+		"%s need %.0f MB at once, and the GPU has %.0f", what, (double)bytes / 1e6,
+		(double)c->about.limits.storage_block_bytes / 1e6);
+	return false;
+}
+
+/* from NULL: of any content. */
+static bool make_store(const gles_context *c, struct gles_buffer *b, const void *from,
+	int64_t bytes, const char *what, GError **error)
+{
+	if (!b->name)
+		c->gl.GenBuffers(1, &b->name);
 	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
-	c->gl.BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, GL_DYNAMIC_COPY);
+	c->gl.BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, from,
+		from ? GL_STREAM_DRAW : GL_DYNAMIC_COPY);
 	b->bytes = bytes;
 	g_autofree char *making = g_strdup_printf("making room for %s", what);
 	if (gles_context_check(c, making, error))
 		return true;
 	gles_buffer_clear(c, b);
 	return false;
+}
+
+bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t bytes,
+	const char *what, GError **error)
+{
+	if (b->name && b->bytes >= bytes)
+		return true;
+	if (!fits(c, bytes, what, error))
+		return false;
+	gles_buffer_clear(c, b);
+	return make_store(c, b, NULL, bytes, what, error);
+}
+
+bool gles_buffer_put(const gles_context *c, struct gles_buffer *b, const void *from, int64_t bytes,
+	const char *what, GError **error)
+{
+	return fits(c, bytes, what, error) &&
+	       make_store(c, b, bytes ? from : NULL, MAX(bytes, 16), what, error);
 }
 
 bool gles_buffer_read(
@@ -40,14 +62,6 @@ bool gles_buffer_read(
 		g_set_error(error, GLES_ERROR, GLES_ERROR_DRIVER,
 			"the GPU does not give back what it made");
 	return false;
-}
-
-bool gles_buffer_write(const gles_context *c, const struct gles_buffer *b, const void *from,
-	size_t bytes, GError **error)
-{
-	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
-	c->gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, from);
-	return gles_context_check(c, "writing to the GPU", error);
 }
 
 void gles_buffer_clear(const gles_context *c, struct gles_buffer *b)

@@ -10,11 +10,13 @@ struct gles_buffer {
 /* At least so large; what was in it is lost when it grows. Refuses more than a storage block may have, "WHAT need ... MB at once". */
 bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t bytes,
 	const char *what, GError **error);
-/* Its first bytes, once what writes them is done; and others into it. */
+/* These bytes, instead of what was in it, in a store that is new each time: into one that earlier commands still read NVIDIA's driver
+ * (580, OpenGL ES 3.2) writes before they have. */
+bool gles_buffer_put(const gles_context *c, struct gles_buffer *b, const void *from, int64_t bytes,
+	const char *what, GError **error);
+/* Its first bytes, once what writes them is done. */
 bool gles_buffer_read(
 	const gles_context *c, const struct gles_buffer *b, size_t bytes, void *to, GError **error);
-bool gles_buffer_write(const gles_context *c, const struct gles_buffer *b, const void *from,
-	size_t bytes, GError **error);
 void gles_buffer_clear(const gles_context *c, struct gles_buffer *b);
 
 #endif

@@ -39,11 +39,8 @@ bool gles_draw_profile(gles_draw *d, const frame *f, uint32_t layer, GError **er
 			error) ||
 		!gles_buffer_reserve(d->c, &d->shown, MAX((int64_t)count, 1) * 4,
 			"what is seen of lines", error) ||
-		!gles_buffer_reserve(d->c, &d->links,
-			MAX((int64_t)count, 1) * (int64_t)sizeof(struct profile_link),
-			"profile lines", error) ||
-		!gles_buffer_write(
-			d->c, &d->links, links->data, count * sizeof(struct profile_link), error))
+		!gles_buffer_put(d->c, &d->links, links->data,
+			(int64_t)(count * sizeof(struct profile_link)), "profile lines", error))
 		return false;
 	tell_count(d, layer, count);
 	gles_draw_bind_storage(d, 2, d->links.name);

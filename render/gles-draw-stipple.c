@@ -31,16 +31,6 @@ void gles_stipple_clear(const gles_context *c, struct gles_stipple *s)
 	gles_views_clear(c, &s->seen);
 }
 
-static bool upload(const gles_context *c, struct gles_buffer *b, const void *from, size_t bytes,
-	const char *what, GError **error)
-{
-	if (!gles_buffer_reserve(c, b, MAX((int64_t)bytes, 4096), what, error))
-		return false;
-	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
-	c->gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, from);
-	return true;
-}
-
 static bool upload_parts(
 	const gles_context *c, struct gles_stippled *s, const frame *f, GError **error)
 {
@@ -51,7 +41,8 @@ static bool upload_parts(
 		memcpy(&word[3], &p->light_scale[n], sizeof word[3]);
 		memcpy(part[n], word, sizeof word);
 	}
-	return upload(c, &s->parts, part, f->scene->chunks * sizeof *part, "the chunks", error);
+	return gles_buffer_put(
+		c, &s->parts, part, f->scene->chunks * sizeof *part, "the chunks", error);
 }
 
 static bool reserve_texture(gles_draw *d, const struct stipple_plane *p, GError **error)
@@ -183,7 +174,8 @@ static GArray *view_from_light(
 		run.count = count - run.first;
 		g_array_append_val(runs, run);
 	}
-	if (!upload(d->c, &d->stipple.views, view, count * sizeof *view, "the chunks", error))
+	if (!gles_buffer_put(
+		    d->c, &d->stipple.views, view, count * sizeof *view, "the chunks", error))
 		return NULL;
 	return g_steal_pointer(&runs);
 }

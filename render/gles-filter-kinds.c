@@ -370,7 +370,8 @@ static void neural(struct gles_filter_job *j, const struct step *s)
 	if (gles_buffer_read(j->d->c, i->pixels, pixels * 4, rgba, &j->error) &&
 		(!away || gles_buffer_read(j->d->c, i->away, pixels * 4, away, &j->error))) {
 		filter_neural(&on, s);
-		gles_buffer_write(j->d->c, i->pixels, on.image.rgba, pixels * 4, &j->error);
+		gles_buffer_put(j->d->c, i->pixels, on.image.rgba, (int64_t)pixels * 4,
+			"filters of a picture", &j->error);
 	}
 	filter_room_clear(&room);
 }
@@ -415,8 +416,8 @@ void gles_filter_run(struct gles_filter_job *j, const struct step *s)
 static bool upload(
 	gles_draw *d, struct gles_buffer *b, const void *from, size_t bytes, GError **error)
 {
-	return gles_buffer_reserve(d->c, b, (int64_t)bytes, "a picture", error) &&
-	       (!from || gles_buffer_write(d->c, b, from, bytes, error));
+	return from ? gles_buffer_put(d->c, b, from, (int64_t)bytes, "a picture", error)
+		    : gles_buffer_reserve(d->c, b, (int64_t)bytes, "a picture", error);
 }
 
 /* NULL: there is none. */

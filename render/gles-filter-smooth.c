@@ -52,13 +52,9 @@ static void hold_taps(struct gles_filter_job *j, float radius)
 	}
 	for (size_t n = 0; n < G_N_ELEMENTS(p.first); n++)
 		to[n][3] = (int32_t)p.first[n];
-	if (!gles_buffer_reserve(j->d->c, &f->taps, (int64_t)(count * sizeof *to),
+	if (gles_buffer_put(j->d->c, &f->taps, to, (int64_t)(count * sizeof *to),
 		    "the places of a filter", &j->error))
-		return;
-	j->d->c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, f->taps.name);
-	j->d->c->gl.BufferSubData(
-		GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)(count * sizeof *to), to);
-	f->taps_radius = radius;
+		f->taps_radius = radius;
 }
 
 void gles_anisotropic(struct gles_filter_job *j, const struct step *s)

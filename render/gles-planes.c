@@ -32,22 +32,12 @@ static void describe(const frame *f, const struct plane_view *v, struct gles_pla
 	}
 }
 
-static bool put(const gles_context *c, struct gles_buffer *b, const void *from, int64_t bytes,
-	const char *what, GError **error)
-{
-	if (!gles_buffer_reserve(c, b, MAX(bytes, 4096), what, error))
-		return false;
-	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
-	c->gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, from);
-	return true;
-}
-
 static bool hold_texels(
 	const gles_context *c, struct gles_planes *p, const scene *s, GError **error)
 {
 	if (p->serial == s->serial)
 		return true;
-	if (!put(c, &p->texels, s->planes->texel, (int64_t)s->planes->texels * 4,
+	if (!gles_buffer_put(c, &p->texels, s->planes->texel, (int64_t)s->planes->texels * 4,
 		    "textures of planes", error))
 		return false;
 	p->serial = s->serial;
@@ -65,8 +55,9 @@ bool gles_planes_fill(const gles_context *c, struct gles_planes *p, const frame 
 	for (uint32_t n = 0; n < v->count; n++)
 		describe(f, &v->view[n], &plane[n]);
 	if (!hold_texels(c, p, f->scene, error) ||
-		!put(c, &p->planes, plane, (int64_t)(v->count * sizeof *plane), "planes", error) ||
-		!put(c, &p->span, v->span, (int64_t)v->spans * (int64_t)sizeof *v->span,
+		!gles_buffer_put(c, &p->planes, plane, (int64_t)(v->count * sizeof *plane),
+			"planes", error) ||
+		!gles_buffer_put(c, &p->span, v->span, (int64_t)v->spans * (int64_t)sizeof *v->span,
 			"rows of planes", error))
 		return false;
 	p->spans = v->spans;

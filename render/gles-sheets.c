@@ -99,8 +99,9 @@ static void tell_pipelines(struct sheets_job *j)
 		told[n][1] = d.per;
 		told[n][2] = frame_pipeline(j->f, n)->is_focus;
 	}
-	if (hold(j, &j->s->pushed, 1, sizeof told))
-		gles_buffer_write(j->d->c, &j->s->pushed, told, sizeof told, &j->error);
+	if (!j->error)
+		gles_buffer_put(j->d->c, &j->s->pushed, told, sizeof told, "filters of a picture",
+			&j->error);
 }
 
 static void begin(struct sheets_job *j)

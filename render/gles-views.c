@@ -108,11 +108,7 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 		v->points += view->chunk->count;
 	}
 	GLsizeiptr bytes = (GLsizeiptr)(v->count * sizeof *block);
-	if (!gles_buffer_reserve(c, &v->buffer, MAX(bytes, 4096), "the chunks in view", error))
-		return false;
-	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, v->buffer.name);
-	c->gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, bytes, block);
-	return true;
+	return gles_buffer_put(c, &v->buffer, block, bytes, "the chunks in view", error);
 }
 
 void gles_views_clear(const gles_context *c, gles_views *v)

@@ -337,7 +337,8 @@ static void inpaint_on_gles(struct gles_filter_job *j, const void *data)
 	g_autofree float *grey = g_new(float, pixels);
 	for (size_t at = 0; at < pixels; at++)
 		grey[at] = d->image->grey_before[at];
-	gles_buffer_write(j->d->c, j->image.grey, grey, pixels * sizeof *grey, &j->error);
+	gles_buffer_put(j->d->c, j->image.grey, grey, (int64_t)(pixels * sizeof *grey), "a picture",
+		&j->error);
 	gles_inpaint(j, d->threshold, d->radius, 0);
 	gles_buffer_read(
 		j->d->c, &j->d->filters.plane[0], pixels * sizeof *d->to, d->to, &j->error);
