@@ -1,6 +1,6 @@
 #include "render/bench-paging.h"
 #include "acquire/cli.h"
-#include "process/bench-town.h"
+#include "render/bench-flight.h"
 #include "render/painter.h"
 #include "render/scene-pager.h"
 #include <math.h>
@@ -11,13 +11,7 @@
 /* As pictures are while they move (kiosk/artist.c). */
 #define SCALE   0.5
 #define COARSER 0.85
-/* Of the way: over the ground, then up. */
-#define RISES_FROM 0.75
-#define EYE_M      5.0
-#define FOV_DEG    60.0
-#define WAVES      2
-#define SPEED_M_S  10.0
-#define STILLS     3
+#define STILLS  3
 
 struct still {
 	double complete_s;
@@ -36,7 +30,7 @@ struct bench {
 	drawing *drawing;
 	painter *painter;
 	frame *frame;
-	double low_m[3], high_m[3];
+	struct bench_flight flight;
 	double opened_s, first_s, flown_s;
 	GArray *frame_s; /* of double */
 	double missing, missing_worst, turn_worst_s;
@@ -57,13 +51,8 @@ static bool make_town(struct bench *b, GError **error)
 	b->place = bench_place_new(&o->place, 1, error);
 	if (!b->place)
 		return false;
-	g_autofree char *name = g_strdup_printf("town-%.10g", o->million_points);
-	b->path = g_build_filename(o->place.keep ? o->place.keep : b->place->work, name, NULL);
-	g_autofree char *file = model_path(b->path);
-	if (g_file_test(file, G_FILE_TEST_EXISTS))
-		return true;
-	return bench_town_write(
-		b->place->path, b->path, (uint64_t)(o->million_points * 1e6), &b->town, error);
+	b->path = bench_place_town(b->place, o->million_points, &b->town, error);
+	return b->path;
 }
 
 static bool find_site(struct bench *b, GError **error)
@@ -95,57 +84,10 @@ static bool open_all(struct bench *b, GError **error)
 	return b->painter;
 }
 
-/* ---- the way ---- */
-
 static int by_value(const void *a, const void *b)
 {
 	const double *x = a, *y = b;
 	return (*x > *y) - (*x < *y);
-}
-
-/* Of all but few points. */
-static void find_extent(struct bench *b)
-{
-	uint64_t chunks;
-	const struct model_chunk *c = model_chunks(b->model, &chunks);
-	g_autofree double *at = g_new(double, chunks + 1);
-	for (int k = 0; k < 3; k++) {
-		for (uint64_t n = 0; n < chunks; n++)
-			at[n] = c[n].centre_m[k];
-		qsort(at, chunks, sizeof *at, by_value);
-		b->low_m[k] = at[chunks / 50];
-		b->high_m[k] = at[chunks - 1 - chunks / 50];
-	}
-}
-
-static void place_on_ground(const struct bench *b, double at, double ret_m[3])
-{
-	double length_m = b->high_m[0] - b->low_m[0], wide_m = b->high_m[1] - b->low_m[1];
-	double whole_m = SPEED_M_S * b->options->seconds * RISES_FROM;
-	double part = fmin(whole_m / fmax(length_m, 1), 0.9);
-	ret_m[0] = b->low_m[0] + length_m * (0.05 + part * at);
-	ret_m[1] = b->low_m[1] + wide_m * (0.5 + 0.08 * sin(at * WAVES * 2 * G_PI));
-	ret_m[2] = b->low_m[2] + EYE_M;
-}
-
-/* at: 0..1 */
-static struct camera camera_at(const struct bench *b, double at, uint32_t width, uint32_t height)
-{
-	double ground = fmin(at / RISES_FROM, 1),
-	       up = fmax((at - RISES_FROM) / (1 - RISES_FROM), 0), eye_m[3], next_m[3];
-	place_on_ground(b, ground, eye_m);
-	place_on_ground(b, ground + 0.01, next_m);
-	double heading = atan2(next_m[0] - eye_m[0], next_m[1] - eye_m[1]) +
-			 0.6 * sin(at * WAVES * 2 * G_PI) * (1 - up);
-	double side_m = fmax(b->high_m[0] - b->low_m[0], b->high_m[1] - b->low_m[1]);
-	double rise = up * up * (3 - 2 * up), elevation = -0.05 - rise * 0.7;
-	eye_m[2] += rise * side_m * 0.8;
-	for (int k = 0; k < 2; k++) {
-		double middle_m = (b->low_m[k] + b->high_m[k]) / 2,
-		       back_m = (k ? cos(heading) : sin(heading)) * side_m * 0.9;
-		eye_m[k] += rise * (middle_m - back_m - eye_m[k]);
-	}
-	return camera_towards(eye_m, heading, elevation, FOV_DEG, width, height);
 }
 
 /* ---- frames ---- */
@@ -173,7 +115,7 @@ static bool fly(struct bench *b, GError **error)
 {
 	uint32_t width = (uint32_t)lround(b->options->width * SCALE),
 		 height = (uint32_t)lround(b->options->height * SCALE);
-	struct camera c = camera_at(b, 0, width, height);
+	struct camera c = bench_flight_camera(&b->flight, 0, width, height);
 	struct picture_buffer to = picture_buffer_new(width, height);
 	double began_s = now_s(), at = 0;
 	bool good = true;
@@ -181,7 +123,7 @@ static bool fly(struct bench *b, GError **error)
 	for (; b->frame && good && at < 1; at = (now_s() - began_s) / b->options->seconds) {
 		struct scene_turned turned;
 		double frame_began_s = now_s();
-		c = camera_at(b, at, width, height);
+		c = bench_flight_camera(&b->flight, at, width, height);
 		good = draw(b, &c, &to, &turned, error);
 		double frame_s = now_s() - frame_began_s;
 		double all = (double)(turned.points + turned.points_missing);
@@ -203,8 +145,8 @@ static bool fly(struct bench *b, GError **error)
 static bool stand_still(struct bench *b, GError **error)
 {
 	for (int n = 0; n < STILLS && b->scene->pager; n++) {
-		struct camera c = camera_at(
-			b, (double)n / (STILLS - 1), b->options->width, b->options->height);
+		struct camera c = bench_flight_camera(&b->flight, (double)n / (STILLS - 1),
+			b->options->width, b->options->height);
 		struct scene_look look = look_of(b, &c, false);
 		struct scene_turned turned;
 		uint64_t read = scene_pager_sums(b->scene->pager).bytes_read;
@@ -332,7 +274,7 @@ bool bench_paging(const struct bench_paging_options *options, GError **error)
 	cli_catch_interrupts();
 	bool good = find_site(&b, error) && open_scene(&b, error) && open_all(&b, error);
 	if (good) {
-		find_extent(&b);
+		b.flight = bench_flight_over(b.model, options->seconds);
 		good = fly(&b, error) && stand_still(&b, error);
 	}
 	if (good) {

@@ -44,6 +44,7 @@ bench_place *bench_place_new(const struct bench_place_options *o, double aspect,
 	p->work = g_dir_make_tmp("pleinair-bench-XXXXXX", error);
 	if (!p->work)
 		return NULL;
+	p->keep = g_strdup(o->keep);
 	if (o->site)
 		p->path = g_strdup(o->site);
 	else if (!make_site(p, o, error))
@@ -64,8 +65,21 @@ void bench_place_free(bench_place *p)
 	if (p->work)
 		files_remove_tree(p->work, NULL);
 	g_free(p->work);
+	g_free(p->keep);
 	g_free(p->path);
 	g_free(p);
+}
+
+char *bench_place_town(
+	const bench_place *p, double million_points, struct bench_town *ret, GError **error)
+{
+	g_autofree char *name = g_strdup_printf("town-%.10g", million_points),
+			*path = g_build_filename(p->keep ? p->keep : p->work, name, NULL),
+			*file = model_path(path);
+	if (!g_file_test(file, G_FILE_TEST_EXISTS) &&
+		!bench_town_write(p->path, path, (uint64_t)(million_points * 1e6), ret, error))
+		return NULL;
+	return g_steal_pointer(&path);
 }
 
 scene *bench_place_scene(const bench_place *p, GError **error)

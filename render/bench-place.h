@@ -1,6 +1,7 @@
 #ifndef RENDER_BENCH_PLACE_H
 #define RENDER_BENCH_PLACE_H
 /* What benches of drawing draw: a person's site, or a simulated courtyard, scanned from BENCH_STATIONS places and processed. */
+#include "process/bench-town.h"
 #include "process/segments.h"
 #include "render/scene.h"
 #include "render/style.h"
@@ -17,6 +18,7 @@ struct bench_place_options {
 typedef struct bench_place bench_place;
 struct bench_place {
 	char *path;
+	char *keep; /* NULL: simulated sites do not stay */
 	char *work; /* a folder for files on the way; removed with all that is in it */
 	site *site;
 	model *model;
@@ -30,6 +32,10 @@ bench_place *bench_place_new(
 	const struct bench_place_options *options, double aspect, GError **error);
 void bench_place_free(bench_place *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(bench_place, bench_place_free)
+
+/* A town of at least so many points, of blocks of this place: its path, which the caller frees. It stays where simulated sites stay. */
+char *bench_place_town(
+	const bench_place *p, double million_points, struct bench_town *ret, GError **error);
 
 /* Its points, with its profile lines where it has some. */
 scene *bench_place_scene(const bench_place *p, GError **error);

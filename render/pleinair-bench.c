@@ -14,6 +14,7 @@
 #include "render/bench-hatching.h"
 #include "render/bench-paging.h"
 #include "render/bench-render.h"
+#include "render/bench-styles.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -21,7 +22,7 @@
 
 static gboolean json;
 /* 0: the default of each bench. */
-static double seconds, million_points = 20, memory_mib;
+static double seconds, million_points, memory_mib;
 static int beams = 1081, repeats = 5, trials = 1000;
 static gint64 seed = 1;
 static int pairs = 8;
@@ -35,13 +36,12 @@ static const GOptionEntry entries[] = {
 	{ "beams", 0, 0, G_OPTION_ARG_INT, &beams,
 		"acquire: beams of the simulated lidar, 6 k + 1 (default 1081)", "N" },
 	{ "site", 0, 0, G_OPTION_ARG_FILENAME, &site_folder,
-		"process, segments, render, coherence, filters, paging: a site (default: "
+		"process, segments, render, coherence, filters, styles, paging: a site (default: "
 		"simulated)",
 		"SITE" },
 	{ "repeats", 0, 0, G_OPTION_ARG_INT, &repeats,
-		"process, render, hatching, filters: how often each is measured; the least time "
-		"counts "
-		"(default 5)",
+		"process, render, hatching, filters, styles: how often each is measured; the least "
+		"time counts, of styles the median (default 5)",
 		"N" },
 	{ "preset", 0, 0, G_OPTION_ARG_STRING, &preset,
 		"how finely is scanned (default fine; register, segments, features: standard)",
@@ -52,12 +52,12 @@ static const GOptionEntry entries[] = {
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
 		"where simulated scans stay, and are taken from the next time", "FOLDER" },
 	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text,
-		"of pictures (default: render 1600x1200, coherence 1920x1080, paging 1280x800)",
+		"of pictures (default: render 1600x1200, coherence and styles 1920x1080, paging "
+		"1280x800)",
 		"WxH" },
 	{ "style", 0, 0, G_OPTION_ARG_STRING_ARRAY, &style_list,
-		"coherence, hatching, paging: a style; may be given again but for paging (default: "
-		"those "
-		"of the paper's figures; figure-7d)",
+		"coherence, hatching, styles, paging: a style; may be given again but for paging "
+		"(default: those of the paper's figures; of styles all; figure-7d)",
 		"STYLE" },
 	{ "view", 0, 0, G_OPTION_ARG_STRING, &view_name,
 		"coherence: where the paths begin (default walk)", "VIEW" },
@@ -66,8 +66,8 @@ static const GOptionEntry entries[] = {
 		"N" },
 	{ "million-points", 0, 0, G_OPTION_ARG_DOUBLE, &million_points,
 		"model, export: that the scanners measured; filters: at most in one scene; paging: "
-		"of a "
-		"site that is made (default 20)",
+		"of a site that is made (default 20); styles: of a town of such sites (default: "
+		"one of them)",
 		"N" },
 	{ "memory", 0, 0, G_OPTION_ARG_DOUBLE, &memory_mib,
 		"model: what building may keep in memory (default 1024); paging: what points may "
@@ -79,10 +79,16 @@ static const GOptionEntry entries[] = {
 		"files)",
 		"FOLDER" },
 	{ "backend", 0, 0, G_OPTION_ARG_STRING, &backend,
-		"hatching, filters, paging: what draws (default cpu)", "auto|cpu|gles" },
+		"hatching, filters, styles, paging: what draws (default cpu; of styles auto)",
+		"auto|cpu|gles" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
+
+static double points_wanted(void)
+{
+	return million_points != 0 ? million_points : 20;
+}
 
 static int run_acquire(void)
 {
@@ -111,11 +117,11 @@ static int run_process(void)
 static int run_model(void)
 {
 	g_autoptr(GError) error = NULL;
-	struct bench_model_options options = { .million_points = million_points,
+	struct bench_model_options options = { .million_points = points_wanted(),
 		.memory_bytes = (uint64_t)((memory_mib != 0 ? memory_mib : 1024) * 1048576),
 		.folder = folder,
 		.json = json };
-	if (!(million_points >= 1 && million_points <= 10000) ||
+	if (!(options.million_points >= 1 && options.million_points <= 10000) ||
 		options.memory_bytes < (uint64_t)64 << 20 || !(memory_mib <= 1e6))
 		return cli_misuse(COMMAND,
 			"million points go from 1 to 10000, MiB of memory from 64 to 1000000");
@@ -126,9 +132,9 @@ static int run_export(void)
 {
 	g_autoptr(GError) error = NULL;
 	struct bench_export_options options = {
-		.million_points = million_points, .folder = folder, .json = json
+		.million_points = points_wanted(), .folder = folder, .json = json
 	};
-	if (!(million_points >= 1 && million_points <= 10000))
+	if (!(options.million_points >= 1 && options.million_points <= 10000))
 		return cli_misuse(COMMAND, "million points go from 1 to 10000");
 	return bench_export(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
@@ -274,25 +280,44 @@ static int run_filters(void)
 	struct bench_filters_options options = { .place = place_options(),
 		.repeats = (uint32_t)repeats,
 		.backend = wish,
-		.million_points_most = million_points,
+		.million_points_most = points_wanted(),
 		.json = json };
 	if (repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)
 		return cli_misuse(COMMAND, "repeats go from 1 to 1000, seeds from 0 to 1000000000");
 	return bench_filters(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+static int run_styles(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_styles_options options = { .place = place_options(),
+		.million_points = million_points,
+		.repeats = (uint32_t)repeats,
+		.styles = style_list,
+		.json = json };
+	if (!backend_wish_parse(backend ? backend : "auto", &options.backend, &error))
+		return cli_misuse(COMMAND, "%s", error->message);
+	if (!read_size(size_text ? size_text : "1920x1080", &options.width, &options.height) ||
+		repeats < 1 || repeats > 1000 || !(million_points >= 0 && million_points <= 1000) ||
+		seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND,
+			"sizes go from 64x64 to 8192x8192, repeats from 1 to 1000, million points "
+			"to 1000, seeds from 0 to 1000000000");
+	return bench_styles(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static int run_paging(void)
 {
 	g_autoptr(GError) error = NULL;
 	struct bench_paging_options options = { .place = place_options(),
-		.million_points = million_points,
+		.million_points = points_wanted(),
 		.memory_bytes = (uint64_t)(memory_mib * (1 << 20)),
 		.seconds = seconds > 0 ? seconds : 20,
 		.style = style_list ? style_list[0] : "figure-7d",
 		.backend = backend ? backend : "cpu",
 		.json = json };
 	if (!read_size(size_text ? size_text : "1280x800", &options.width, &options.height) ||
-		!(million_points >= 1 && million_points <= 10000) ||
+		!(options.million_points >= 1 && options.million_points <= 10000) ||
 		!(memory_mib >= 0 && memory_mib <= 1000000) || !(seconds >= 0 && seconds <= 3600) ||
 		seed < 0 || seed > 1000000000)
 		return cli_misuse(COMMAND,
@@ -317,6 +342,7 @@ static const struct part {
 	{ "coherence", run_coherence },
 	{ "hatching", run_hatching },
 	{ "filters", run_filters },
+	{ "styles", run_styles },
 	{ "paging", run_paging },
 	{ NULL },
 };
@@ -357,6 +383,7 @@ int main(int argc, char **argv)
 		    "how long it takes.\n"
 		    "filters: how long filters of pictures take, each alone and in whole frames as "
 		    "two papers have them.\n"
+		    "styles: frames of each style of a site as large as one likes.\n"
 		    "paging: flies through a site that is larger than the memory it may take.\n",
 		    entries, &argc, &argv, &status))
 		return status;
