@@ -2,7 +2,6 @@
 #include "render/disc-lanes.h"
 #include "render/stroke.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Of the style's pixels: strokes of points beyond the edge of the picture. */
@@ -94,27 +93,68 @@ bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_v
 	return true;
 }
 
-static int nearer(const void *a, const void *b)
+/* ---- from near to far ---- */
+
+#define DIGIT_BITS 11
+#define DIGITS     3 /* of 32 bits */
+
+/* Above: how near it begins, in the order of its bits; below: the number of its chunk. */
+static uint64_t place_of(float near_m, uint32_t chunk)
 {
-	const struct chunk_view *x = a, *y = b;
-	if (x->near_m != y->near_m)
-		return x->near_m < y->near_m ? -1 : 1;
-	return (x->chunk > y->chunk) - (x->chunk < y->chunk);
+	uint32_t bits;
+	memcpy(&bits, &near_m, sizeof bits);
+	bits = bits >> 31 ? ~bits : bits | 0x80000000u;
+	return (uint64_t)bits << 32 | chunk;
+}
+
+/* By some bits of the places; what is equal in them stays as it was. */
+static void sort_by_digit(const uint64_t *from, uint64_t *to, uint32_t count, int shift)
+{
+	uint32_t begin[1 << DIGIT_BITS] = { 0 }, sum = 0;
+	const uint32_t all = (1 << DIGIT_BITS) - 1;
+	for (uint32_t n = 0; n < count; n++)
+		begin[from[n] >> shift & all]++;
+	for (uint32_t k = 0; k <= all; k++) {
+		uint32_t own = begin[k];
+		begin[k] = sum;
+		sum += own;
+	}
+	for (uint32_t n = 0; n < count; n++)
+		to[begin[from[n] >> shift & all]++] = from[n];
+}
+
+static void sort_places(uint64_t *place, uint64_t *spare, uint32_t count)
+{
+	uint64_t *from = place, *to = spare;
+	for (int digit = 0; digit < DIGITS; digit++) {
+		sort_by_digit(from, to, count, 32 + digit * DIGIT_BITS);
+		uint64_t *was = from;
+		from = to;
+		to = was;
+	}
+	if (from != place)
+		memcpy(place, from, count * sizeof *place);
 }
 
 struct chunk_view *chunk_views_new(const frame *f, uint32_t *ret_count)
 {
 	const scene *s = f->scene;
-	struct chunk_view *v = g_new(struct chunk_view, s->chunks + 1);
+	g_autofree struct chunk_view *found = g_new(struct chunk_view, s->chunks + 1);
 	g_autofree bool *seen = g_new(bool, s->chunks + 1);
+	g_autofree uint64_t *place = g_new(uint64_t, s->chunks + 1),
+			    *spare = g_new(uint64_t, s->chunks + 1);
 #pragma omp parallel for schedule(static) if (!f->single_thread)
 	for (uint32_t n = 0; n < s->chunks; n++)
-		seen[n] = chunk_view_find(f, &s->chunk[n], &v[n]);
+		seen[n] = chunk_view_find(f, &s->chunk[n], &found[n]);
 	uint32_t count = 0;
 	for (uint32_t n = 0; n < s->chunks; n++)
 		if (seen[n])
-			v[count++] = v[n];
-	qsort(v, count, sizeof *v, nearer);
+			place[count++] = place_of(found[n].near_m, n);
+	sort_places(place, spare, count);
+	struct chunk_view *v = g_new(struct chunk_view, count + 1);
+#pragma omp parallel for schedule(static) if (!f->single_thread)
+	for (uint32_t n = 0; n < count; n++)
+		v[n] = found[place[n] & UINT32_MAX];
 	*ret_count = count;
 	return v;
 }

@@ -7,26 +7,24 @@
 
 _Static_assert(FEATURE_KINDS == 4, "one in each place of a vector");
 
-struct place {
-	uint32_t key, view; /* pipeline and slab; of the views from near to far */
-};
+/* Views that are not worth more threads. */
+#define FEW 256u
 
-static int by_key(const void *a, const void *b)
+/* Which view is at which place: by pipelines, then by slabs, then as they are. Each has a bin of its own. */
+static void sort(const gles_scene *g, const struct chunk_view *views, uint32_t count,
+	const uint32_t *slab, uint32_t *ret_view)
 {
-	const struct place *x = a, *y = b;
-	return x->key != y->key ? (x->key < y->key ? -1 : 1)
-				: (x->view > y->view) - (x->view < y->view);
-}
-
-static struct place *sort(const gles_scene *g, const struct chunk_view *views, uint32_t count)
-{
-	struct place *p = g_new(struct place, count + 1);
-	for (uint32_t n = 0; n < count; n++) {
-		uint32_t slab = gles_scene_slab(g, views[n].chunk);
-		p[n] = (struct place){ views[n].pipeline * g->slabs + slab, n };
+	uint32_t bins = (UINT8_MAX + 1) * MAX(g->slabs, 1), sum = 0;
+	g_autofree uint32_t *begin = g_new0(uint32_t, bins);
+	for (uint32_t n = 0; n < count; n++)
+		begin[views[n].pipeline * g->slabs + slab[n]]++;
+	for (uint32_t k = 0; k < bins; k++) {
+		uint32_t own = begin[k];
+		begin[k] = sum;
+		sum += own;
 	}
-	qsort(p, count, sizeof *p, by_key);
-	return p;
+	for (uint32_t n = 0; n < count; n++)
+		ret_view[begin[views[n].pipeline * g->slabs + slab[n]]++] = n;
 }
 
 static void describe_paint(const frame *f, const struct scene_chunk *c, struct gles_view *ret)
@@ -75,16 +73,15 @@ static void describe(const frame *f, const struct lens *l, const struct gles_sla
 }
 
 static void add_to_runs(
-	gles_views *v, const frame *f, uint32_t at, uint32_t slab, const struct chunk_view *view)
+	gles_views *v, const frame *f, uint32_t at, uint32_t slab, uint32_t pipeline)
 {
-	uint8_t pipeline = view->pipeline;
 	struct gles_run *last =
 		v->runs->len ? &g_array_index(v->runs, struct gles_run, v->runs->len - 1) : NULL;
 	if (last && last->slab == slab && last->pipeline == pipeline) {
 		last->count++;
 		return;
 	}
-	struct gles_run next = { slab, at, 1, pipeline, splat_step(f, pipeline) != NULL };
+	struct gles_run next = { slab, at, 1, (uint8_t)pipeline, splat_step(f, pipeline) != NULL };
 	g_array_append_val(v->runs, next);
 }
 
@@ -93,19 +90,24 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 {
 	v->view = views;
 	v->count = count;
-	g_autofree struct place *place = sort(g, views, v->count);
-	g_autofree struct gles_view *block = g_new(struct gles_view, v->count + 1);
+	g_autofree uint32_t *slab = g_new(uint32_t, count + 1), *order = g_new(uint32_t, count + 1);
+	g_autofree struct gles_view *block = g_new(struct gles_view, count + 1);
+	bool alone = f->single_thread || count < FEW;
+#pragma omp parallel for schedule(static) if (!alone)
+	for (uint32_t n = 0; n < count; n++)
+		slab[n] = gles_scene_slab(g, views[n].chunk);
+	sort(g, views, count, slab, order);
 	if (!v->runs)
 		v->runs = g_array_new(FALSE, FALSE, sizeof(struct gles_run));
 	g_array_set_size(v->runs, 0);
 	v->points = 0;
 	struct lens lens = lens_of(&f->camera);
-	for (uint32_t n = 0; n < v->count; n++) {
-		const struct chunk_view *view = &views[place[n].view];
-		uint32_t slab = place[n].key % g->slabs;
-		describe(f, &lens, &g->slab[slab], view, &block[n]);
-		add_to_runs(v, f, n, slab, view);
-		v->points += view->chunk->count;
+#pragma omp parallel for schedule(static) if (!alone)
+	for (uint32_t n = 0; n < count; n++)
+		describe(f, &lens, &g->slab[slab[order[n]]], &views[order[n]], &block[n]);
+	for (uint32_t n = 0; n < count; n++) {
+		add_to_runs(v, f, n, slab[order[n]], block[n].pipeline[0]);
+		v->points += block[n].at[2];
 	}
 	GLsizeiptr bytes = (GLsizeiptr)(v->count * sizeof *block);
 	return gles_buffer_put(c, &v->buffer, block, bytes, "the chunks in view", error);
