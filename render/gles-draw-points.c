@@ -13,16 +13,15 @@ void gles_draw_points_of(gles_draw *d, const struct gles_run *r)
 	}
 }
 
-/* From the buffer into a texture, which all that comes later looks it up in. */
-static void fill_holes(gles_draw *d)
+void gles_draw_keys(gles_draw *d, enum gles_use use)
 {
 	const struct gles_functions *gl = &d->c->gl;
-	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-	gl->BindFramebuffer(GL_FRAMEBUFFER, d->targets.keys.frame);
-	gl->UseProgram(d->program[GLES_HOLES]);
-	gl->DrawArrays(GL_TRIANGLES, 0, 3);
-	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-	gles_draw_bind_texture(d, 0, GL_TEXTURE_2D, d->targets.keys.plane[0]);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+	gl->UseProgram(d->program[use]);
+	gl->BindImageTexture(0, d->targets.keys, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+	gl->DispatchCompute((d->targets.width + 31) / 32, (d->targets.height + 7) / 8, 1);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+	gles_draw_bind_texture(d, 0, GL_TEXTURE_2D, d->targets.keys);
 }
 
 /* Plane surfaces, which are other buffers than those of chunks. */
@@ -53,7 +52,7 @@ bool gles_draw_mask(gles_draw *d, const frame *f, GError **error)
 	gles_draw_bind_storage(d, 2, d->keys.name);
 	for (guint n = 0; n < d->views.runs->len; n++)
 		gles_draw_points_of(d, gles_draw_run(d, n));
-	fill_holes(d);
+	gles_draw_keys(d, GLES_HOLES);
 	return true;
 }
 

@@ -70,6 +70,8 @@ bool gles_draw_hold(gles_draw *d, const frame *f, GError **error);
 /* All points of a run, by the program that is used; its views are bound. */
 void gles_draw_points_of(gles_draw *d, const struct gles_run *r);
 bool gles_draw_mask(gles_draw *d, const frame *f, GError **error);
+/* From the storage that is bound into the texture that all that comes later looks the mask up in. */
+void gles_draw_keys(gles_draw *d, enum gles_use use);
 /* layers: a bit for each one that is drawn, here and below. */
 bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **error);
 /* Which points of a layer of stippling are drawn (stipple.h); then what GLES_STIPPLE_COUNT and _WRITE read of it is bound. */

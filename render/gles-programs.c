@@ -12,7 +12,7 @@ static const struct row {
 } rows[GLES_USES] = {
 	[GLES_CLEAR] = { "clear", { NULL }, .compute = "clear" },
 	[GLES_MASK] = { "mask", { "common", "chunks", "discs" }, .compute = ".mask" },
-	[GLES_HOLES] = { "holes", { "common" }, "picture.vert", "holes.frag" },
+	[GLES_HOLES] = { "holes", { "common" }, .compute = "holes" },
 	[GLES_POINTS] = { "points", { "common", "chunks", "discs" }, .compute = ".points" },
 	[GLES_COUNT] = { "choose-count",
 		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "paint",
@@ -100,7 +100,7 @@ static const struct row {
 	[GLES_SHEET_TAKE] = { "sheet-take", { "common", "filter" }, .compute = "sheet-take" },
 	[GLES_SHEET_MERGE] = { "sheet-merge", { "common", "filter" }, .compute = "sheet-merge" },
 	[GLES_SHEET_JOIN] = { "sheet-join", { "common" }, .compute = "sheet-join" },
-	[GLES_SHEET_KEYS] = { "sheet-keys", { "common" }, "picture.vert", "sheet-keys.frag" },
+	[GLES_SHEET_KEYS] = { "sheet-keys", { "common" }, .compute = "sheet-keys" },
 	[GLES_SHEET_GROUND] = { "sheet-ground", { "common", "relief", "pipelines" }, "picture.vert",
 		"sheet-ground.frag" },
 	[GLES_FILTER_KUWAHARA] = { "filter-kuwahara", { "common", "filter" },

@@ -282,11 +282,8 @@ static void take_joined(struct sheets_job *j)
 	gles_draw *d = j->d;
 	if (j->error || !gles_programs_want(d->c, d->program, GLES_SHEET_KEYS, &j->error))
 		return;
-	d->c->gl.BindFramebuffer(GL_FRAMEBUFFER, d->targets.keys.frame);
-	d->c->gl.UseProgram(d->program[GLES_SHEET_KEYS]);
 	gles_draw_bind_storage(d, 2, j->s->joined.name);
-	d->c->gl.DrawArrays(GL_TRIANGLES, 0, 3);
-	gles_draw_bind_texture(d, 0, GL_TEXTURE_2D, d->targets.keys.plane[0]);
+	gles_draw_keys(d, GLES_SHEET_KEYS);
 }
 
 static void filter_whole(struct sheets_job *j, const struct chunk_view *views, uint32_t count)

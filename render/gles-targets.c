@@ -44,7 +44,7 @@ static void clear(const gles_context *c, struct gles_target *t)
 
 void gles_targets_clear(const gles_context *c, gles_targets *t)
 {
-	clear(c, &t->keys);
+	c->gl.DeleteTextures(1, &t->keys);
 	clear(c, &t->canvas);
 	clear(c, &t->picture);
 	for (size_t n = 0; n < G_N_ELEMENTS(t->ink); n++)
@@ -76,8 +76,8 @@ bool gles_targets_hold(const gles_context *c, gles_targets *t, uint32_t width, u
 	GLenum light = is_filtered && c->about.has_float_blend ? GL_RGBA32F
 		       : c->about.has_half_float_colour        ? GL_RGBA16F
 							       : GL_SRGB8_ALPHA8;
-	if (make(c, t, GL_R32UI, 0, &t->keys, error) && make(c, t, light, 0, &t->canvas, error) &&
-		make(c, t, GL_RGBA8, 0, &t->picture, error))
+	t->keys = plane(&c->gl, GL_R32UI, t);
+	if (make(c, t, light, 0, &t->canvas, error) && make(c, t, GL_RGBA8, 0, &t->picture, error))
 		return true;
 	gles_targets_clear(c, t);
 	return false;

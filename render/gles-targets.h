@@ -14,7 +14,7 @@ typedef struct gles_targets gles_targets;
 struct gles_targets {
 	uint32_t width, height;
 	bool is_filtered;
-	struct gles_target keys; /* the mask, of integers */
+	GLuint keys; /* a texture: the mask, of integers */
 	struct gles_target canvas, picture;
 	struct gles_target
 		ink[BAND_BLENDS]; /* of enum band_blend; made when a layer first wants it */
