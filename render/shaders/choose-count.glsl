@@ -11,7 +11,13 @@ void main()
 		total = 0u;
 	memoryBarrierShared();
 	barrier();
+	uvec4 asked_from, asked_to;
+	asked_of(n, asked_from, asked_to);
 	for (uint slice = 0u; slice * THREADS < count; slice++) {
+		uvec4 from = uvec4(slice * THREADS);
+		/* Of nearly all chunks that are far away, the first one alone. */
+		if (!any(bvec4(uvec4(lessThan(from, asked_to)) & uvec4(lessThan(asked_from, from + THREADS)))))
+			continue;
 		uint given = strokes_at(n, slice * THREADS + thread);
 		if (given != 0u)
 			mark |= 1u << slice;

@@ -299,6 +299,22 @@ float need_most(uint n, uint kind)
 	return need_once(kind) * (is_on_edge(kind) ? near : near * near) * more_of(octaves_at(nearest_m));
 }
 
+/* Where the entries of each kind begin; and before which of them all end that candidate_of() may take. */
+void asked_of(uint n, out uvec4 begin_of, out uvec4 end_of)
+{
+	uvec4 end = is_whole() ? uvec4(views[n].at.z) : views[n].kind_end;
+	begin_of = uvec4(0u, end.xyz);
+	for (uint kind = 0u; kind < 4u; kind++) {
+		uint many = end[kind] - begin_of[kind];
+		bool is_drawn = is_whole() || (which.x >> kind & 1u) != 0u;
+		if (!is_drawn || many == 0u)
+			many = 0u;
+		else if (!is_cut())
+			many = uint(min(need_most(n, kind) * float(many) + 2.5, float(many)));
+		end_of[kind] = begin_of[kind] + many;
+	}
+}
+
 /* Entry i of the list of view n, if its kind is drawn and it is in the picture. */
 bool candidate_of(uint n, uint i, out candidate c)
 {

@@ -20,6 +20,13 @@ float alpha_of(uint n, uint i, out vec3 at)
 	return alpha < ALPHA_LEAST ? 0.0 : alpha;
 }
 
+/* asked_of() of choose.glsl: of all points it must be asked. */
+void asked_of(uint n, out uvec4 begin_of, out uvec4 end_of)
+{
+	begin_of = uvec4(0u);
+	end_of = uvec4(views[n].at.z);
+}
+
 uint strokes_at(uint n, uint i)
 {
 	vec3 at;
