@@ -9,7 +9,7 @@
 
 #define FPS_WANTED 60.0
 /* GPUs run slowly when they have had nothing to do: frames that do not count are drawn for so long. */
-#define WARM_S 0.4
+#define WARM_S 0.25
 /* What is slow is not repeated for longer. */
 #define REPEAT_S 3.0
 /* Of the flight, from one frame to the next. */

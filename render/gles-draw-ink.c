@@ -1,11 +1,11 @@
-#include "render/gles-draw-private.h"
+#include "render/gles-ink.h"
 #include <stddef.h>
 
-static enum gles_use program_of(const struct frame_layer *l)
+int gles_draw_kernel(const struct frame_layer *l)
 {
 	if (l->texture || l->paint)
-		return GLES_STROKES;
-	return step_is_dots(l->step) ? GLES_SPRITES : GLES_LINES;
+		return 2;
+	return step_is_dots(l->step) ? 0 : 1;
 }
 
 static void set_attribute(const struct gles_functions *gl, GLuint n, GLint numbers, size_t word)
@@ -38,7 +38,7 @@ static bool is_least(enum band_blend blend)
 static void draw_strokes(gles_draw *d, const struct frame_layer *l, uint32_t n)
 {
 	const struct gles_functions *gl = &d->c->gl;
-	gl->UseProgram(d->program[program_of(l)]);
+	gl->UseProgram(d->program[GLES_SPRITES + gles_draw_kernel(l)]);
 	if (l->texture || l->paint)
 		gles_draw_bind_texture(d, 1, GL_TEXTURE_2D_ARRAY, d->layers.texture[n]);
 	gl->Enable(GL_BLEND);
@@ -63,6 +63,16 @@ static void clear(gles_draw *d, enum band_blend blend)
 		gl->ClearBufferfv(GL_COLOR, 1, zero);
 }
 
+void gles_draw_combine(gles_draw *d, enum band_blend blend)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	if (blend >= BAND_PAINTED || blend == BAND_COVERING)
+		gl->BlendFunc(GL_ONE, GL_SRC_ALPHA);
+	else
+		gl->BlendFunc(GL_ZERO, GL_SRC_COLOR);
+	gl->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
 static void combine(gles_draw *d, enum band_blend blend)
 {
 	const struct gles_functions *gl = &d->c->gl;
@@ -71,31 +81,36 @@ static void combine(gles_draw *d, enum band_blend blend)
 	gl->UseProgram(d->program[GLES_COMBINE]);
 	gles_draw_bind_texture(d, 3, GL_TEXTURE_2D, ink->plane[0]);
 	gles_draw_bind_texture(d, 4, GL_TEXTURE_2D, ink->plane[1]);
-	if (blend >= BAND_PAINTED || blend == BAND_COVERING)
-		gl->BlendFunc(GL_ONE, GL_SRC_ALPHA);
-	else
-		gl->BlendFunc(GL_ZERO, GL_SRC_COLOR);
-	gl->DrawArrays(GL_TRIANGLES, 0, 3);
+	gles_draw_combine(d, blend);
 }
 
-void gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers)
+static void draw_layer(gles_draw *d, const struct frame_layer *l, uint32_t n)
+{
+	enum band_blend blend = band_blend_of(l);
+	bool is_direct = gles_layer_is_direct(l);
+	if (is_direct)
+		d->c->gl.BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);
+	else
+		clear(d, blend);
+	draw_strokes(d, l, n);
+	if (!is_direct)
+		combine(d, blend);
+	d->c->gl.Disable(GL_BLEND);
+}
+
+bool gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers, GError **error)
 {
 	for (uint32_t n = 0; n < f->layers; n++) {
 		const struct frame_layer *l = &f->layer[n];
-		enum band_blend blend = band_blend_of(l);
-		bool is_direct = gles_layer_is_direct(l);
 		if (!(layers >> n & 1))
 			continue;
 		gles_layers_bind(d->c, &d->layers, n);
-		if (is_direct)
-			d->c->gl.BindFramebuffer(GL_FRAMEBUFFER, d->targets.canvas.frame);
-		else
-			clear(d, blend);
-		draw_strokes(d, l, n);
-		if (!is_direct)
-			combine(d, blend);
-		d->c->gl.Disable(GL_BLEND);
+		if (!gles_ink_is_summed(d, l))
+			draw_layer(d, l, n);
+		else if (!gles_ink_put(d, l, n, error))
+			return false;
 	}
+	return true;
 }
 
 void gles_draw_out(gles_draw *d)

@@ -50,6 +50,8 @@ struct gles_draw {
 	struct gles_buffer links,
 		shown; /* of profile lines: struct profile_link, and how far each is to be seen */
 	GLuint camera, vertices, srgb;
+	bool sums_ink; /* gles-ink.h */
+	struct gles_buffer ink;
 	struct gles_planes planes;
 	struct gles_stipple stipple;
 	struct gles_filters filters;
@@ -80,8 +82,12 @@ bool gles_draw_stipple(gles_draw *d, const frame *f, uint32_t layer, GError **er
 bool gles_draw_profile(gles_draw *d, const frame *f, uint32_t layer, GError **error);
 /* Draws the canvas's paper, points and shading; ink over it; and the picture of it. */
 bool gles_draw_ground(gles_draw *d, bool is_flat, GError **error);
-void gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers);
+bool gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers, GError **error);
 void gles_draw_out(gles_draw *d);
+/* By the program that is used, which knows the ink: onto the canvas, which is bound. */
+void gles_draw_combine(gles_draw *d, enum band_blend blend);
+/* The kernel of a layer's strokes: 0 sprites, 1 lines, 2 textures. */
+int gles_draw_kernel(const struct frame_layer *l);
 /* How many strokes there were; false: a layer had more than its buffer holds, which is larger now. */
 bool gles_draw_strokes(
 	gles_draw *d, uint32_t layers, uint32_t *ret_count, bool *ret_whole, GError **error);

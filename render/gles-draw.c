@@ -1,4 +1,5 @@
 #include "render/gles-filter.h"
+#include "render/gles-ink.h"
 #include "render/light.h"
 #include <float.h>
 #include <string.h>
@@ -36,7 +37,15 @@ gles_draw *gles_draw_new(const gles_context *c, GError **error)
 	d->srgb = srgb_table(&c->gl);
 	c->gl.GenBuffers(1, &d->camera);
 	c->gl.GenVertexArrays(1, &d->vertices);
-	return gles_context_check(c, "making ready to draw", error) ? g_steal_pointer(&d) : NULL;
+	if (!gles_context_check(c, "making ready to draw", error) ||
+		!gles_ink_trial(c, &d->sums_ink, error))
+		return NULL;
+	return g_steal_pointer(&d);
+}
+
+void gles_draw_set_sums(gles_draw *d, bool sums_ink)
+{
+	d->sums_ink = sums_ink;
 }
 
 void gles_draw_free(gles_draw *d)
@@ -44,7 +53,7 @@ void gles_draw_free(gles_draw *d)
 	if (!d)
 		return;
 	struct gles_buffer *buffers[] = { &d->keys, &d->sums, &d->marks, &d->commands, &d->links,
-		&d->shown };
+		&d->shown, &d->ink };
 	for (size_t n = 0; n < G_N_ELEMENTS(buffers); n++)
 		gles_buffer_clear(d->c, buffers[n]);
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
@@ -168,7 +177,7 @@ bool gles_draw_hold(gles_draw *d, const frame *f, GError **error)
 		if (f->layer[n].paint)
 			good = gles_scene_hold_paint(d->c, &d->scene, f->scene, error);
 	for (uint32_t n = 0; good && n < f->layers; n++)
-		if (!gles_layer_is_direct(&f->layer[n]))
+		if (!gles_ink_is_summed(d, &f->layer[n]) && !gles_layer_is_direct(&f->layer[n]))
 			good = gles_targets_hold_ink(
 				d->c, &d->targets, band_blend_of(&f->layer[n]), error);
 	if (good) {
@@ -193,7 +202,8 @@ static bool draw_canvas(gles_draw *d, const frame *f, const struct gles_part *p,
 	t->choose_s += gles_draw_lap(d, is_timed, &since_us);
 	if (!(p->is_over ? gles_sheets_ground(d, error) : gles_draw_ground(d, p->is_flat, error)))
 		return false;
-	gles_draw_ink(d, f, p->layers);
+	if (!gles_draw_ink(d, f, p->layers, error))
+		return false;
 	gles_draw_out(d);
 	t->draw_s += gles_draw_lap(d, is_timed, &since_us);
 	return true;

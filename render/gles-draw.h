@@ -15,6 +15,9 @@ gles_draw *gles_draw_new(const gles_context *c, GError **error);
 void gles_draw_free(gles_draw *d); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(gles_draw, gles_draw_free)
 
+/* Strokes are put by compute shaders (gles-ink.h) instead of blending, or the other way round; at first it is what is faster here. */
+void gles_draw_set_sums(gles_draw *d, bool sums_ink);
+
 /* Into a picture of the camera's size, whose memory is the caller's. ret_times: NULL is faster. Errors are of gles_error, one
  * sentence: pictures too large for the GPU, no memory left, a GPU that was reset; the picture is not whole then. */
 bool gles_draw_frame(gles_draw *d, const frame *f, struct picture_buffer *to,

@@ -9,6 +9,8 @@ static const struct row {
 	const char *name;
 	const char *common[12];
 	const char *vertex, *fragment, *compute;
+	const char
+		*before[2]; /* of the fragment shader alone: vertex shaders may have no storage */
 } rows[GLES_USES] = {
 	[GLES_CLEAR] = { "clear", { NULL }, .compute = "clear" },
 	[GLES_MASK] = { "mask", { "common", "chunks", "discs" }, .compute = ".mask" },
@@ -23,15 +25,24 @@ static const struct row {
 		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "paint",
 			"givers", "hatch-write", "paint-write", "prefix" },
 		.compute = "choose-write" },
-	[GLES_SPRITES] = { "sprites", { "common", "layer", ".sprites" }, "stroke.vert",
+	[GLES_SPRITES] = { "sprites", { "common", "layer", ".sprites", "pen" }, "stroke.vert",
 		"stroke.frag" },
-	[GLES_LINES] = { "lines", { "common", "layer", ".lines" }, "stroke.vert", "stroke.frag" },
-	[GLES_STROKES] = { "strokes", { "common", "layer", ".strokes" }, "stroke.vert",
+	[GLES_LINES] = { "lines", { "common", "layer", ".lines", "pen" }, "stroke.vert",
+		"stroke.frag" },
+	[GLES_STROKES] = { "strokes", { "common", "layer", ".strokes", "pen" }, "stroke.vert",
 		"stroke.frag" },
 	[GLES_GROUND] = { "ground", { "common", "relief", "pipelines", ".edl" }, "picture.vert",
 		"ground.frag" },
 	[GLES_COMBINE] = { "combine", { "common", "layer", "relief" }, "picture.vert",
-		"combine.frag" },
+		"combine.frag", .before = { "ink-of-planes" } },
+	[GLES_SPRITES_PUT] = { "sprites-put", { "common", "layer", ".sprites", "pen", "ink-sums" },
+		.compute = "ink-put" },
+	[GLES_LINES_PUT] = { "lines-put", { "common", "layer", ".lines", "pen", "ink-sums" },
+		.compute = "ink-put" },
+	[GLES_STROKES_PUT] = { "strokes-put", { "common", "layer", ".strokes", "pen", "ink-sums" },
+		.compute = "ink-put" },
+	[GLES_COMBINE_SUMS] = { "combine-sums", { "common", "layer", "relief" }, "picture.vert",
+		"combine.frag", .before = { "ink-sums", "ink-of-sums" } },
 	[GLES_OUT] = { "out", { "common" }, "picture.vert", "out.frag" },
 	[GLES_STIPPLE_PUT] = { "stipple-put", { "common", "chunks", ".stipple" },
 		.compute = "stipple-put" },
@@ -119,17 +130,29 @@ static const char *text_of(const char *part)
 	return part ? gles_shader_find(name_of(part)) : NULL;
 }
 
+/* Behind the line of the version. */
+static char *fragment_of(const struct row *row)
+{
+	const char *text = text_of(row->fragment), *rest = text ? strchr(text, '\n') + 1 : NULL;
+	GString *all = g_string_new_len(text, rest - text);
+	for (size_t n = 0; n < G_N_ELEMENTS(row->before) && row->before[n]; n++)
+		g_string_append(all, text_of(row->before[n]));
+	g_string_append(all, rest);
+	return g_string_free(all, FALSE);
+}
+
 static GLuint make(const gles_context *c, const struct row *row, GError **error)
 {
 	const char *names[G_N_ELEMENTS(row->common) + 1] = { NULL };
 	for (size_t n = 0; n < G_N_ELEMENTS(row->common); n++)
 		names[n] = name_of(row->common[n]);
-	g_autofree char *common = gles_shaders_join(names);
+	g_autofree char *common = gles_shaders_join(names),
+			*fragment = row->fragment ? fragment_of(row) : NULL;
 	return gles_program_new(c,
 		&(struct gles_program_desc){ .name = row->name,
 			.common = *common ? common : NULL,
 			.vertex = text_of(row->vertex),
-			.fragment = text_of(row->fragment),
+			.fragment = fragment,
 			.compute = text_of(row->compute) },
 		error);
 }

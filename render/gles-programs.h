@@ -46,6 +46,10 @@ enum gles_use {
 	GLES_FILTER_WARP,
 	GLES_FILTER_SHADE,
 	GLES_FILTER_INPAINT,
+	GLES_SPRITES_PUT, /* strokes whose ink is summed up (gles-ink.h) */
+	GLES_LINES_PUT,
+	GLES_STROKES_PUT,
+	GLES_COMBINE_SUMS,
 	GLES_PROFILE_SEE, /* profile lines */
 	GLES_PROFILE_WRITE,
 	GLES_PLANE_MASK, /* plane surfaces */

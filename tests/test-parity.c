@@ -85,6 +85,18 @@ static struct camera camera_of(int n)
 	return c;
 }
 
+/* Strokes that are added, not blended. */
+static void compare_sums(
+	gles_draw *d, const frame *f, const struct picture_buffer *cpu, const char *name)
+{
+	g_autofree char *sums = g_strconcat(name, "-sums", NULL);
+	gles_draw_set_sums(d, true);
+	struct picture_buffer gles = draw_gles(d, f);
+	gles_draw_set_sums(d, false);
+	assert_alike(cpu, &gles, sums);
+	picture_buffer_clear(&gles);
+}
+
 static void compare_some(gles_draw *d, const char *name, const style *how, int cameras)
 {
 	scene *s = make_scene();
@@ -94,6 +106,8 @@ static void compare_some(gles_draw *d, const char *name, const style *how, int c
 		frame *f = frame_of(s, how, &c, &drawn);
 		struct picture_buffer cpu = draw_cpu(f), gles = draw_gles(d, f);
 		assert_alike(&cpu, &gles, name);
+		if (f->layers && n == 0)
+			compare_sums(d, f, &cpu, name);
 		picture_buffer_clear(&cpu);
 		picture_buffer_clear(&gles);
 		frame_free(f);

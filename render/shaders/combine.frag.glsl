@@ -1,9 +1,6 @@
 #version 310 es
 /* Puts a layer's ink on the canvas, by multiplying it; of paint: what it adds, and in alpha what it leaves of the canvas. */
 layout(location = 0) out vec4 canvas;
-layout(binding = 3) uniform sampler2D ink_plane;
-layout(binding = 4) uniform sampler2D weight_plane;
-const uint INKED = 0u, STRONGEST = 1u, COVERING = 2u, COLOURED = 3u, PAINTED = 4u, LAID = 5u;
 
 /* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
 vec4 on_relief(vec4 bare)
@@ -16,8 +13,8 @@ vec4 on_relief(vec4 bare)
 
 float thickness_at(ivec2 at)
 {
-	vec2 sum = texelFetch(weight_plane, at, 0).rg;
-	return sum.x > 0.0 ? sum.y / sum.x * (1.0 - texelFetch(ink_plane, at, 0).a) : 0.0;
+	vec2 sum = weight_at(at);
+	return sum.x > 0.0 ? sum.y / sum.x * (1.0 - ink_at(at).a) : 0.0;
 }
 
 /* Beside the picture there is none; above and below it is as on its border. */
@@ -46,14 +43,14 @@ vec2 light_paint(ivec2 at)
 void main()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
-	vec4 ink = texelFetch(ink_plane, at, 0);
+	vec4 ink = ink_at(at);
 	if (colour.y == LAID) {
-		float high = texelFetch(weight_plane, at, 0).r, bare = on_relief(ink.aaaa).x;
+		float high = weight_at(at).x, bare = on_relief(ink.aaaa).x;
 		vec2 by = light_paint(at);
 		canvas = high > 0.0 ? vec4((1.0 - bare) * (ink.rgb / high * by.x + by.y), bare)
 				    : vec4(0.0, 0.0, 0.0, 1.0);
 	} else if (colour.y == PAINTED) {
-		float weight = texelFetch(weight_plane, at, 0).r, bare = on_relief(ink.aaaa).x;
+		float weight = weight_at(at).x, bare = on_relief(ink.aaaa).x;
 		canvas = weight > 0.0 ? vec4((1.0 - bare) * ink.rgb / weight, bare) : vec4(0.0, 0.0, 0.0, 1.0);
 	} else if (colour.y == COVERING) {
 		float bare = on_relief(ink.rrrr).r;

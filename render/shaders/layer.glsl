@@ -30,3 +30,5 @@ layout(std140, binding = 1) uniform Layer {
 	vec4 paint_part[64]; /* by detail, four in one */
 	uvec4 colour; /* the ink's bytes; how it blends: enum band_blend; how many strokes a point gives; 1: of what the focus is on */
 };
+/* enum band_blend */
+const uint INKED = 0u, STRONGEST = 1u, COVERING = 2u, COLOURED = 3u, PAINTED = 4u, LAID = 5u;
