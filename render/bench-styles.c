@@ -126,9 +126,9 @@ static bool measure(struct bench *b, frame *f, struct row *row, GError **error)
 static void print_row(const struct row *r)
 {
 	const struct draw_times *t = &r->times;
-	printf("%-22s %-6s %7.2f %6.0f  %6.1f %6.1f %6.1f %6.1f  %7.1f %7.1f %6.1f%s\n", r->style,
-		r->place->name, 1e-6 * (double)t->points_in_view, 1e-3 * t->strokes,
-		1e3 * t->mask_s, 1e3 * t->choose_s, 1e3 * (t->bin_s + t->draw_s),
+	printf("%-26s %-6s %7.2f %6.0f  %6.1f %6.1f %6.1f %6.1f %6.1f  %7.1f %7.1f %6.1f%s\n",
+		r->style, r->place->name, 1e-6 * (double)t->points_in_view, 1e-3 * t->strokes,
+		1e3 * t->cull_s, 1e3 * t->mask_s, 1e3 * t->choose_s, 1e3 * (t->bin_s + t->draw_s),
 		1e3 * (t->filter_s + t->composite_s), 1e3 * r->median_s, 1e3 * r->worst_s,
 		1 / r->median_s, 1 / r->median_s >= FPS_WANTED ? "" : "*");
 	fflush(stdout);
@@ -142,6 +142,7 @@ static void add_row(JsonArray *to, const struct row *r)
 	json_object_set_string_member(o, "camera", r->place->name);
 	json_object_set_int_member(o, "points_in_view", (gint64)t->points_in_view);
 	json_object_set_int_member(o, "strokes", t->strokes);
+	json_object_set_double_member(o, "cull_ms", 1e3 * t->cull_s);
 	json_object_set_double_member(o, "mask_ms", 1e3 * t->mask_s);
 	json_object_set_double_member(o, "choose_ms", 1e3 * t->choose_s);
 	json_object_set_double_member(o, "draw_ms", 1e3 * (t->bin_s + t->draw_s));
@@ -178,7 +179,8 @@ static bool measure_all(struct bench *b, GError **error)
 	if (!b->rows)
 		printf("%s\nstyles: %.1f million points, %u x %u, frames of a moving camera, the "
 		       "median of %u; reach on a GPU: %.0f fps, * is fewer\n"
-		       "style                  camera  M seen k strk    mask choose   draw filter "
+		       "style                      camera  M seen k strk    cull   mask choose   "
+		       "draw filter "
 		       "  median   worst    fps\n",
 			painter_why(b->painter), 1e-6 * (double)model_count(b->model), o->width,
 			o->height, o->repeats, FPS_WANTED);

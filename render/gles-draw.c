@@ -233,7 +233,9 @@ static bool draw_plain(
 	gles_draw *d, const frame *f, struct draw_times *t, bool is_timed, GError **error)
 {
 	uint32_t count;
+	int64_t since_us = g_get_monotonic_time();
 	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	t->cull_s = gles_draw_lap(d, is_timed, &since_us);
 	struct gles_part all = { .view = views, .count = count, .layers = UINT64_MAX };
 	t->chunks_in_view = count;
 	bool good = gles_draw_part(d, f, &all, t, is_timed, error);

@@ -364,13 +364,14 @@ bool gles_sheets_draw(gles_draw *d, const frame *f, struct picture_buffer *to, s
 	bool is_timed, bool *ret_is_drawn, GError **error)
 {
 	uint32_t count;
+	int64_t since_us = g_get_monotonic_time();
 	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
 	struct sheets_job j = { .d = d,
 		.f = f,
 		.s = &d->sheets,
 		.t = t,
 		.is_timed = is_timed,
-		.since_us = g_get_monotonic_time(),
+		.since_us = since_us,
 		.has_soft = sheets_have_soft(f),
 		.wants_surface = filter_wants_surface(
 			f->drawing->picture.steps, f->drawing->picture.filters),
