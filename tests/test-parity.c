@@ -100,6 +100,7 @@ static void compare_sums(
 static void compare_some(gles_draw *d, const char *name, const style *how, int cameras)
 {
 	scene *s = make_scene();
+	gles_draw_set_sums(d, false);
 	for (int n = 0; n < cameras; n++) {
 		struct camera c = camera_of(n);
 		drawing *drawn;
@@ -366,6 +367,7 @@ static void assert_refuses_paint(gles_draw *d)
 	drawing *drawn;
 	frame *f = frame_of(s, how, &c, &drawn);
 	struct picture_buffer p = picture_buffer_new(WIDTH, HEIGHT);
+	gles_draw_set_sums(d, false);
 	g_assert_false(gles_draw_frame(d, f, &p, NULL, &error));
 	g_assert_error(error, GLES_ERROR, GLES_ERROR_LIMIT);
 	picture_buffer_clear(&p);
@@ -401,7 +403,7 @@ static void assert_same(gles_draw *d, const frame *f, const struct picture_buffe
 #define SAME_STROKES                                                                               \
 	"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"strokes\",\"points\":\"all\","     \
 	"\"colour\":\"point\",\"spacing_px\":2},{\"step\":\"sprites\",\"points\":\"all\","         \
-	"\"blend\":\"paint\",\"spacing_px\":3,\"length_px\":9}]}"
+	"\"blend\":\"paint\",\"spacing_px\":3,\"length_px\":9},{\"step\":\"paint\"}]}"
 #define SAME_FILTERS                                                                               \
 	"\"site\":{\"steps\":[{\"step\":\"points\"},{\"step\":\"gaps\"},{\"step\":\"edges\","      \
 	"\"wobble_px\":1}]},\"vegetation\":{\"add\":[{\"step\":\"warp\"},{\"step\":\"kuwahara\"}]" \
@@ -410,14 +412,15 @@ static void assert_same(gles_draw *d, const frame *f, const struct picture_buffe
 	"\"edges\"}]}"
 
 /* Also where another frame was drawn between, and with buffers of its own. */
-static void test_same_bytes(gconstpointer steps)
+static void assert_same_bytes(const char *steps, bool sums_ink)
 {
 	g_autoptr(gles_draw) d = gles_here_draw();
 	if (!d)
 		return;
 	g_autoptr(gles_draw) other = gles_here_draw();
-	g_autofree char *text =
-		g_strdup_printf("{\"schema\":1,\"segments\":{%s}}", (const char *)steps);
+	gles_draw_set_sums(d, sums_ink);
+	gles_draw_set_sums(other, sums_ink);
+	g_autofree char *text = g_strdup_printf("{\"schema\":1,\"segments\":{%s}}", steps);
 	g_autoptr(style) how = style_of(text);
 	scene *s = make_scene();
 	struct camera c = make_camera(7, WIDTH, HEIGHT), near = make_camera(2, WIDTH, HEIGHT);
@@ -435,6 +438,13 @@ static void test_same_bytes(gconstpointer steps)
 	frame_free(f);
 	drawing_free(drawn);
 	scene_free(s);
+}
+
+static void test_same_bytes(gconstpointer steps)
+{
+	assert_same_bytes(steps, false);
+	if (strcmp(steps, SAME_STROKES) == 0)
+		assert_same_bytes(steps, true);
 }
 
 /* More strokes than a layer has room for at first, and points in several strips and slabs. */
