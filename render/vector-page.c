@@ -72,6 +72,8 @@ struct hand {
 	vector_coats *coats;
 	const segments *tree;
 	float mm_per_px;
+	float part; /* of the strokes have shapes, so much broader each, and so many layers of ink */
+	float broader, layers;
 	struct scene_owner owner; /* of the last stroke */
 	GHashTable *groups;       /* by segment */
 	GHashTable *paths;        /* by look; those that are not full */
@@ -95,6 +97,12 @@ static int step_of(float value, const struct stroke *s, uint32_t salt)
 {
 	return (int)floorf(value + stroke_chance(s->point ^ salt * 0x5bd1e995u,
 					   stroke_salt(s->copy, SALT_SHADE)));
+}
+
+static bool is_left_out(const struct hand *h, const struct stroke *s)
+{
+	return h->part < 1 && stroke_chance(s->point ^ 9 * 0x5bd1e995u,
+				      stroke_salt(s->copy, SALT_SHADE)) >= h->part;
 }
 
 /* What is to be mixed in sRGB so that one shape on white is as light as the painter's. */
@@ -121,6 +129,8 @@ static void set_colour(const struct hand *h, const struct stroke *s, float alpha
 static bool look_of(const struct hand *h, const struct stroke *s, union look *ret)
 {
 	float alpha = vector_alpha(&h->shaper, s), width = vector_width_px(&h->shaper, s);
+	if (h->layers > 1)
+		alpha = 1 - powf(1 - alpha, h->layers);
 	*ret = (union look){ .segment = (uint16_t)h->owner.leaf, .shade = SHADES };
 	if (h->to->blend != VECTOR_EACH_DARK)
 		ret->shade =
@@ -183,10 +193,15 @@ static void add_shape(const struct hand *h, struct vector_path *p, const struct 
 	g_array_append_val(p->end, p->corner->len);
 }
 
-static void add_stroke(struct hand *h, const struct stroke *s)
+static void add_stroke(struct hand *h, const struct stroke *all)
 {
 	struct vector_shape part[VECTOR_PARTS_MOST];
 	union look look;
+	struct stroke broad = *all;
+	const struct stroke *s = &broad;
+	if (is_left_out(h, s))
+		return;
+	broad.half_width_px *= h->broader;
 	uint32_t parts = vector_shapes_of(&h->shaper, s, part);
 	find_chunk(h, s);
 	if (!parts || !h->owner.end || !look_of(h, s, &look))
@@ -308,19 +323,80 @@ static void fill_layer(struct hand *h, const struct stroke_blocks *strokes)
 	g_hash_table_unref(h->groups);
 }
 
-static void add_layers(
-	vector_page *p, const frame *f, const struct draw_chosen *chosen, const segments *tree)
+/* Tones; lines, of which each one tells something, all stay. */
+static bool is_thinned(const struct frame_layer *l)
+{
+	return l->texture && l->hatch;
+}
+
+/* Of strokes that stand for others too. */
+#define BROADER_MOST 2.f
+static void thin_out(struct hand *h, float part)
+{
+	h->part = is_thinned(h->from) ? part : 1;
+	h->broader = fminf(1 / h->part, BROADER_MOST);
+	h->layers = 1 / (h->part * h->broader);
+	h->shaper.edge_px *= h->broader; /* with as many corners */
+}
+
+/* From a stroke in so many. */
+#define SAMPLE 32
+
+static double corners_of(const struct hand *h, const struct stroke_blocks *strokes)
+{
+	struct vector_shape part[VECTOR_PARTS_MOST];
+	union look look;
+	double corners = 0;
+	uint32_t number = 0;
+	for (uint32_t k = 0; k < strokes->blocks; k++)
+		for (uint32_t n = 0; n < strokes->block[k]->count; n++) {
+			const struct stroke *s = &strokes->block[k]->stroke[n];
+			if (number++ % SAMPLE || !look_of(h, s, &look))
+				continue;
+			uint32_t parts = vector_shapes_of(&h->shaper, s, part);
+			for (uint32_t i = 0; i < parts; i++)
+				corners += SAMPLE * part[i].corners;
+		}
+	return corners;
+}
+
+static struct hand hand_of(const vector_page *p, const frame *f, const struct draw_chosen *chosen,
+	const struct frame_layer *from)
+{
+	const struct camera *c = &f->camera;
+	struct hand h = { .f = f, .from = from, .part = 1, .broader = 1, .layers = 1 };
+	h.shaper = vector_shaper_of(from, from->stipple ? NULL : chosen->mask, c->width, c->height,
+		FINE_MM * (float)(c->width / p->width_mm));
+	h.to = layer_new(from, h.shaper.form);
+	h.mm_per_px = (float)(p->width_mm / c->width);
+	return h;
+}
+
+static float part_of(const vector_page *p, const frame *f, const struct draw_chosen *chosen,
+	uint32_t corners_most)
+{
+	double corners = 0;
+	for (uint32_t n = 0; n < f->layers; n++) {
+		if (!is_thinned(&f->layer[n]))
+			continue;
+		struct hand h = hand_of(p, f, chosen, &f->layer[n]);
+		corners += corners_of(&h, &chosen->of_layer[n]);
+		layer_free(h.to);
+	}
+	return corners > corners_most ? (float)(corners_most / corners) : 1;
+}
+
+static void add_layers(vector_page *p, const frame *f, const struct draw_chosen *chosen,
+	const segments *tree, float part)
 {
 	const struct camera *c = &f->camera;
 	g_autoptr(vector_coats) coats =
 		vector_coats_new(c->width, c->height, fmaxf(COAT_CELL * f->px, 0.5f));
 	for (uint32_t n = 0; n < f->layers; n++) {
-		const struct frame_layer *from = &f->layer[n];
-		struct hand h = { .f = f, .from = from, .tree = tree, .coats = coats };
-		h.shaper = vector_shaper_of(from, from->stipple ? NULL : chosen->mask, c->width,
-			c->height, FINE_MM * (float)(c->width / p->width_mm));
-		h.to = layer_new(from, h.shaper.form);
-		h.mm_per_px = (float)(p->width_mm / c->width);
+		struct hand h = hand_of(p, f, chosen, &f->layer[n]);
+		h.tree = tree;
+		h.coats = coats;
+		thin_out(&h, part);
 		vector_coats_clear(coats);
 		fill_layer(&h, &chosen->of_layer[n]);
 		g_ptr_array_add(p->layers, h.to);
@@ -329,6 +405,14 @@ static void add_layers(
 
 vector_page *vector_page_new(draw_room *room, const frame *f, const segments *tree, double width_mm,
 	double height_mm, const char *title, struct draw_times *ret_times)
+{
+	return vector_page_new_thinned(
+		room, f, tree, width_mm, height_mm, title, VECTOR_PAGE_CORNERS, ret_times);
+}
+
+vector_page *vector_page_new_thinned(draw_room *room, const frame *f, const segments *tree,
+	double width_mm, double height_mm, const char *title, uint32_t corners_most,
+	struct draw_times *ret_times)
 {
 	vector_page *p = g_new0(vector_page, 1);
 	struct draw_chosen chosen = draw_choose(room, f, ret_times);
@@ -339,7 +423,7 @@ vector_page *vector_page_new(draw_room *room, const frame *f, const segments *tr
 	for (int k = 0; k < 3; k++)
 		p->paper[k] = f->drawing->whole.paper.colour[k];
 	p->layers = g_ptr_array_new_with_free_func(layer_free);
-	add_layers(p, f, &chosen, tree);
+	add_layers(p, f, &chosen, tree, part_of(p, f, &chosen, corners_most));
 	return p;
 }
 

@@ -98,9 +98,12 @@ static bool has_discs(const struct frame_layer *l)
 struct vector_shaper vector_shaper_of(const struct frame_layer *l, const visibility_mask *m,
 	uint32_t width, uint32_t height, float fine_px)
 {
-	struct vector_shaper v = {
-		.layer = l, .mask = m, .width = width, .height = height, .fine_px = fine_px
-	};
+	struct vector_shaper v = { .layer = l,
+		.mask = m,
+		.width = width,
+		.height = height,
+		.fine_px = fine_px,
+		.edge_px = EDGE_FINE * fine_px };
 	const stroke_texture *t = texture_of(l);
 	double covers = l->paint ? PAINT_COVERS : 1;
 	v.form = t || l->is_profile      ? VECTOR_AREAS
@@ -328,7 +331,7 @@ static float area_of(const struct vector_profile *p, const float *place, const b
 /* No less ink than with all places, or nearly. */
 #define BROADER_MOST 1.5f
 static void outline(struct vector_shape *to, const struct vector_profile *p, const struct stroke *s,
-	const float run[2], float fine_px)
+	const float run[2], float edge_px)
 {
 	float place[VECTOR_STATIONS + 2] = { run[0] };
 	bool kept[VECTOR_STATIONS + 2] = { true };
@@ -338,7 +341,7 @@ static void outline(struct vector_shape *to, const struct vector_profile *p, con
 			place[++last] = station_at(n);
 	place[++last] = run[1];
 	kept[last] = true;
-	keep_between(p, place, 0, last, fine_px / s->half_width_px, kept);
+	keep_between(p, place, 0, last, edge_px / s->half_width_px, kept);
 	float broader = area_of(p, place, NULL, last) / fmaxf(area_of(p, place, kept, last), 1e-6f);
 	broader = CLAMP(broader, 1, BROADER_MOST);
 	for (int n = 0; n <= last; n++)
@@ -363,8 +366,7 @@ uint32_t vector_shapes_of(const struct vector_shaper *v, const struct stroke *s,
 	for (uint32_t n = 0; n < runs; n++) {
 		ret[n].corners = 0;
 		if (v->form == VECTOR_AREAS)
-			outline(&ret[n], &v->profile[variant_of(v, s)], s, run[n],
-				v->fine_px * EDGE_FINE);
+			outline(&ret[n], &v->profile[variant_of(v, s)], s, run[n], v->edge_px);
 		else
 			for (int end = 0; end < 2; end++)
 				add_corner(&ret[n], s, run[n][end] * s->half_length_px, 0);

@@ -23,6 +23,7 @@ struct vector_shaper {
 	const visibility_mask *mask; /* NULL: nothing is hidden */
 	uint32_t width, height;      /* of the picture */
 	float fine_px;               /* shorter than that nobody sees on the page */
+	float edge_px;               /* edges of areas lie no farther from where they should */
 	enum vector_form form;
 	struct vector_profile profile[STROKE_TEXTURE_VARIANTS]; /* of areas */
 	float disc; /* above 0: strokes are round whatever they lie on, and dots of so many of their half lengths */

@@ -1,6 +1,7 @@
 /* Hatching of a ball and of a wall, whose truth is known: how dark it becomes, where its strokes lie, which of them a light takes away. */
 #include "render/bench-reproject.h"
 #include "render/light.h"
+#include "render/vector-page.h"
 #include "tests/strokes-made.h"
 
 #define SIDE   1024u
@@ -494,6 +495,66 @@ static void test_steps(void)
 	stroke_lists_free(l, f->layers);
 }
 
+/* ---- as shapes ---- */
+
+static double area_of(const struct vector_path *p, guint shape)
+{
+	const float(*c)[2] = (const float(*)[2])(const void *)p->corner->data;
+	uint32_t first = shape ? g_array_index(p->end, uint32_t, shape - 1) : 0,
+		 end = g_array_index(p->end, uint32_t, shape);
+	double sum = 0;
+	for (uint32_t n = first; n < end; n++) {
+		const float *a = c[n], *b = c[n + 1 < end ? n + 1 : first];
+		sum += (double)(a[0] * b[1] - a[1] * b[0]) / 2;
+	}
+	return fabs(sum);
+}
+
+struct inked {
+	uint32_t shown, corners;
+	double ink; /* square millimetres of full ink */
+};
+
+static struct inked ink_of(const frame *f, uint32_t corners_most)
+{
+	draw_room *room = draw_room_new();
+	struct inked ret = { 0 };
+	g_autoptr(vector_page) page =
+		vector_page_new_thinned(room, f, NULL, 200, 200, "Ball", corners_most, NULL);
+	const struct vector_layer *l = page->layers->pdata[0];
+	ret.shown = l->shown;
+	for (guint g = 0; g < l->groups->len; g++) {
+		const struct vector_group *group = l->groups->pdata[g];
+		for (guint n = 0; n < group->paths->len; n++) {
+			const struct vector_path *p = group->paths->pdata[n];
+			ret.corners += p->corner->len;
+			for (guint k = 0; k < p->end->len; k++)
+				ret.ink += (double)p->opacity * area_of(p, k);
+		}
+	}
+	draw_room_free(room);
+	return ret;
+}
+
+/* Of hatching that is too dense for a page fewer strokes leave as much ink. */
+static void test_thinned(void)
+{
+	struct camera c = before_ball(3, 600);
+	g_autoptr(drawing) d = hatching(LIT, "\"spacing_px\":2");
+	g_autoptr(frame) f = made_frame(shared_ball(), d, &c);
+	struct inked all = ink_of(f, UINT32_MAX), half = ink_of(f, all.corners / 2),
+		     few = ink_of(f, all.corners / 5);
+	g_test_message("%u strokes, %u corners, %.0f mm2; %u, %u, %.0f; %u, %u, %.0f", all.shown,
+		all.corners, all.ink, half.shown, half.corners, half.ink, few.shown, few.corners,
+		few.ink);
+	g_assert_cmpuint(all.shown, >, 5000);
+	g_assert_cmpfloat_with_epsilon(half.shown, 0.5 * all.shown, 0.05 * all.shown);
+	g_assert_cmpfloat_with_epsilon(half.ink, all.ink, 0.05 * all.ink);
+	g_assert_cmpuint(half.corners, <, all.corners * 6 / 10);
+	g_assert_cmpuint(few.corners, <, all.corners / 2);
+	g_assert_cmpfloat(few.ink, >, 0.6 * all.ink);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -506,6 +567,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/hatching/backs", test_backs);
 	g_test_add_func("/hatching/curvature", test_curvature);
 	g_test_add_func("/hatching/abstraction", test_abstraction);
+	g_test_add_func("/hatching/thinned", test_thinned);
 	g_test_add_func("/contours/outline", test_outline);
 	g_test_add_func("/contours/steps", test_steps);
 	return g_test_run();
