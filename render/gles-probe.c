@@ -79,6 +79,10 @@ static void leave(int status, void *unused)
 
 static void keep_to_itself(pid_t parent)
 {
+	/* A crash is one, also where a sanitizer would have its say first. */
+	static const int crashes[] = { SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT };
+	for (size_t i = 0; i < G_N_ELEMENTS(crashes); i++)
+		signal(crashes[i], SIG_DFL);
 	/* 1, not 0: only that keeps handlers of core files away too (Linux, fs/coredump.c). */
 	setrlimit(RLIMIT_CORE, &(struct rlimit){ 1, 1 });
 	prctl(PR_SET_PDEATHSIG, SIGKILL);
