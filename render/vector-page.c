@@ -329,14 +329,21 @@ static bool is_thinned(const struct frame_layer *l)
 	return l->texture && l->hatch;
 }
 
-/* Of strokes that stand for others too. */
-#define BROADER_MOST 2.f
-static void thin_out(struct hand *h, float part)
+/* How hatching that is too dense is thinned out. */
+struct thinning {
+	float coarser; /* edges of shapes may lie so much farther from where they should, where many lie on each other */
+	float part; /* of the strokes that have shapes then */
+};
+
+/* Those that stay have the ink of the others too: half of it by their breadth, half by their strength. Broader alone they would be
+ * coarse, stronger alone harsh. */
+static void thin_out(struct hand *h, const struct thinning *t)
 {
-	h->part = is_thinned(h->from) ? part : 1;
-	h->broader = fminf(1 / h->part, BROADER_MOST);
-	h->layers = 1 / (h->part * h->broader);
-	h->shaper.edge_px *= h->broader; /* with as many corners */
+	if (!is_thinned(h->from))
+		return;
+	h->part = t->part;
+	h->broader = h->layers = sqrtf(1 / h->part);
+	h->shaper.edge_px *= t->coarser * h->broader;
 }
 
 /* From a stroke in so many. */
@@ -372,31 +379,43 @@ static struct hand hand_of(const vector_page *p, const frame *f, const struct dr
 	return h;
 }
 
-static float part_of(const vector_page *p, const frame *f, const struct draw_chosen *chosen,
-	uint32_t corners_most)
+static double corners_in_all(
+	const vector_page *p, const frame *f, const struct draw_chosen *chosen, float coarser)
 {
 	double corners = 0;
 	for (uint32_t n = 0; n < f->layers; n++) {
 		if (!is_thinned(&f->layer[n]))
 			continue;
 		struct hand h = hand_of(p, f, chosen, &f->layer[n]);
+		h.shaper.edge_px *= coarser;
 		corners += corners_of(&h, &chosen->of_layer[n]);
 		layer_free(h.to);
 	}
-	return corners > corners_most ? (float)(corners_most / corners) : 1;
+	return corners;
+}
+
+#define COARSER 2.f
+static struct thinning thinning_of(const vector_page *p, const frame *f,
+	const struct draw_chosen *chosen, uint32_t corners_most)
+{
+	if (corners_in_all(p, f, chosen, 1) <= corners_most)
+		return (struct thinning){ 1, 1 };
+	double corners = corners_in_all(p, f, chosen, COARSER);
+	return (struct thinning){ COARSER, (float)fmin(corners_most / corners, 1) };
 }
 
 static void add_layers(vector_page *p, const frame *f, const struct draw_chosen *chosen,
-	const segments *tree, float part)
+	const segments *tree, uint32_t corners_most)
 {
 	const struct camera *c = &f->camera;
+	struct thinning thinning = thinning_of(p, f, chosen, corners_most);
 	g_autoptr(vector_coats) coats =
 		vector_coats_new(c->width, c->height, fmaxf(COAT_CELL * f->px, 0.5f));
 	for (uint32_t n = 0; n < f->layers; n++) {
 		struct hand h = hand_of(p, f, chosen, &f->layer[n]);
 		h.tree = tree;
 		h.coats = coats;
-		thin_out(&h, part);
+		thin_out(&h, &thinning);
 		vector_coats_clear(coats);
 		fill_layer(&h, &chosen->of_layer[n]);
 		g_ptr_array_add(p->layers, h.to);
@@ -423,7 +442,7 @@ vector_page *vector_page_new_thinned(draw_room *room, const frame *f, const segm
 	for (int k = 0; k < 3; k++)
 		p->paper[k] = f->drawing->whole.paper.colour[k];
 	p->layers = g_ptr_array_new_with_free_func(layer_free);
-	add_layers(p, f, &chosen, tree, part_of(p, f, &chosen, corners_most));
+	add_layers(p, f, &chosen, tree, corners_most);
 	return p;
 }
 

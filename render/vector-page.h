@@ -9,9 +9,9 @@
  * stay, and shapes of a path do not overlap (vector-coats.h).
  *
  * A page is small enough to be edited: where the mask hides a stroke or shows it for less than a quarter of a millimetre is not told, and
- * outlines have the corners that they cannot do without; and of very dense hatching some strokes are left out, and the others are as much
- * broader. Of the court (5.6 million points) from "walk" on A3, SVG: figure-7d 7.4 MB, ballpoint 8.9, gouache 4.8,
- * impressionist 13.0, pencil and coloured-crayons 17.2, wax-crayons 18.8 (19.8, 34 and 26 were all of their strokes shown). Means of
+ * outlines have the corners that they cannot do without; and of very dense hatching some strokes are left out, and the others are
+ * broader and stronger. Of the court (5.6 million points) from "walk" on A3, SVG: figure-7d 7.4 MB, ballpoint 8.9, gouache 4.8,
+ * impressionist 13.0, pencil and coloured-crayons 17, wax-crayons 19.5 (19.8, 34 and 26 were all of their strokes shown). Means of
  * tiles of 23 pixels are within 8.2 of 255 (RMS, pencil, rsvg-convert) of the picture's.
  *
  * One owner; const once it is made. */
@@ -63,8 +63,8 @@ struct vector_page {
 /* The frame fills the page. tree: names; NULL: there are none. room and ret_times as draw_choose. */
 vector_page *vector_page_new(draw_room *room, const frame *f, const segments *tree, double width_mm,
 	double height_mm, const char *title, struct draw_times *ret_times);
-/* Where hatching would have more corners, some of its strokes, by chance, have no shapes, and the others are as much broader. */
-#define VECTOR_PAGE_CORNERS 2350000u
+/* Where hatching would have more corners, its edges are coarser; and where that is not enough some of its strokes, by chance, have no shapes, and the others have their ink too. */
+#define VECTOR_PAGE_CORNERS 2250000u
 vector_page *vector_page_new_thinned(draw_room *room, const frame *f, const segments *tree,
 	double width_mm, double height_mm, const char *title, uint32_t corners_most,
 	struct draw_times *ret_times);

@@ -328,8 +328,20 @@ static float area_of(const struct vector_profile *p, const float *place, const b
 	return sum;
 }
 
-/* No less ink than with all places, or nearly. */
+/* With as much ink as with all places; where too few were left for that, with more of them. */
 #define BROADER_MOST 1.5f
+static float keep_some(
+	const struct vector_profile *p, const float *place, int last, float tolerance, bool *kept)
+{
+	float all = area_of(p, place, NULL, last), broader;
+	do {
+		keep_between(p, place, 0, last, tolerance, kept);
+		broader = all / fmaxf(area_of(p, place, kept, last), 1e-6f);
+		tolerance /= 2;
+	} while (broader > BROADER_MOST && tolerance > 1e-3f);
+	return CLAMP(broader, 1, BROADER_MOST);
+}
+
 static void outline(struct vector_shape *to, const struct vector_profile *p, const struct stroke *s,
 	const float run[2], float edge_px)
 {
@@ -341,9 +353,7 @@ static void outline(struct vector_shape *to, const struct vector_profile *p, con
 			place[++last] = station_at(n);
 	place[++last] = run[1];
 	kept[last] = true;
-	keep_between(p, place, 0, last, edge_px / s->half_width_px, kept);
-	float broader = area_of(p, place, NULL, last) / fmaxf(area_of(p, place, kept, last), 1e-6f);
-	broader = CLAMP(broader, 1, BROADER_MOST);
+	float broader = keep_some(p, place, last, edge_px / s->half_width_px, kept);
 	for (int n = 0; n <= last; n++)
 		if (kept[n])
 			add_edge(to, p, s, place[n], -broader);
