@@ -3,8 +3,6 @@
 /* Strokes of a band, eight pixels at a time. Internal to band-draw.c. */
 #include "render/bands.h"
 
-enum kernel { KERNEL_SPRITE, KERNEL_LINE, KERNEL_TEXTURE };
-
 LANES_DECLARE(void, band_draw,
 	(const struct band *b, const struct frame_layer *l, const struct stroke *const *which,
 		uint32_t count, const visibility_mask *m, const struct band_ink *ink,

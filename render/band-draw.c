@@ -1,6 +1,6 @@
 #include "render/band-draw-lanes.h"
 
-static enum kernel kernel_of(const struct frame_layer *l)
+enum kernel band_kernel_of(const struct frame_layer *l)
 {
 	if (l->texture || l->paint)
 		return KERNEL_TEXTURE;
@@ -23,5 +23,5 @@ void band_draw(const struct band *b, const frame *f, const struct frame_layer *l
 	const struct band_ink *ink)
 {
 	LANES_OF(f->lanes, band_draw)
-	(b, l, which, count, m, ink, kernel_of(l), band_blend_of(l));
+	(b, l, which, count, m, ink, band_kernel_of(l), band_blend_of(l));
 }

@@ -31,6 +31,10 @@ void band_lists_fill(band_lists *b, const struct frame_layer *l,
 	const struct stroke_blocks *strokes, uint32_t height, bool single_thread);
 void band_lists_clear(band_lists *b);
 
+/* What strokes of a layer are drawn with. */
+enum kernel { KERNEL_SPRITE, KERNEL_LINE, KERNEL_TEXTURE };
+enum kernel band_kernel_of(const struct frame_layer *l);
+
 /* What strokes of one layer leave in a band. */
 enum band_blend {
 	BAND_INKED,     /* BLEND_MULTIPLY in one ink: bare alone */

@@ -1,12 +1,7 @@
 #include "render/gles-ink.h"
 #include <stddef.h>
 
-int gles_draw_kernel(const struct frame_layer *l)
-{
-	if (l->texture || l->paint)
-		return 2;
-	return step_is_dots(l->step) ? 0 : 1;
-}
+_Static_assert(GLES_STROKES - GLES_SPRITES == KERNEL_TEXTURE, "in the order of kernels");
 
 static void set_attribute(const struct gles_functions *gl, GLuint n, GLint numbers, size_t word)
 {
@@ -38,7 +33,7 @@ static bool is_least(enum band_blend blend)
 static void draw_strokes(gles_draw *d, const struct frame_layer *l, uint32_t n)
 {
 	const struct gles_functions *gl = &d->c->gl;
-	gl->UseProgram(d->program[GLES_SPRITES + gles_draw_kernel(l)]);
+	gl->UseProgram(d->program[GLES_SPRITES + band_kernel_of(l)]);
 	if (l->texture || l->paint)
 		gles_draw_bind_texture(d, 1, GL_TEXTURE_2D_ARRAY, d->layers.texture[n]);
 	gl->Enable(GL_BLEND);

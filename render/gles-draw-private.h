@@ -86,8 +86,6 @@ bool gles_draw_ink(gles_draw *d, const frame *f, uint64_t layers, GError **error
 void gles_draw_out(gles_draw *d);
 /* By the program that is used, which knows the ink: onto the canvas, which is bound. */
 void gles_draw_combine(gles_draw *d, enum band_blend blend);
-/* The kernel of a layer's strokes: 0 sprites, 1 lines, 2 textures. */
-int gles_draw_kernel(const struct frame_layer *l);
 /* How many strokes there were; false: a layer had more than its buffer holds, which is larger now. */
 bool gles_draw_strokes(
 	gles_draw *d, uint32_t layers, uint32_t *ret_count, bool *ret_whole, GError **error);

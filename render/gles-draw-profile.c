@@ -17,6 +17,7 @@ static void run(gles_draw *d, enum gles_use use, uint32_t count, uint32_t lift)
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
+/* Nothing reads them any more: how many strokes the part before had was asked for (gles_draw_strokes). */
 static void tell_count(gles_draw *d, uint32_t layer, uint32_t count)
 {
 	const struct gles_functions *gl = &d->c->gl;

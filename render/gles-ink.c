@@ -5,6 +5,8 @@
 /* As bits of a float: nothing has been drawn where the least counts. */
 #define BARE 0x3f800000u
 
+_Static_assert(GLES_STROKES_PUT - GLES_SPRITES_PUT == KERNEL_TEXTURE, "in the order of kernels");
+
 /* Words of a pixel, as ink-put.glsl has them. */
 static uint32_t planes_of(enum band_blend blend)
 {
@@ -41,7 +43,7 @@ bool gles_ink_put(gles_draw *d, const struct frame_layer *l, uint32_t layer, GEr
 {
 	const struct gles_functions *gl = &d->c->gl;
 	enum band_blend blend = band_blend_of(l);
-	enum gles_use use = GLES_SPRITES_PUT + gles_draw_kernel(l);
+	enum gles_use use = GLES_SPRITES_PUT + band_kernel_of(l);
 	int64_t bytes = bytes_of(d, blend);
 	bool is_least = blend == BAND_STRONGEST || blend == BAND_COVERING;
 	if (!gles_programs_want(d->c, d->program, use, error) ||

@@ -123,7 +123,7 @@ static GLuint make_buffer(const struct gles_functions *gl, uint32_t count, uint3
 	return name;
 }
 
-/* Points of the scene, into the buffer of the slab that they are in. */
+/* Between frames, whose pictures are there: nothing reads the buffer meanwhile (gles-buffer.h). Points of the scene, into the buffer of the slab that they are in. */
 static void put(const struct gles_functions *gl, const scene *s, const struct gles_slab *slab,
 	GLuint name, uint32_t from, uint32_t points, uint32_t bytes, take_part *take, void *piece)
 {

@@ -1,5 +1,6 @@
 /* What strokes leave in pixels, as whole numbers, whose sums are the same in whatever order they come: planes of a word for each pixel
- * (gles-ink.h). Factors as octaves that they take away; sums in parts; of paint sums below its highest power of two, which comes first. */
+ * (gles-ink.h). Factors as octaves that they take away; sums in parts; of paint sums below its highest power of two, which comes first. A
+ * pixel has room for 16384 strokes that cover it whole. */
 const float OCTAVE = 16384.0, OCTAVES_MOST = 16.0, PART = 65536.0;
 const int POWER_ZERO = 160;
 
