@@ -43,7 +43,7 @@ bool gles_buffer_put(const gles_context *c, struct gles_buffer *b, const void *f
 	const char *what, GError **error)
 {
 	return fits(c, bytes, what, error) &&
-	       make_store(c, b, bytes ? from : NULL, MAX(bytes, 16), what, error);
+	       make_store(c, b, bytes ? from : NULL, bytes ? bytes : 16, what, error);
 }
 
 bool gles_buffer_read(
