@@ -107,8 +107,6 @@ bool cloud_find_rings(const struct cloud_view *v, double **ret_elevation_rad, ui
 	return false;
 }
 
-/* ---- as a grid ---- */
-
 static uint32_t nearest_ring(const double *elevation, uint32_t rings, double of)
 {
 	uint32_t low = 0, high = rings - 1;
@@ -118,6 +116,15 @@ static uint32_t nearest_ring(const double *elevation, uint32_t rings, double of)
 	}
 	return fabs(of - elevation[low]) <= fabs(of - elevation[high]) ? low : high;
 }
+
+double cloud_ring_height_rad(const double *elevation_rad, uint32_t rings, double at_rad)
+{
+	uint32_t at = nearest_ring(elevation_rad, rings, at_rad), above = at ? at - 1 : at,
+		 below = MIN(at + 1, rings - 1);
+	return (elevation_rad[above] - elevation_rad[below]) / MAX(below - above, 1);
+}
+
+/* ---- as a grid ---- */
 
 /* As many columns as the fullest ring has points: a ring has at most one beam a column then, nearly always. */
 static uint32_t count_columns(const uint32_t *ring, size_t count, uint32_t rings)

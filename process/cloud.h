@@ -50,6 +50,8 @@ cloud_geometry *cloud_geometry_estimate(
  * which only a place from where all of them were seen gives. Never says yes to anything else; may say no to such a sweep, as
  * when it was moved on the way. Sets *ret_elevation_rad to the rings from the highest on; caller frees. */
 bool cloud_find_rings(const struct cloud_view *v, double **ret_elevation_rad, uint32_t *ret_rings);
+/* Half the angle between the rings beside the one that is nearest to an elevation: so high is what a point of it stands for. */
+double cloud_ring_height_rad(const double *elevation_rad, uint32_t rings, double at_rad);
 /* A cloud with such rings as a grid of one row a ring, so that free space can be told from it. *ret_index: per cell the point,
  * RANGE_GRID_NONE where there is none; NULL or caller frees. NULL: it has no rings. */
 range_grid *cloud_range_grid(const struct cloud_view *v, uint32_t **ret_index);

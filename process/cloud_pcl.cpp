@@ -225,6 +225,25 @@ float size_of(const surroundings &s, const pcl::PointXYZ &p, scratch &t)
 	return std::sqrt(t.distance2.back() * float(M_PI) / float(k - 1));
 }
 
+/* Where points hang in the air, as leaves do and what was met by chance, the eighth neighbour tells nothing of a patch, and may be
+ * metres away: none of them is larger than so many medians of all. */
+constexpr float LOOSE_CURVATURE = 0.06f, LOOSE_MEDIANS = 2.5f;
+
+void limit_sizes(cloud_geometry *g)
+{
+	std::vector<float> sizes;
+	for (uint64_t i = 0; i < g->count; i++)
+		if (std::isfinite(g->point_size_m[i]))
+			sizes.push_back(g->point_size_m[i]);
+	if (sizes.empty())
+		return;
+	std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
+	float most = LOOSE_MEDIANS * sizes[sizes.size() / 2];
+	for (uint64_t i = 0; i < g->count; i++)
+		if (!(g->curvature[i] <= LOOSE_CURVATURE) && g->point_size_m[i] > most)
+			g->point_size_m[i] = most;
+}
+
 /* ---- which way a normal looks ---- */
 
 /* The highest point of each cell of a plan. */
@@ -358,6 +377,7 @@ bool estimate(const struct cloud_view *v, const struct cloud_geometry_options *o
 		prepare(s, o->radius_m > 0 ? o->radius_m : RADIUS_M);
 		estimate_block(v, order, b, s, o->single_thread, g);
 	}
+	limit_sizes(g);
 	return true;
 }
 } // namespace

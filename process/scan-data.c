@@ -155,12 +155,36 @@ static range_grid *grid_of_points(const points *p, GError **error)
 	return range_grid_new(&desc, error);
 }
 
+/* Of so many records, spread over all; with fewer there is nothing to tell. */
+#define COLOUR_SAMPLES 4096u
+#define COLOUR_LEAST   64u
+/* No photograph has so much that is 0, 0, 0. */
+#define BLACK_MOST 0.25
+
+/* Whether colours are there but nobody photographed anything: files give 0, 0, 0 to what has none, or use colours as the numbers of
+ * things. */
+static bool are_codes(const points *p)
+{
+	uint64_t step = p->count / COLOUR_SAMPLES + 1;
+	uint32_t looked = 0, black = 0;
+	for (uint64_t i = 0; i < p->count; i += step) {
+		const struct point_record *r = &p->record[i];
+		if (r->cell != CELL_MEASURED)
+			continue;
+		looked++;
+		black += !(r->rgb[0] | r->rgb[1] | r->rgb[2]);
+	}
+	return looked >= COLOUR_LEAST && black > BLACK_MOST * looked;
+}
+
 static bool load_points(scan_data *d, const char *folder, const manifest *m, GError **error)
 {
 	g_autofree char *path = g_build_filename(folder, "points.ply", NULL);
 	d->points = points_open(path, error);
 	if (!d->points)
 		return false;
+	if (are_codes(d->points))
+		d->points->have &= ~POINTS_HAVE_COLOUR;
 	bool ordered = d->points->columns && d->points->rows;
 	if (ordered != (d->kind == SCAN_ORDERED))
 		return refuse(error, m, "'points' tells of another grid than points.ply has");

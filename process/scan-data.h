@@ -27,8 +27,8 @@ struct scan_data {
 	uint32_t number;
 	enum scan_kind kind;
 	range_grid *grid; /* NULL for a cloud */
-	points *points;   /* NULL for a recorded scan */
-	bool is_las;      /* it came from a LAS file, so its classes are numbered as LAS does it */
+	points *points; /* NULL for a recorded scan. They have no colours where more than a quarter is black: those tell nothing */
+	bool is_las;    /* it came from a LAS file, so its classes are numbered as LAS does it */
 	bool has_given_pose;
 	struct pose given_pose; /* scan to site */
 	char *fingerprint; /* SHA-256 over the hashes of its data files: changes when the points do */

@@ -24,6 +24,12 @@ static bool take_sections(scan_geometry *g, GError **error)
 	       differs(g, error);
 }
 
+static uint32_t rings_of(const product *file)
+{
+	JsonNode *rings = json_object_get_member(product_manifest(file), "rings");
+	return rings && JSON_NODE_HOLDS_VALUE(rings) ? (uint32_t)json_node_get_int(rings) : 0;
+}
+
 scan_geometry *scan_geometry_open(const site *s, uint32_t number, GError **error)
 {
 	g_autoptr(scan_geometry) g = g_new0(scan_geometry, 1);
@@ -31,6 +37,7 @@ scan_geometry *scan_geometry_open(const site *s, uint32_t number, GError **error
 	g->file = product_open(path, SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION, error);
 	if (!g->file || !take_sections(g, error))
 		return NULL;
+	g->rings = rings_of(g->file);
 	return g_steal_pointer(&g);
 }
 

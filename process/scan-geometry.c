@@ -131,6 +131,7 @@ struct planes {
 	const float *normal[3]; /* planes, or stride apart */
 	size_t stride;
 	const float *plane_error_m, *curvature, *point_size_m;
+	uint32_t rings;
 };
 
 static bool write_normals(product_writer *w, const struct planes *p, GError **error)
@@ -179,6 +180,8 @@ static bool write_file(
 	json_object_set_int_member(made_from, "scan", s->number);
 	json_object_set_array_member(made_from, "with", with);
 	json_object_set_string_member(made_from, "key", s->key);
+	if (p->rings)
+		json_object_set_int_member(made_from, "rings", p->rings);
 	return product_writer_finish(
 		w, SCAN_GEOMETRY_KIND, SCAN_GEOMETRY_VERSION, made_from, error);
 }
@@ -194,7 +197,7 @@ static bool make_grid(
 	for (size_t i = 0; i < cells; i++)
 		size_m[i] = grid->range_m[i] > 0 ? range_grid_point_size_m(grid, i) : NAN;
 	struct planes p = { cells, { g->normal_x, g->normal_y, g->normal_z }, 1, g->plane_error_m,
-		g->curvature, size_m };
+		g->curvature, size_m, 0 };
 	return write_file(m, s, &p, error);
 }
 
@@ -217,19 +220,41 @@ static bool take_normals(
 	return true;
 }
 
+/* Rings are farther apart than the points on them, which the nearest neighbours alone are of: patches reach to the next ring, but no
+ * farther than so many times. */
+#define RING_REACH 3.f
+
+static void reach_rings(
+	cloud_geometry *g, const points *cloud, const double *elevation_rad, uint32_t rings)
+{
+	for (uint64_t i = 0; i < g->count; i++) {
+		const struct point_record *r = &cloud->record[i];
+		double level_m = hypot(r->x_m, r->y_m),
+		       height_m = hypot(level_m, r->z_m) * cloud_ring_height_rad(elevation_rad,
+								   rings, atan2(r->z_m, level_m));
+		float *size_m = &g->point_size_m[i];
+		*size_m = fmaxf(*size_m, fminf((float)height_m, RING_REACH * *size_m));
+	}
+}
+
 static bool make_cloud(
 	struct maker *m, const struct scan_source *s, const points *cloud, GError **error)
 {
 	struct cloud_view v = cloud_view_of(cloud);
+	g_autofree double *elevation_rad = NULL;
+	uint32_t rings = 0;
+	v.has_viewpoint = cloud_find_rings(&v, &elevation_rad, &rings);
 	struct cloud_geometry_options options = { .progress = cloud_progress, .user_data = m };
 	g_autoptr(cloud_geometry) g = cloud_geometry_estimate(&v, &options, error);
 	if (!g)
 		return false;
 	if (!take_normals(m->site, s->number, cloud, g, error))
 		return false;
+	if (rings)
+		reach_rings(g, cloud, elevation_rad, rings);
 	const float *first = (const float *)g->normal;
 	struct planes p = { g->count, { first, first + 1, first + 2 }, 3, g->plane_error_m,
-		g->curvature, g->point_size_m };
+		g->curvature, g->point_size_m, rings };
 	return write_file(m, s, &p, error);
 }
 

@@ -6,14 +6,14 @@
  *     normal       2 * int16, octahedral, in the scan's own frame (model_pack_normal)
  *     plane_error  float, m        curvature  float        point_size  float, m
  *
- * Grids by geometry_union with the scans of their group that stand near, at most GEOMETRY_NEIGHBOURS; scans that are not placed
+ * A cloud that a turning lidar made, and nobody moved since, is known by its rings (cloud.h): it was all seen from its origin. Grids by geometry_union with the scans of their group that stand near, at most GEOMETRY_NEIGHBOURS; scans that are not placed
  * alone; clouds by cloud.h. The manifest's "key" is a hash of all that went in: fingerprints of the scans, their poses relative
  * to this one (to half a millimetre and 2e-5), versions. It needs no points, so asking what is due is quick. */
 #include "process/product.h"
 #include "process/scan-graph.h"
 
 #define SCAN_GEOMETRY_KIND    "geometry"
-#define SCAN_GEOMETRY_VERSION 1
+#define SCAN_GEOMETRY_VERSION 2
 /* Further away scanners see little of the same, and not as well. */
 #define GEOMETRY_NEIGHBOURS 6
 #define GEOMETRY_REACH_M    40.0
@@ -24,6 +24,7 @@ struct scan_geometry {
 	uint64_t count;                                        /* cells, or points */
 	const int16_t (*normal)[2];                            /* -32768 in both: none */
 	const float *plane_error_m, *curvature, *point_size_m; /* NAN: none */
+	uint32_t rings; /* of a cloud that was all seen from its origin; else 0 */
 };
 scan_geometry *scan_geometry_open(const site *s, uint32_t number, GError **error);
 void scan_geometry_free(scan_geometry *g); /* NULL is fine */

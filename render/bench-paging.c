@@ -67,7 +67,8 @@ static bool open_scene(struct bench *b, GError **error)
 {
 	double began_s = now_s();
 	b->model = model_open(b->path, error);
-	b->scene = b->model ? scene_new_within(b->model, b->options->memory_bytes, error) : NULL;
+	b->scene =
+		b->model ? scene_new_within(b->model, NULL, b->options->memory_bytes, error) : NULL;
 	b->opened_s = now_s() - began_s;
 	return b->scene;
 }

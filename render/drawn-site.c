@@ -58,7 +58,8 @@ bool drawn_site_load(drawn_site *d, GError **error)
 {
 	if (!segments_load_any(d->folder, &d->tree, error))
 		return false;
-	d->scene = scene_new_within(d->model, memory_bytes, error);
+	g_autofree uint8_t *leaf_class = d->tree ? segments_classes(d->tree) : NULL;
+	d->scene = scene_new_within(d->model, leaf_class, memory_bytes, error);
 	return d->scene && load_lines(d, error);
 }
 

@@ -42,10 +42,6 @@ INLINE void paint_colour(const struct brush *b, uint32_t point, const struct str
 	const struct frame_paint *paint = b->layer->paint;
 	const struct paint_step *step = &paint->step;
 	float rgb[3];
-	if (!b->f->scene->rgba[point][3]) {
-		memcpy(ret, b->layer->ink.ink, 3);
-		return;
-	}
 	evened(b, point, rgb_detail, width_m, rgb);
 	float grey = 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2];
 	float warmth = step->warmth * (2 * (grey * (1 / 255.f) - WARMTH_MIDDLE) +

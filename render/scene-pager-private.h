@@ -29,6 +29,7 @@ struct scene_pager {
 	scene *scene;
 	struct scene_source source;
 	scene_tree *tree;
+	uint8_t *leaf_class; /* what grey points to */
 	struct scene_grey grey;
 	size_t bytes;
 	struct page *page;         /* of each node */

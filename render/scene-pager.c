@@ -1,3 +1,4 @@
+#include "process/segments.h"
 #include "render/large.h"
 #include "render/scene-bend.h"
 #include "render/scene-pager-private.h"
@@ -115,7 +116,7 @@ static void set_levels(scene *s, const scene_pager *p)
 	memcpy(count, t->lightness, sizeof count);
 	for (uint32_t n = 0; n <= UINT16_MAX; n++) {
 		uint8_t rgba[4];
-		scene_grey_colour(&p->grey, (uint16_t)n, rgba);
+		scene_grey_colour(&p->grey, (uint16_t)n, 0, NULL, rgba);
 		if (rgba[3])
 			count[scene_lightness(rgba)] += t->intensity[n];
 	}
@@ -237,7 +238,7 @@ static void show_tops(scene_pager *p)
 		s->count += s->chunk[n].count;
 }
 
-scene *scene_paged(const model *m, uint64_t memory_bytes, GError **error)
+scene *scene_paged(const model *m, const uint8_t *leaf_class, uint64_t memory_bytes, GError **error)
 {
 	g_autoptr(scene) s = g_new0(scene, 1);
 	scene_pager *p = s->pager = g_new0(scene_pager, 1);
@@ -251,7 +252,8 @@ scene *scene_paged(const model *m, uint64_t memory_bytes, GError **error)
 	p->source.tree = p->tree = p->source.fd >= 0 ? scene_tree_new(m, error) : NULL;
 	if (!p->tree)
 		return NULL;
-	p->grey = scene_grey_of(m);
+	p->leaf_class = g_memdup2(leaf_class, SEGMENTS_MAX + 1);
+	p->grey = scene_grey_of(m, p->leaf_class);
 	if (!scene_planes_load(m, &p->grey, &s->planes, error))
 		return NULL;
 	struct model_short in_short = model_in_short(m);
@@ -293,6 +295,7 @@ void scene_pager_free(scene_pager *p)
 	scene_tree_free(p->tree);
 	scene_units_free(p->units);
 	g_clear_error(&p->error);
+	g_free(p->leaf_class);
 	g_free(p->page);
 	g_free(p->seen);
 	g_free(p->chunk);

@@ -22,7 +22,8 @@
 
 typedef struct scene_pager scene_pager;
 /* For scene_new_within and tests: a scene of a model that is told in short, with a pager. */
-scene *scene_paged(const model *m, uint64_t memory_bytes, GError **error);
+scene *scene_paged(
+	const model *m, const uint8_t *leaf_class, uint64_t memory_bytes, GError **error);
 void scene_pager_free(scene_pager *p); /* NULL is fine; stops the threads */
 /* For who keeps copies: chunks begin at multiples of so many points, and none stands across a multiple of SCENE_PAGER_WITHIN. All indices
  * are below scene_pager_points(). */

@@ -22,7 +22,7 @@
 #define BENT_BOTH_WAYS 1.5f
 
 struct cell {
-	float rgb[3], colours;
+	float rgb[3];
 	float detail, points; /* sum, of how many */
 	float way[6];         /* sum of products of edges' directions: xx yy zz xy xz yz */
 	float edges;
@@ -78,11 +78,8 @@ static void count_point(const struct look *l, uint32_t point)
 	const scene *s = l->s;
 	cell_of(l, point, at);
 	struct cell *c = cell_at(l, at);
-	if (s->rgba[point][3]) {
-		for (int k = 0; k < 3; k++)
-			c->rgb[k] += s->rgba[point][k];
-		c->colours++;
-	}
+	for (int k = 0; k < 3; k++)
+		c->rgb[k] += s->rgba[point][k];
 	c->detail += detail_of(s, point);
 	c->points++;
 	if (is_edge(s, point)) {
@@ -96,7 +93,6 @@ static void add_cell(struct cell *to, const struct cell *c, float weight)
 {
 	for (int k = 0; k < 3; k++)
 		to->rgb[k] += weight * c->rgb[k];
-	to->colours += weight * c->colours;
 	for (int k = 0; k < 6; k++)
 		to->way[k] += weight * c->way[k];
 	to->edges += weight * c->edges;
@@ -181,10 +177,9 @@ static void look_at_point(const struct look *l, const uint8_t (*bend)[2], uint32
 	const uint8_t *rgba = l->s->rgba[point];
 	float differs = 0;
 	for (int k = 0; k < 3; k++) {
-		float mean = near->colours > 0 ? near->rgb[k] / near->colours : 128;
+		float mean = near->rgb[k] / near->points;
 		to->rgb[k] = (uint8_t)(mean + 0.5f);
-		if (rgba[3])
-			differs = fmaxf(differs, fabsf((float)rgba[k] - mean) / 255);
+		differs = fmaxf(differs, fabsf((float)rgba[k] - mean) / 255);
 	}
 	differs = (differs - COLOURS_ALIKE) / (COLOURS_DIFFER - COLOURS_ALIKE);
 	float beside = DETAIL_BESIDE * fminf(DETAIL_SPREADS * near->detail / near->points, 1);
@@ -199,11 +194,11 @@ static void sum_up(const struct look *l, struct scene_paint_chunk *to)
 	for (uint32_t n = 0; n < CELLS * CELLS * CELLS; n++) {
 		for (int k = 0; k < 3; k++)
 			sum[k] += l->cell[n].rgb[k];
-		sum[3] += l->cell[n].colours;
+		sum[3] += l->cell[n].points;
 	}
 	for (int k = 0; k < 3; k++)
-		to->rgba[k] = (uint8_t)(sum[3] > 0 ? sum[k] / sum[3] + 0.5 : 128);
-	to->rgba[3] = sum[3] > 0 ? 255 : 0;
+		to->rgba[k] = (uint8_t)(sum[k] / sum[3] + 0.5);
+	to->rgba[3] = 255;
 	to->cell_m = l->cell_m;
 	uint32_t undirected =
 		l->chunk->kind_end[FEATURE_UNDIRECTED] - l->chunk->kind_end[FEATURE_UNDIRECTED - 1];

@@ -15,7 +15,7 @@ struct scene_paint_point {
 };
 
 struct scene_paint_chunk {
-	uint8_t rgba[4]; /* its mean; a 0: it has no colours */
+	uint8_t rgba[4]; /* its mean */
 	float cell_m;    /* of the cells in it */
 	uint32_t
 		is_leafy; /* 1: so many of its points are features without a line that these are leaves; else they are of surface */

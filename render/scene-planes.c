@@ -28,11 +28,14 @@ static void take_texels(const plane_regions *from, const struct scene_plane *p,
 {
 	const uint8_t(*texel)[4] = from->texel + p->region->first_texel;
 	size_t count = (size_t)p->region->width * p->region->height;
+	int16_t normal[2];
+	model_pack_normal(p->region->normal, normal);
 	for (size_t n = 0; n < count; n++) {
 		if (texel[n][3])
 			memcpy(to[n], texel[n], 4);
 		else
-			scene_grey_colour(grey, (uint16_t)(texel[n][0] | texel[n][1] << 8), to[n]);
+			scene_grey_colour(grey, (uint16_t)(texel[n][0] | texel[n][1] << 8),
+				p->region->leaf, normal, to[n]);
 		to[n][3] = 255;
 	}
 }

@@ -77,7 +77,7 @@ static void copy_point(scene *s, const struct scene_chunk *c, uint32_t at,
 	if (p->rgba[3])
 		memcpy(s->rgba[at], p->rgba, sizeof p->rgba);
 	else
-		scene_grey_colour(grey, p->intensity, s->rgba[at]);
+		scene_grey_colour(grey, p->intensity, c->leaf, p->normal, s->rgba[at]);
 	s->kind[at] = MIN(p->kind, FEATURE_KINDS - 1);
 	s->degree[at] = p->feature;
 }

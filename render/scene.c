@@ -175,7 +175,7 @@ static void take_chunk(scene *s, uint32_t n, const model *m, const struct model_
 	product_forget(model_file(m), p, from->points * sizeof *p);
 }
 
-scene *scene_new(const model *m, GError **error)
+static scene *new_whole(const model *m, const uint8_t *leaf_class, GError **error)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
@@ -185,7 +185,7 @@ scene *scene_new(const model *m, GError **error)
 			product_path(model_file(m)), model_count(m));
 		return NULL;
 	}
-	const struct scene_grey grey = scene_grey_of(m);
+	const struct scene_grey grey = scene_grey_of(m, leaf_class);
 	struct scene_planes *planes;
 	if (!scene_planes_load(m, &grey, &planes, error))
 		return NULL;
@@ -207,6 +207,11 @@ scene *scene_new(const model *m, GError **error)
 	return s;
 }
 
+scene *scene_new(const model *m, GError **error)
+{
+	return new_whole(m, NULL, error);
+}
+
 /* What a machine of today is left with for all else. */
 static uint64_t memory_by_itself(void)
 {
@@ -214,10 +219,12 @@ static uint64_t memory_by_itself(void)
 	return all / 2;
 }
 
-scene *scene_new_within(const model *m, uint64_t memory_bytes, GError **error)
+scene *scene_new_within(
+	const model *m, const uint8_t *leaf_class, uint64_t memory_bytes, GError **error)
 {
 	uint64_t chunks, most = memory_bytes ? memory_bytes : memory_by_itself();
 	model_chunks(m, &chunks);
 	bool fits = model_count(m) <= SCENE_POINTS_MOST && bytes_of(model_count(m), chunks) <= most;
-	return fits || !model_in_short(m).tones ? scene_new(m, error) : scene_paged(m, most, error);
+	return fits || !model_in_short(m).tones ? new_whole(m, leaf_class, error)
+						: scene_paged(m, leaf_class, most, error);
 }

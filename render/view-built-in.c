@@ -3,13 +3,17 @@
 #include <math.h>
 #include <string.h>
 
-#define ASPECT(s)      ((s)->aspect > 0 ? (s)->aspect : 4.0 / 3.0)
-#define LOOK_ROWS      72u
-#define OVERVIEW_FOV   40.0
-#define TRIPOD_M       1.6 /* where the ground was not seen */
-#define HEADINGS       24
-#define GLANCE_MAX_RAD (8 * G_PI / 180)
-#define WALK_ASIDE_RAD (22.5 * G_PI / 180) /* past a pillar */
+#define ASPECT(s)       ((s)->aspect > 0 ? (s)->aspect : 4.0 / 3.0)
+#define LOOK_ROWS       72u
+#define OVERVIEW_FOV    40.0
+#define TRIPOD_M        1.6 /* where the ground was not seen */
+#define HEADINGS        24
+#define GLANCE_MAX_RAD  (8 * G_PI / 180)
+#define ASIDE_LEAST_RAD (1 * G_PI / 180)
+#define BAND_EMPTY      0.2 /* of half the picture, at least, above and below */
+#define BAND_MARGIN     1.15
+#define BAND_FOV_LEAST  24.0
+#define WALK_ASIDE_RAD  (22.5 * G_PI / 180) /* past a pillar */
 
 /* A picture that is good enough to find out what is seen. */
 static struct camera glance(const struct view_sources *s, const double eye_m[3], double heading_rad,
@@ -72,15 +76,31 @@ static struct middle middle_of(const struct view_sources *s)
 		fmin(half / 2, fmax(2, half / 4)), fmax(1, half) };
 }
 
+/* A lidar with some rings sees a band alone. Where the picture stays empty above and below it, the picture is of the band. */
+static bool find_band(
+	const struct view_sight *sight, double *ret_elevation_rad, double *ret_fov_deg)
+{
+	double half = VIEW_FOV_DEG * G_PI / 360, room = BAND_EMPTY * half;
+	if (sight->high_rad > half - room || sight->low_rad < -half + room ||
+		sight->high_rad <= sight->low_rad)
+		return false;
+	double high = BAND_MARGIN * (sight->high_rad - sight->low_rad);
+	*ret_elevation_rad = (sight->high_rad + sight->low_rad) / 2;
+	*ret_fov_deg = CLAMP(high * 180 / G_PI, BAND_FOV_LEAST, VIEW_FOV_DEG);
+	return true;
+}
+
 /* Level but for a little towards what is seen, so that uprights stay nearly upright. */
 static view *view_towards(const char *name, const char *title, const struct camera *c,
 	const struct view_sight *sight, double otherwise_m)
 {
-	double elevation = CLAMP(sight->elevation_rad, -GLANCE_MAX_RAD, GLANCE_MAX_RAD);
+	double elevation = CLAMP(sight->elevation_rad, -GLANCE_MAX_RAD, GLANCE_MAX_RAD),
+	       fov_deg = VIEW_FOV_DEG;
+	find_band(sight, &elevation, &fov_deg);
 	struct camera tilted = camera_towards(
-		c->eye_m, camera_heading_rad(c), elevation, VIEW_FOV_DEG, c->width, c->height);
+		c->eye_m, camera_heading_rad(c), elevation, fov_deg, c->width, c->height);
 	return view_ahead(name, title, &tilted,
-		sight->distance_m > 0 ? sight->distance_m : otherwise_m, VIEW_FOV_DEG);
+		sight->distance_m > 0 ? sight->distance_m : otherwise_m, fov_deg);
 }
 
 /* Of headings to both sides of one; an equal one farther to the side is none better. */
@@ -102,12 +122,26 @@ static struct camera best_heading(const struct view_sources *s, const double eye
 	return best;
 }
 
+/* A scanner may have looked one way alone: what there is comes into the middle. */
+static struct camera centred(const struct view_sources *s, const struct middle *m,
+	const struct camera *c, struct view_sight *sight)
+{
+	struct camera ret = *c;
+	for (int times = 0; times < 3 && fabs(sight->aside_rad) > ASIDE_LEAST_RAD; times++) {
+		ret = glance(
+			s, c->eye_m, camera_heading_rad(&ret) + sight->aside_rad, 0, VIEW_FOV_DEG);
+		*sight = view_look(s, &ret, m->near_m, m->far_m);
+	}
+	return ret;
+}
+
 static view *station_view(const struct view_sources *s, size_t k, const char *name)
 {
 	struct middle m = middle_of(s);
 	struct view_sight sight;
 	g_autofree char *title = g_strdup_printf("From scan %u", s->stations[k].number);
 	struct camera c = best_heading(s, s->stations[k].pose.translation_m, &m, 0, G_PI, &sight);
+	c = centred(s, &m, &c, &sight);
 	return view_towards(name, title, &c, &sight, m.far_m);
 }
 
@@ -140,6 +174,7 @@ static view *walk(const struct view_sources *s)
 		best = c;
 		is_out = out;
 	}
+	best = centred(s, &m, &best, &most);
 	return view_towards("walk", "Walk", &best, &most, m.far_m);
 }
 

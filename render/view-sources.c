@@ -1,6 +1,7 @@
 #include "render/view-sources.h"
 #include "process/pose-json.h"
 #include "process/scan-data.h"
+#include "process/scan-geometry.h"
 #include <math.h>
 #include <string.h>
 
@@ -36,12 +37,16 @@ static bool read_station(JsonNode *node, struct view_station *ret)
 	       read_pose(json_object_get_member(o, "pose"), &ret->pose);
 }
 
-/* A site may have been copied without its scans; then nothing tells of clouds. */
+/* A site may have been copied without its scans, or what was made of them; then nothing tells of clouds. */
 static bool find_scanner(const site *s, uint32_t number, bool *ret_stood, GError **error)
 {
 	g_autoptr(GError) missing = NULL;
 	g_autoptr(scan_data) d = scan_data_peek(s, number, &missing);
 	*ret_stood = !d || d->kind != SCAN_CLOUD;
+	if (!*ret_stood) {
+		g_autoptr(scan_geometry) g = scan_geometry_open(s, number, NULL);
+		*ret_stood = g && g->rings;
+	}
 	if (d || g_error_matches(missing, G_IO_ERROR, G_IO_ERROR_NOT_FOUND))
 		return true;
 	g_propagate_error(error, g_steal_pointer(&missing));
@@ -287,11 +292,61 @@ static double facing(const struct view_sources *s, uint64_t i, const struct came
 	return far2 > 0 ? 1 + along / sqrt(far2) : 1;
 }
 
+/* Of fewer pixels a column is as good as empty. */
+#define COLUMN_LEAST 3
+
+static bool is_column_empty(const struct camera *c, const float *depths_m, uint32_t x)
+{
+	int filled = 0;
+	for (uint32_t y = 0; y < c->height; y++)
+		filled += isfinite(depths_m[(size_t)y * c->width + x]);
+	return filled < COLUMN_LEAST;
+}
+
+static bool is_row_empty(const struct camera *c, const float *depths_m, uint32_t y)
+{
+	int filled = 0;
+	for (uint32_t x = 0; x < c->width; x++)
+		filled += isfinite(depths_m[(size_t)y * c->width + x]);
+	return filled < COLUMN_LEAST;
+}
+
+/* Of a level camera. */
+static void find_heights(const struct camera *c, const float *depths_m, struct view_sight *ret)
+{
+	uint32_t top = 0, bottom = c->height;
+	while (top < bottom && is_row_empty(c, depths_m, top))
+		top++;
+	while (bottom > top && is_row_empty(c, depths_m, bottom - 1))
+		bottom--;
+	double half = c->height / 2.0;
+	if (top == bottom)
+		return;
+	ret->high_rad = atan((half - top) / c->focal_px);
+	ret->low_rad = atan((half - bottom) / c->focal_px);
+}
+
+static double aside_rad(const struct camera *c, const float *depths_m)
+{
+	uint32_t left = 0, right = c->width;
+	while (left < right && is_column_empty(c, depths_m, left))
+		left++;
+	while (right > left && is_column_empty(c, depths_m, right - 1))
+		right--;
+	double half = c->width / 2.0;
+	return left < right
+		       ? (atan((left - half) / c->focal_px) + atan((right - half) / c->focal_px)) /
+				 2
+		       : 0;
+}
+
 struct view_sight view_look(
 	const struct view_sources *s, const struct camera *c, double near_m, double far_m)
 {
 	struct view_sight sight = { 0 };
 	g_autofree float *depths_m = draw_depths(s, c);
+	sight.aside_rad = aside_rad(c, depths_m);
+	find_heights(c, depths_m, &sight);
 	for (uint64_t i = 0; i < s->boxes->count; i++) {
 		const struct model_chunk *chunk = &s->boxes->box[i];
 		struct seen seen;

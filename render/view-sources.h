@@ -21,7 +21,7 @@ struct view_sources {
 };
 
 /* Where the scanners of the scans in the model stood when it was made, sorted by number, of struct
- * view_station; without those of point clouds, which do not tell. Errors are of manifest.h and
+ * view_station; without those of point clouds, which do not tell, but for those of turning lidars (scan-geometry.h). Errors are of manifest.h and
  * PRODUCT_ERROR. Caller frees. */
 GArray *view_stations(const site *s, const model *m, GError **error);
 
@@ -42,6 +42,9 @@ struct view_sight {
 	double points; /* seen; towards the left and right edge a point counts less, and one that faces away not at all */
 	double distance_m;    /* their mean depth; 0 where there are none */
 	double elevation_rad; /* and their mean direction from the eye */
+	double aside_rad; /* how far to the right the middle of what stands there at all is, where a side of the picture stays empty; else 0 */
+	double low_rad,
+		high_rad; /* between which elevations anything stands there at all; both 0: nothing does */
 };
 /* By a coarse depth picture of the boxes; those with few points hide nothing. The camera's picture
  * should have some ten pixels a side. */

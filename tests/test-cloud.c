@@ -273,6 +273,27 @@ static void test_aerial(void)
 	}
 }
 
+/* ---- points in the air ---- */
+
+/* A floor, and a few points far above it and from each other, which are no metres large. */
+static void test_loose(void)
+{
+	struct made m = made_new(21);
+	for (int i = 0; i < 20000; i++)
+		made_add(&m, g_rand_double_range(m.rand, 0, 5), g_rand_double_range(m.rand, 0, 5),
+			made_normal(&m, 0.001));
+	for (int i = 0; i < 60; i++)
+		made_add(&m, g_rand_double_range(m.rand, 0, 5), g_rand_double_range(m.rand, 0, 5),
+			g_rand_double_range(m.rand, 3, 8));
+	struct cloud_view v = made_view(&m);
+	g_autoptr(cloud_geometry) g = estimate(&v, NULL);
+	for (size_t i = 0; i < 20000; i++)
+		g_assert_cmpfloat(g->point_size_m[i], <, 0.12);
+	for (size_t i = 20000; i < v.count; i++)
+		g_assert_cmpfloat(g->point_size_m[i], <, 0.12);
+	made_clear(&m);
+}
+
 /* ---- rings ---- */
 
 /* A room of 12 x 8 x 3 m from its middle, as a lidar of 32 rings sees it. */
@@ -301,6 +322,11 @@ static void test_rings(void)
 	g_assert_cmpuint(rings, ==, 32);
 	for (uint32_t i = 0; i < rings; i++)
 		g_assert_cmpfloat(fabs(elevation[i] - (10 - i * 1.33) * DEGREE), <, 0.0005);
+	for (double at = 0; at < 32; at += 0.4) /* beyond the last ring as well */
+		g_assert_cmpfloat(
+			fabs(cloud_ring_height_rad(elevation, rings, (10 - at * 1.33) * DEGREE) -
+				1.33 * DEGREE),
+			<, 0.0005);
 	g_autofree uint32_t *index = NULL;
 	g_autoptr(range_grid) g = cloud_range_grid(&v, &index);
 	g_assert_nonnull(g);
@@ -376,6 +402,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/cloud/far-and-repeated", test_far_and_repeated);
 	g_test_add_func("/cloud/degenerate", test_degenerate);
 	g_test_add_func("/cloud/stopped", test_stopped);
+	g_test_add_func("/cloud/loose", test_loose);
 	g_test_add_func("/cloud/aerial", test_aerial);
 	g_test_add_func("/cloud/rings", test_rings);
 	g_test_add_func("/cloud/no-rings", test_no_rings);

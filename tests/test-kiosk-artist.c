@@ -94,7 +94,7 @@ static void test_paged(void)
 		.dithered = true };
 	made_add_plane(&m, &ground);
 	made_read(&m);
-	g_autoptr(scene) paged = scene_paged(m.model, (uint64_t)64 << 20, NULL);
+	g_autoptr(scene) paged = scene_paged(m.model, NULL, (uint64_t)64 << 20, NULL);
 	const scene *of[] = { paged, m.scene };
 	GBytes *finest[2];
 	g_assert_nonnull(paged);

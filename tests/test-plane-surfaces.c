@@ -224,7 +224,7 @@ static void test_unasked(void)
 static void test_paged(void)
 {
 	g_autoptr(GError) error = NULL;
-	g_autoptr(scene) s = scene_new_within(room.model, 1, &error);
+	g_autoptr(scene) s = scene_new_within(room.model, NULL, 1, &error);
 	g_assert_no_error(error);
 	g_assert_nonnull(s->pager);
 	g_assert_nonnull(s->planes);

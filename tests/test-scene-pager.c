@@ -54,7 +54,7 @@ static made shared;
 static scene *open_paged(const model *m, uint64_t memory_bytes)
 {
 	g_autoptr(GError) error = NULL;
-	scene *s = scene_paged(m, memory_bytes, &error);
+	scene *s = scene_paged(m, NULL, memory_bytes, &error);
 	g_assert_no_error(error);
 	return s;
 }
@@ -270,10 +270,10 @@ static void test_gles(void)
 static void test_fits(void)
 {
 	g_autoptr(GError) error = NULL;
-	g_autoptr(scene) all = scene_new_within(shared.model, (uint64_t)1 << 30, &error);
+	g_autoptr(scene) all = scene_new_within(shared.model, NULL, (uint64_t)1 << 30, &error);
 	g_assert_no_error(error);
 	g_assert_null(all->pager);
-	g_autoptr(scene) some = scene_new_within(shared.model, (uint64_t)24 << 20, &error);
+	g_autoptr(scene) some = scene_new_within(shared.model, NULL, (uint64_t)24 << 20, &error);
 	g_assert_no_error(error);
 	g_assert_nonnull(some->pager);
 	g_assert_cmpuint(scene_bytes(some), <=, (uint64_t)25 << 20);

@@ -1,4 +1,6 @@
 /* A model in the form that it is drawn from. */
+#include "process/segment-class.h"
+#include "render/scene-grey.h"
 #include "tests/scene-made.h"
 
 /* ---- points ---- */
@@ -281,7 +283,41 @@ static void test_no_intensities(void)
 	g_auto(made) m = { 0 };
 	const scene *s = scene_of_intensities(&m, NULL);
 	g_assert_cmpuint(s->rgba[500][3], ==, 0);
-	g_assert_cmpuint(s->rgba[500][0], ==, 168);
+	g_assert_cmpuint(s->rgba[500][0], ==, 154); /* it faces the sky */
+}
+
+/* Hues of classes are as light as the grey that they are of; and what has no intensity is lit. */
+static void test_hues(void)
+{
+	static const float way[][3] = { { -0.39f, -0.53f, 0.75f }, { 0, 0, 1 }, { 1, 1, 0 } };
+	uint8_t leaf_class[SEGMENT_CLASSES];
+	struct scene_grey grey = { 1000, 0.02f, NULL }, dark = { 0 };
+	uint8_t rgba[4], least = 255;
+	for (int n = 0; n < SEGMENT_CLASSES; n++)
+		leaf_class[n] = (uint8_t)n;
+	for (uint16_t intensity = 900; intensity < 10000; intensity += 100)
+		for (uint32_t leaf = 0; leaf < SEGMENT_CLASSES; leaf++) {
+			uint8_t hue[4];
+			grey.leaf_class = NULL;
+			scene_grey_colour(&grey, intensity, leaf, NULL, rgba);
+			g_assert_true(rgba[0] == rgba[1] && rgba[1] == rgba[2]);
+			grey.leaf_class = leaf_class;
+			scene_grey_colour(&grey, intensity, leaf, NULL, hue);
+			g_assert_cmpint(abs(model_lightness(hue) - rgba[0]), <=, 4);
+			g_assert_cmpuint(hue[3], ==, 255);
+			if (leaf == CLASS_VEGETATION)
+				g_assert_true(hue[1] > hue[0] && hue[0] > hue[2]);
+			if (leaf == CLASS_WATER)
+				g_assert_true(hue[2] > hue[1] && hue[1] > hue[0]);
+		}
+	for (size_t n = 0; n < G_N_ELEMENTS(way); n++) {
+		int16_t normal[2];
+		model_pack_normal(way[n], normal);
+		scene_grey_colour(&dark, 0, 0, normal, rgba);
+		g_assert_cmpuint(rgba[3], ==, 0);
+		g_assert_cmpuint(rgba[0], <, least); /* each faces the light less */
+		least = rgba[0];
+	}
 }
 
 /* ---- odd models ---- */
@@ -381,6 +417,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene/measures", test_measures);
 	g_test_add_func("/scene/intensities", test_intensities);
 	g_test_add_func("/scene/no-intensities", test_no_intensities);
+	g_test_add_func("/scene/hues", test_hues);
 	g_test_add_func("/scene/no-points", test_no_points);
 	g_test_add_func("/scene/one-point", test_one_point);
 	g_test_add_func("/scene/chunks-of-one", test_chunks_of_one);

@@ -23,10 +23,7 @@ vec3 evened(candidate c, brush p, uint rgba, float width_m)
 uint paint_colour(candidate c, brush p, float width_m, float lit)
 {
 	const vec3 warm = vec3(34.0, 8.0, -40.0);
-	uint rgba = looks[c.index].x;
-	if (rgba >> 24 == 0u)
-		return colour.x & 0xffffffu;
-	vec3 rgb = evened(c, p, rgba, width_m);
+	vec3 rgb = evened(c, p, looks[c.index].x, width_m);
 	float grey = dot(rgb, vec3(0.299, 0.587, 0.114));
 	float warmth = paint_look.z * (2.0 * (grey * (1.0 / 255.0) - WARMTH_MIDDLE) +
 					      WARMTH_CHANCE * (2.0 * chance_by(c, SALT_WARMTH) - 1.0));
