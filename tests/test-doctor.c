@@ -91,17 +91,25 @@ static void test_no_space(void)
 	assert_state(none, "space", "cannot be looked at", "bad");
 }
 
-static void test_configuration(void)
+static JsonNode *look_with(const char *conf)
 {
 	g_autofree char *path = g_build_filename(folder, "conf", NULL);
-	g_assert_true(g_file_set_contents(path, "[stage]\nestpo=4\n", -1, NULL));
+	g_assert_true(g_file_set_contents(path, conf, -1, NULL));
 	g_setenv("PLEINAIR_CONF", path, TRUE);
 	g_auto(answer) a = commands_run("doctor", "--json", folder);
 	g_unsetenv("PLEINAIR_CONF");
 	g_unlink(path);
 	g_assert_cmpint(a.status, ==, 1);
-	g_autoptr(JsonNode) root = json_from_string(a.out, NULL);
-	assert_state(root, "configuration", "no key 'estpo' in [stage]", "bad");
+	return json_from_string(a.out, NULL);
+}
+
+static void test_configuration(void)
+{
+	g_autoptr(JsonNode) misspelt = look_with("[stage]\nestpo=4\n"),
+			    absent = look_with("[head]\ndevice=ld:/dev/pleinair-none\n");
+	assert_state(misspelt, "configuration", "no key 'estpo' in [stage]", "bad");
+	/* The head that it names is the one that is talked to. */
+	assert_state(absent, "head", "/dev/pleinair-none does not exist", "bad");
 }
 
 int main(int argc, char **argv)
