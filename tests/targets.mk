@@ -6,7 +6,7 @@ gallery ?= gallery
 # A whole build takes all cores, unless make was told how many.
 side_by_side = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,--jobs=$(shell nproc))
 
-.PHONY: all help deps demo gallery check check-house check-layers check-format check-translations pot check-tests check-sanitized check-asan check-ubsan \
+.PHONY: all help deps demo gallery check check-house check-layers check-format check-translations check-docs pot check-tests check-sanitized check-asan check-ubsan \
 	check-tsan fuzz bench format install clean tests
 
 help:
@@ -34,7 +34,7 @@ check: deps
 deps:
 	@sh tests/deps.sh $(packages)
 
-check-house: check-layers check-format check-translations
+check-house: check-layers check-format check-translations check-docs
 check-layers:
 	@sh tests/check-layers.sh
 check-format:
@@ -42,6 +42,9 @@ check-format:
 
 check-translations:
 	@sh render/kiosk/po/texts.sh check
+# Manual pages against the programs, where they are built; files that documents name.
+check-docs:
+	@sh tests/check-docs.sh $(BUILD)
 #: make pot             take new texts of the touch screen over into render/kiosk/po/*.po, where they wait to be translated
 pot:
 	@sh render/kiosk/po/texts.sh update
