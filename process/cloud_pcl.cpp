@@ -227,7 +227,7 @@ float size_of(const surroundings &s, const pcl::PointXYZ &p, scratch &t)
 
 /* Where points hang in the air, as leaves do and what was met by chance, the eighth neighbour tells nothing of a patch, and may be
  * metres away: none of them is larger than so many medians of all. */
-constexpr float LOOSE_CURVATURE = 0.06f, LOOSE_MEDIANS = 2.5f;
+constexpr float LOOSE_CURVATURE = 0.04f, LOOSE_MEDIANS = 2.5f;
 
 void limit_sizes(cloud_geometry *g)
 {

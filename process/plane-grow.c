@@ -10,6 +10,8 @@
 #define VOXEL_MOST_M   0.4
 #define VOXEL_SPACINGS 2.0
 #define GAP_POINTS     2.5
+/* A plane lies through any three points: where they are as sparse as from an aeroplane, a region is at least so many large. */
+#define AREA_POINTS 64
 /* Of cubes that join: how far their mean is from the plane, and the cosine of the angle to it. */
 #define JOIN_M      0.02
 #define JOIN_COSINE 0.966f
@@ -413,7 +415,7 @@ static int by_spacing(const void *a, const void *b)
 }
 
 /* By the median spacing of one point in sixteen. */
-static double voxel_size_m(const model *m, const struct plane_leaf *leaf)
+static double median_spacing_m(const model *m, const struct plane_leaf *leaf)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
@@ -422,15 +424,14 @@ static double voxel_size_m(const model *m, const struct plane_leaf *leaf)
 		for (uint32_t i = 0; i < chunk[c].points; i += 16)
 			g_array_append_val(spacing, model_points(m)[chunk[c].first + i].spacing);
 	g_array_sort(spacing, by_spacing);
-	double median_m = g_array_index(spacing, uint16_t, spacing->len / 2) * 1e-4;
-	return CLAMP(VOXEL_SPACINGS * median_m, VOXEL_LEAST_M, VOXEL_MOST_M);
+	return g_array_index(spacing, uint16_t, spacing->len / 2) * 1e-4;
 }
 
-static voxels *voxels_of(const model *m, const struct plane_leaf *leaf)
+static voxels *voxels_of(const model *m, const struct plane_leaf *leaf, double median_m)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
-	voxels *v = voxels_new(voxel_size_m(m, leaf));
+	voxels *v = voxels_new(CLAMP(VOXEL_SPACINGS * median_m, VOXEL_LEAST_M, VOXEL_MOST_M));
 	for (uint64_t c = leaf->first_chunk; c < leaf->end_chunk; c++) {
 		const struct model_point *p = model_points(m) + chunk[c].first;
 		for (uint32_t i = 0; i < chunk[c].points; i++) {
@@ -480,13 +481,15 @@ static void make_drafts(const struct growing *g, const struct grown *r, uint32_t
 void plane_grow(const model *m, const struct plane_leaf *leaf, float area_least_m2, GArray *ret)
 {
 	uint64_t chunks;
-	g_autoptr(voxels) v = voxels_of(m, leaf);
+	double spacing_m = median_spacing_m(m, leaf);
+	g_autoptr(voxels) v = voxels_of(m, leaf, spacing_m);
 	struct growing g = {
 		.v = v, .of = g_new(uint32_t, v->count + 1), .queue = g_new(uint32_t, v->count + 1)
 	};
 	memcpy(g.origin_m, model_chunks(m, &chunks)[leaf->first_chunk].centre_m, sizeof g.origin_m);
 	for (uint32_t i = 0; i < v->count; i++)
 		g.of[i] = FREE;
+	area_least_m2 = fmaxf(area_least_m2, AREA_POINTS * (float)(spacing_m * spacing_m));
 	g_autoptr(GArray) all = grow_all(&g, area_least_m2);
 	struct grown *r = (struct grown *)(void *)all->data;
 	g_autofree uint32_t *becomes = g_new(uint32_t, all->len + 1);

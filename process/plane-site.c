@@ -17,6 +17,8 @@ static const char *why_due(const site *s, const model *m, const uint8_t *leaf_cl
 		return "there are no planes yet";
 	if (!r)
 		return "the planes cannot be read";
+	if (product_version(r->file) < PLANE_REGIONS_VERSION)
+		return "planes are found otherwise now";
 	if (!plane_regions_are_of(r, m))
 		return "the model has changed";
 	return r->classes == segments_classes_checksum(leaf_class)

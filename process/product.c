@@ -163,6 +163,11 @@ static bool map(product *p, GError **error)
 	return ok;
 }
 
+int product_version(const product *p)
+{
+	return (int)json_object_get_int_member(product_manifest(p), "version");
+}
+
 product *product_open(const char *path, const char *kind, int version, GError **error)
 {
 	g_autoptr(product) p = g_new0(product, 1);

@@ -1,20 +1,8 @@
 #include "render/gallery.h"
+#include "render/gallery-page.h"
 #include "render/scene-pager.h"
+#include "render/sweep-sheet.h"
 #include <errno.h>
-
-const char gallery_css[] =
-	":root{color-scheme:light dark}"
-	"body{font:16px/1.5 system-ui,sans-serif;margin:0;background:#f6f3ec;color:#2b2723}"
-	"main{max-width:1700px;margin:0 auto;padding:1.2rem 1.5rem}h1{font-weight:600;margin:.4rem "
-	"0 1rem}"
-	".wall{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,480px),1fr));"
-	"gap:1.6rem}"
-	"figure{margin:0}figcaption{margin-top:.4rem}figcaption b{font-weight:600}"
-	"figcaption span{display:block;font-size:.85rem;color:#6d645a}"
-	"img{width:100%;height:auto;display:block;border-radius:3px;box-shadow:0 1px 6px "
-	"rgba(0,0,0,.25)}"
-	"@media(prefers-color-scheme:dark){body{background:#1d1b19;color:#ece6dc}figcaption "
-	"span{color:#a89f93}}";
 
 static struct gallery_options filled_in(const struct gallery_options *o)
 {
@@ -52,7 +40,7 @@ bool gallery_picture(const drawn_site *d, painter *p, drawing *drawn, const view
 }
 
 static bool draw_style(const drawn_site *d, painter *p, const char *name, const view *v,
-	const struct gallery_options *o, GError **error)
+	const struct gallery_options *o, sheet *all, guint cell, GError **error)
 {
 	struct picture_buffer small = { 0 };
 	g_autoptr(drawing) drawn = drawn_site_style(d, name, error);
@@ -61,6 +49,8 @@ static bool draw_style(const drawn_site *d, painter *p, const char *name, const 
 	g_autofree char *file = g_strdup_printf("%s.png", name);
 	g_autofree char *path = g_build_filename(o->folder, file, NULL);
 	bool good = picture_buffer_save(&small, path, error);
+	sheet_put(all, cell, 0, &small);
+	sheet_label(all, cell, name);
 	picture_buffer_clear(&small);
 	return good;
 }
@@ -82,22 +72,28 @@ static bool append_style(GString *html, const drawn_site *d, const char *name, G
 	return true;
 }
 
-static bool write_page(
-	const drawn_site *d, char *const *names, const struct gallery_options *o, GError **error)
+static char *title_of(const drawn_site *d, const struct gallery_options *o)
 {
-	const char *title = manifest_get_string(site_manifest(d->site), "name", NULL);
-	g_autofree char *escaped = g_markup_escape_text(title ? title : "site", -1);
+	const char *name = manifest_get_string(site_manifest(d->site), "name", NULL);
+	return o->title ? g_strdup(o->title)
+			: g_strdup_printf("%s in all styles", name ? name : "site");
+}
+
+static bool write_page(const drawn_site *d, char *const *names, const char *title,
+	const struct gallery_options *o, GError **error)
+{
 	g_autofree char *path = g_build_filename(o->folder, "index.html", NULL);
 	g_autoptr(GString) html = g_string_new(NULL);
-	g_string_append_printf(html,
-		"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
-		"content=\"width=device-width\"><title>%s in all styles</title><style>%s</style>\n"
-		"<main><h1>%s in all styles</h1><div class=\"wall\">\n",
-		escaped, gallery_css, escaped);
+	gallery_page_begin(html, title, "");
+	gallery_page_show_first(html, o->folder, o->with);
+	g_string_append(html, "<p><a href=\"contact-sheet.png\">All styles on one sheet</a></p>\n"
+			      "<div class=\"wall\">\n");
 	for (char *const *name = names; *name; name++)
 		if (!append_style(html, d, *name, error))
 			return false;
-	g_string_append(html, "</div></main></html>\n");
+	g_string_append(html, "</div>\n");
+	gallery_page_show_last(html, o->folder, o->with);
+	gallery_page_end(html);
 	return g_file_set_contents(path, html->str, (gssize)html->len, error);
 }
 
@@ -116,16 +112,19 @@ bool gallery_write(const drawn_site *d, painter *p, char *const *names,
 	struct gallery_options o = filled_in(options);
 	g_autoptr(view) v = gallery_view(d, o.view, error);
 	guint count = g_strv_length((char **)names);
-	if (!v)
+	if (!v || !gallery_page_check(o.with, error))
 		return false;
 	if (g_mkdir_with_parents(o.folder, 0777) != 0) {
 		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", o.folder,
 			g_strerror(errno));
 		return false;
 	}
+	g_autofree char *title = title_of(d, &o),
+			*path = g_build_filename(o.folder, "contact-sheet.png", NULL);
+	g_autoptr(sheet) all = sheet_new(title, v->title, count, 1, o.width, o.height);
 	for (guint n = 0; n < count; n++)
 		if (!go_on(&o, (double)n / count, names[n], error) ||
-			!draw_style(d, p, names[n], v, &o, error))
+			!draw_style(d, p, names[n], v, &o, all, n, error))
 			return false;
-	return write_page(d, names, &o, error);
+	return sheet_save(all, path, error) && write_page(d, names, title, &o, error);
 }

@@ -5,9 +5,13 @@
 #include "render/painter.h"
 
 struct gallery_options {
-	const char *folder;                  /* made when it is missing; STYLE.png and index.html */
+	const char *
+		folder; /* made when it is missing; STYLE.png, contact-sheet.png of all and index.html */
 	const char *view;                    /* NULL: walk, or overview where the site has none */
 	uint32_t width, height, supersample; /* 0: 800, 600, 2 */
+	const char *title;                   /* of the page; NULL: a usual one */
+	char *const *
+		with; /* other files that the page shows (gallery-page.h), NULL-terminated; NULL: none */
 	bool (*progress)(
 		double fraction, const char *doing, gpointer user_data); /* returns false to stop */
 	gpointer user_data;
@@ -18,7 +22,6 @@ bool gallery_write(const drawn_site *d, painter *p, char *const *names,
 
 /* ---- what other pages of pictures have in common with it ---- */
 
-extern const char gallery_css[];
 /* name NULL: walk, or overview where the site has none. */
 view *gallery_view(const drawn_site *d, const char *name, GError **error);
 /* Of the style that is drawn; caller clears *ret. Width, height and supersample of the options count. */

@@ -9,8 +9,8 @@
 #define COMMAND "styles"
 
 static gboolean json, schema, steps, check;
-static char *thumbnails, *view_name, *size_text, *output;
-static char **sweep_texts;
+static char *thumbnails, *view_name, *size_text, *output, *title;
+static char **sweep_texts, **with;
 
 static const GOptionEntry entries[] = {
 	{ "check", 'c', 0, G_OPTION_ARG_NONE, &check,
@@ -30,6 +30,11 @@ static const GOptionEntry entries[] = {
 		"VIEW" },
 	{ "size", 0, 0, G_OPTION_ARG_STRING, &size_text,
 		"thumbnails, sweeps: of each picture (default 800x600, of sweeps 600x450)", "WxH" },
+	{ "title", 0, 0, G_OPTION_ARG_STRING, &title, "thumbnails, sweeps: of the page", "TEXT" },
+	{ "with", 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &with,
+		"thumbnails, sweeps: a film, picture or page that the page shows too; may be "
+		"repeated",
+		"FILE" },
 	{ "schema", 0, 0, G_OPTION_ARG_NONE, &schema,
 		"Print the JSON Schema of styles, for editors", NULL },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the list as JSON", NULL },
@@ -138,6 +143,8 @@ static int make_thumbnails(const char *site_path)
 	struct cli_bar bar;
 	struct gallery_options o = { .folder = thumbnails,
 		.view = view_name,
+		.title = title,
+		.with = with,
 		.width = 800,
 		.height = 600,
 		.progress = show_progress,
@@ -175,6 +182,8 @@ static int make_sweeps(char **paths)
 	struct cli_bar bar;
 	struct gallery_options o = { .folder = output ? output : usual,
 		.view = view_name,
+		.title = title,
+		.with = with,
 		.width = 600,
 		.height = 450,
 		.supersample = 2,

@@ -1,3 +1,4 @@
+#include "render/gallery-page.h"
 #include "render/sweep-draw.h"
 #include "render/sweep-sheet.h"
 #include <errno.h>
@@ -168,6 +169,8 @@ static bool draw_each(struct run *r, GError **error)
 	for (guint k = 0; k < r->sweeps->len; k++)
 		if (!check(r, r->sweeps->pdata[k], error))
 			return false;
+	if (!gallery_page_check(r->options->with, error))
+		return false;
 	if (g_mkdir_with_parents(folder, 0777) != 0) {
 		g_set_error(error, G_FILE_ERROR, g_file_error_from_errno(errno), "%s: %s", folder,
 			g_strerror(errno));
@@ -175,7 +178,7 @@ static bool draw_each(struct run *r, GError **error)
 	}
 	for (guint k = 0; k < r->sweeps->len; k++)
 		if (!draw_sweep(r, r->sweeps->pdata[k], error) ||
-			!sweeps_write_page(r->sites, r->sweeps, k + 1, folder, error))
+			!sweeps_write_page(r->sites, r->sweeps, k + 1, r->options, error))
 			return false;
 	return true;
 }

@@ -17,7 +17,7 @@ bool sweeps_draw_sites(char **paths, const GPtrArray *sweeps, const struct galle
 
 /* The page, from the sweeps that are drawn: the first so many. */
 bool sweeps_write_page(const GPtrArray *sites, const GPtrArray *sweeps, guint drawn,
-	const char *folder, GError **error);
+	const struct gallery_options *options, GError **error);
 /* For links and files: NAME-SITE-1.png; caller frees. */
 char *sweep_file(const GPtrArray *sites, const sweep *s, const drawn_site *d, guint i);
 char *drawn_site_file_name(const drawn_site *d); /* of its folder; caller frees */

@@ -1,11 +1,11 @@
 #include "firmware-io/files.h"
+#include "render/gallery-page.h"
 #include "render/sweep-draw.h"
 #include <string.h>
 
-static const char css[] =
-	"section{margin:0 0 3.5rem}h2{font-weight:600;margin:0}p{margin:.2rem 0 .8rem;"
-	"max-width:62rem}nav{columns:16rem;margin:0 0 2.5rem}nav a{display:block}"
-	"section div{font-size:.85rem;margin-top:.5rem}a{color:inherit}";
+static const char css[] = "section{margin:0 0 3.5rem}section h2{margin:0}p{margin:.2rem 0 .8rem;"
+			  "max-width:62rem}nav{columns:16rem;margin:0 0 2.5rem}nav a{display:block}"
+			  "section div{font-size:.85rem;margin-top:.5rem}";
 
 char *drawn_site_file_name(const drawn_site *d)
 {
@@ -64,18 +64,16 @@ static void append_contents(GString *html, const GPtrArray *sweeps, guint drawn)
 }
 
 bool sweeps_write_page(const GPtrArray *sites, const GPtrArray *sweeps, guint drawn,
-	const char *folder, GError **error)
+	const struct gallery_options *o, GError **error)
 {
-	g_autofree char *path = g_build_filename(folder, "index.html", NULL);
+	g_autofree char *path = g_build_filename(o->folder, "index.html", NULL);
 	g_autoptr(GString) html = g_string_new(NULL);
-	g_string_append_printf(html,
-		"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
-		"content=\"width=device-width\"><title>What parameters do</title>"
-		"<style>%s%s</style>\n<main><h1>What parameters do</h1>\n",
-		gallery_css, css);
+	gallery_page_begin(html, o->title ? o->title : "What parameters do", css);
 	append_contents(html, sweeps, drawn);
+	gallery_page_show_first(html, o->folder, o->with);
 	for (guint k = 0; k < drawn; k++)
 		append_sheet(html, sites, sweeps->pdata[k]);
-	g_string_append(html, "</main></html>\n");
+	gallery_page_show_last(html, o->folder, o->with);
+	gallery_page_end(html);
 	return files_write(path, html->str, html->len, error);
 }

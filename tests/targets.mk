@@ -6,7 +6,7 @@ gallery ?= gallery
 # A whole build takes all cores, unless make was told how many.
 side_by_side = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,--jobs=$(shell nproc))
 
-.PHONY: all help deps demo gallery check check-house check-layers check-format check-translations check-docs pot check-tests check-sanitized check-asan check-ubsan \
+.PHONY: all help deps demo gallery real check check-house check-layers check-format check-translations check-docs pot check-tests check-sanitized check-asan check-ubsan \
 	check-tsan fuzz bench format install clean tests
 
 help:
@@ -21,6 +21,13 @@ demo: deps
 gallery: deps
 	$(MAKE) $(side_by_side) all
 	@sh tests/gallery.sh $(BUILD)/bin $(demo_site) $(gallery)
+
+#: make real            set up, build, import every scan in a folder, process and draw it: DATA=../shared/data, real=real
+DATA ?= $(or $(PLEINAIR_SHARED),../shared)/data
+real ?= real
+real: deps
+	$(MAKE) $(side_by_side) all
+	@sh tests/real.sh $(BUILD)/bin "$(DATA)" "$(real)"
 
 #: make check           set up, build, run every test (all but the slowest also under ASan and UBSan), check layers and format
 check: deps
@@ -75,10 +82,11 @@ check-asan-slow:
 #: make check-slow      the tests that make check leaves out under ASan and UBSan, since they take long there
 check-slow: check-truth check-kernel
 	$(MAKE) $(asan) check-asan-slow
-#: make check-truth     segments of simulated sites at the standard preset against the truth, which check-slow does too
+#: make check-truth     segments of simulated sites at the standard preset against the truth, and all real scans drawn, which check-slow does too
 .PHONY: check-truth
-check-truth: all $(BUILD)/tests/test-segmentation-truth
+check-truth: all $(BUILD)/tests/test-segmentation-truth $(BUILD)/tests/test-real
 	PLEINAIR_SLOW=1 sh tests/tap.sh $(BUILD) $(BUILD)/tests/test-segmentation-truth
+	PLEINAIR_SLOW=1 sh tests/tap.sh $(BUILD) $(BUILD)/tests/test-real
 #: make check-units     what makes a machine an appliance, as systemd's and the bus's own tools see it; make check does this too
 check-units: all
 	@sh tests/check-units.sh $(BUILD)
