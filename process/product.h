@@ -26,7 +26,7 @@ typedef struct product product;
 /* Maps the file and checks header, table and manifest. Refuses another kind and a later version. */
 product *product_open(const char *path, const char *kind, int version, GError **error);
 int product_version(const product *p); /* of its kind: that it was written with */
-void product_free(product *p); /* NULL is fine; what sections gave goes with it */
+void product_free(product *p);         /* NULL is fine; what sections gave goes with it */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(product, product_free)
 const char *product_path(const product *p);
 JsonObject *product_manifest(const product *p); /* owned by p */

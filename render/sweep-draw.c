@@ -1,5 +1,5 @@
-#include "render/gallery-page.h"
 #include "render/sweep-draw.h"
+#include "render/gallery-page.h"
 #include "render/sweep-sheet.h"
 #include <errno.h>
 #include <string.h>

@@ -1,32 +1,49 @@
 #!/bin/sh
-# demo.sh BIN SITE: four fine scans of the simulated courtyard, registered into one model; pages that show the panoramas, how the
-# scans fit, what was found in them to draw, and the place drawn in every style.
+# demo.sh BIN SITE: four fine scans of the simulated courtyard, registered into one model, and one page that shows the place drawn in every style, as a page of
+# lines and as a film, and how the scans fit.
 set -e
 bin=$1 site=$2
 seed=${DEMO_SEED:-7}
 rm -rf "$site"
-started=$(date +%s)
+
+# step SECONDS WHAT COMMAND...: of all that is to be done, SECONDS by a machine of two cores, tells how long the rest may take by how
+# fast this one is.
+started=$(date +%s) all=335 done_s=0
+step() {
+	seconds=$1 what=$2
+	shift 2
+	elapsed=$(($(date +%s) - started))
+	if [ "$done_s" -gt 0 ]; then
+		left=$((elapsed * (all - done_s) / done_s))
+	else
+		left=$all
+	fi
+	echo "demo: $what ($((100 * done_s / all)) % done, about $(((left + 30) / 60)) min left)"
+	"$@"
+	done_s=$((done_s + seconds))
+}
+
 for station in 1 2 3 4; do
-	echo "demo: station $station of 4"
-	"$bin/pleinair" scan "$site" --device "sim:court?seed=$seed&station=$station" --preset fine
+	step 10 "station $station of 4 is scanned" "$bin/pleinair" scan "$site" --device "sim:court?seed=$seed&station=$station" --preset fine
 done
-"$bin/pleinair" panoramas "$site"
-"$bin/pleinair" process "$site"
-"$bin/pleinair" report "$site"
-"$bin/pleinair" pictures "$site"
-"$bin/pleinair" export "$site" --output "$site/exports/points.e57"
-"$bin/pleinair" export "$site" --output "$site/exports/points-2cm.las" --spacing 0.02
-echo "demo: drawing the site in every style"
-"$bin/pleinair" styles "$site" --thumbnails "$site/exports/gallery" --size 1200x900
-"$bin/pleinair" render "$site" --style line-drawing --view walk --size A3-landscape --output "$site/exports/walk.svg"
+step 5 "panoramas" "$bin/pleinair" panoramas "$site"
+step 80 "the scans are registered, and what they show is found" "$bin/pleinair" process "$site"
+step 5 "how well they fit" "$bin/pleinair" report "$site"
+step 15 "pictures of what was found" "$bin/pleinair" pictures "$site"
+step 10 "points for other programs" "$bin/pleinair" export "$site" --output "$site/exports/points.e57"
+step 10 "the same thinned out" "$bin/pleinair" export "$site" --output "$site/exports/points-2cm.las" --spacing 0.02
+step 10 "a page of lines" "$bin/pleinair" render "$site" --style line-drawing --view walk --size A3-landscape --output "$site/exports/walk.svg"
+step 40 "a film" "$bin/pleinair" render "$site" --style ink-and-wash --view walk --path orbit:6 --seconds 4 --size 960x720 --output "$site/exports/walk.mp4"
+step 110 "the place in every style" "$bin/pleinair" styles "$site" --thumbnails "$site/exports/gallery" --size 1200x900 \
+	--with "$site/exports/walk.mp4" --with "$site/exports/walk.svg" --with "$site/exports/report.html" \
+	--with "$site/exports/panoramas/index.html"
 echo
 echo "demo: done in $(($(date +%s) - started)) s. Look at:"
 folder=$(cd "$site" && pwd)
-echo "    $folder/exports/gallery/index.html      the place drawn in every style"
+echo "    $folder/exports/gallery/index.html      the place in every style, as a film and as lines, and how the scans fit"
 echo "    $folder/exports/walk.svg                its edges as a page of lines, for Inkscape"
 echo "    $folder/exports/panoramas/index.html    the panoramas"
 echo "    $folder/exports/points.e57              all points, for other programs; thinned out to 2 cm in points-2cm.las"
-echo "    $folder/exports/report.html             how the four scans fit"
 echo "    $folder/exports/pictures/index.html     classes, segments, feature degree, feature and dithering points"
 echo "The site itself is the folder $folder"
 # Another scan is then one tap away: the scanner that is simulated stands at the next tripod position.

@@ -126,8 +126,11 @@ static void test_thumbnails(void)
 {
 	g_auto(GStrv) names = style_names(NULL);
 	g_autofree char *to = in_folder("gallery"), *none = in_folder("none");
-	g_auto(answer) a = commands_run(
-		"styles", oak, "--thumbnails", to, "--size", "120x90", "--view", "overview");
+	g_autofree char *film = in_folder("a film.mp4"), *report = in_folder("report.html");
+	g_assert_true(g_file_set_contents(film, "f", -1, NULL));
+	g_assert_true(g_file_set_contents(report, "r", -1, NULL));
+	g_auto(answer) a = commands_run("styles", oak, "--thumbnails", to, "--size", "120x90",
+		"--view", "overview", "--title", "Oak & elm", "--with", film, "--with", report);
 	g_autofree char *page = g_build_filename(to, "index.html", NULL), *text = NULL;
 	commands_assert_done(&a);
 	g_assert_true(g_file_get_contents(page, &text, NULL, NULL));
@@ -137,6 +140,13 @@ static void test_thumbnails(void)
 		g_assert_nonnull(strstr(text, file));
 		g_assert_cmpuint(dark_pixels(path, 120, 90, 235), >, 10);
 	}
+	g_assert_nonnull(strstr(text, "<h1>Oak &amp; elm</h1>"));
+	g_assert_nonnull(strstr(text, "<video src=\"../a%20film.mp4\""));
+	g_assert_nonnull(strstr(text, "<iframe src=\"../report.html\""));
+	g_autofree char *sheet = g_build_filename(to, "contact-sheet.png", NULL);
+	g_assert_true(g_file_test(sheet, G_FILE_TEST_IS_REGULAR));
+	g_auto(answer) no_film = commands_run("styles", oak, "--thumbnails", to, "--with", none);
+	commands_assert_refused(&no_film, 1, none);
 	g_auto(answer) of_none = commands_run("styles", "--thumbnails", to);
 	commands_assert_refused(&of_none, 2, "thumbnails of which site?");
 	g_auto(answer) size = commands_run("styles", oak, "--thumbnails", to, "--size", "0x9");
