@@ -4,6 +4,7 @@
 #include <math.h>
 
 #define COLUMNS_MOST 5u
+#define MANY_CELLS   20u
 #define MARGIN       24.
 #define GAP          12.
 #define TITLE_SIZE   30.
@@ -67,7 +68,7 @@ sheet *sheet_new(const char *title, const char *below, guint cells, guint rows, 
 	sheet *s = g_new0(sheet, 1);
 	s->columns = columns_of(cells);
 	s->rows = rows;
-	s->scale = MIN(1, (double)SHEET_CELL_MOST / width);
+	s->scale = MIN(1, (double)(cells > MANY_CELLS ? SHEET_MANY_MOST : SHEET_CELL_MOST) / width);
 	s->width = round(width * s->scale);
 	s->height = round(height * s->scale);
 	s->top = MARGIN + TITLE_SIZE + BELOW_SIZE + 3 * GAP;

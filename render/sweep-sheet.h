@@ -4,6 +4,7 @@
 #include "render/frame.h"
 
 #define SHEET_CELL_MOST 640u /* pixels: larger pictures are made smaller on it */
+#define SHEET_MANY_MOST 320u /* where there are many of them, as of all styles */
 
 typedef struct sheet sheet;
 /* For so many cells of some pictures above one another, all of one size. */
