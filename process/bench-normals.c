@@ -1,3 +1,5 @@
+#include "process/bench-cloudcompare.h"
+#include "process/bench-open3d.h"
 #include "process/bench-process.h"
 #include "process/geometry.h"
 #include <stdlib.h>
@@ -33,7 +35,7 @@ static float angle_deg(const float a[3], const float b[3])
 }
 
 static void score(
-	const struct bench_scan *scan, const float *const normal[3], struct bench_line *line)
+	const struct bench_known_scan *scan, const float *const normal[3], struct bench_line *line)
 {
 	const range_grid *g = scan->grid;
 	size_t none = 0, measured = range_grid_count(g);
@@ -120,12 +122,51 @@ static bool measure_pcl(const struct bench_data *data, enum bench_pcl method, co
 	return true;
 }
 
-bool bench_normals(const struct bench_data *data, GArray *lines, GError **error)
+/* ---- programs of others ---- */
+
+static const struct other {
+	const char *title, *why_not;
+	bool (*is_there)(void);
+	bool (*run)(const char *folder, const range_grid *g, float *const ret_normal[3],
+		double *ret_cpu_s, GError **error);
+} others[] = {
+	{ "Open3D k = 20", BENCH_OPEN3D_WHY_NOT, bench_open3d_is_there, bench_open3d_normals },
+	{ "CloudCompare octree", BENCH_CLOUDCOMPARE_WHY_NOT, bench_cloudcompare_is_there,
+		bench_cloudcompare_normals },
+};
+
+/* Once, since they take seconds. */
+static void measure_other(const struct bench_data *data, const struct other *o, GArray *lines)
 {
-	measure_ours(data, lines);
+	struct bench_line line = { .method = o->title };
+	g_autoptr(GError) error = NULL;
+	size_t cells = range_grid_cells(data->scan[0].grid);
+	g_autofree float *planes = g_new(float, 3 * cells);
+	float *const normal[3] = { planes, planes + cells, planes + 2 * cells };
+	if (!o->is_there())
+		line.why_not = g_strdup(o->why_not);
+	else if (!o->run(data->folder, data->scan[0].grid, normal, &line.cpu_s, &error))
+		line.why_not = g_strdup(error->message);
+	else
+		score(&data->scan[0], (const float *const *)normal, &line);
+	g_array_append_val(lines, line);
+}
+
+static bool measure_pcls(const struct bench_data *data, GArray *lines, GError **error)
+{
 	return measure_pcl(data, BENCH_PCL_GRADIENT, "PCL AVERAGE_3D_GRADIENT", lines, error) &&
 	       measure_pcl(data, BENCH_PCL_COVARIANCE, "PCL COVARIANCE_MATRIX", lines, error) &&
 	       measure_pcl(
 		       data, BENCH_PCL_DEPTH_CHANGE, "PCL AVERAGE_DEPTH_CHANGE", lines, error) &&
 	       measure_pcl(data, BENCH_PCL_NEIGHBOURS, "PCL k = 20", lines, error);
+}
+
+bool bench_normals(const struct bench_data *data, GArray *lines, GError **error)
+{
+	measure_ours(data, lines);
+	if (!measure_pcls(data, lines, error))
+		return false;
+	for (size_t n = 0; n < G_N_ELEMENTS(others); n++)
+		measure_other(data, &others[n], lines);
+	return true;
 }

@@ -3,13 +3,13 @@
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
 #include "process/bench-fine.h"
+#include "process/bench-sites.h"
 #include "process/bench-truth.h"
 #include "process/scan-data.h"
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 
-#define SCENE        "court?seed=7&camera=none&station="
 #define SMOOTH_CELLS 4 /* no edge this near */
 #define SMOOTH_COS   0.9994f
 #define LEAVES       2 /* vegetation's class in the truth */
@@ -51,7 +51,7 @@ static bool is_smooth(
 	return true;
 }
 
-static void take_truth(struct bench_scan *scan, const struct bench_truth_scan *t)
+static void take_truth(struct bench_known_scan *scan, const struct bench_truth_scan *t)
 {
 	size_t cells = range_grid_cells(scan->grid);
 	scan->pose = t->pose;
@@ -66,7 +66,7 @@ static void take_truth(struct bench_scan *scan, const struct bench_truth_scan *t
 	}
 }
 
-range_grid *bench_exact_grid(const struct bench_scan *scan, GError **error)
+range_grid *bench_exact_grid(const struct bench_known_scan *scan, GError **error)
 {
 	const range_grid *g = scan->grid;
 	size_t cells = range_grid_cells(g);
@@ -93,25 +93,45 @@ range_grid *bench_exact_grid(const struct bench_scan *scan, GError **error)
 
 /* ---- the scans ---- */
 
-static bool simulate(
-	struct bench_data *data, const char *folder, const char *preset, GError **error)
+/* Two scans without photos, unless all four are there or shall stay. */
+static bool make_site(const char *path, const struct bench_process_options *o,
+	const struct preset *preset, uint32_t scans, GError **error)
 {
-	g_autofree char *path = g_build_filename(folder, "site", NULL);
-	g_autofree char *truth = g_build_filename(folder, "truth", NULL);
+	struct bench_scene court = { .name = "court", .seed = o->seed };
+	if (o->keep)
+		return bench_scene_scan(&court, path, preset, error);
 	g_autoptr(site) s = site_open_for_writing(path, error);
-	for (uint32_t i = 0; s && i < G_N_ELEMENTS(data->scan); i++) {
-		g_autofree char *description = g_strdup_printf(SCENE "%u", i + 1);
-		g_autofree char *device = g_strconcat("sim:", description, NULL);
-		struct scan_options options = { .device = device, .preset = preset_find(preset) };
+	for (uint32_t i = 0; s && i < scans; i++) {
+		g_autofree char *description = bench_scene_station(&court, i + 1);
+		g_autofree char *device = g_strconcat("sim:", description, "&camera=none", NULL);
+		struct scan_options options = { .device = device, .preset = preset };
 		struct scan_result result;
 		uint32_t partial;
 		if (!scan_record(s, &options, &result, &partial, error))
 			return false;
-		g_autoptr(panorama) p = scan_load(s, result.number, false, error);
+	}
+	return s;
+}
+
+static bool simulate(struct bench_data *data, const struct bench_process_options *o, GError **error)
+{
+	const struct preset *preset = preset_find(o->preset ? o->preset : "fine");
+	struct bench_scene court = { .name = "court", .seed = o->seed };
+	g_autofree char *truth = g_build_filename(data->folder, "truth", NULL),
+			*name = g_strdup_printf(
+				"court-%" G_GUINT64_FORMAT "-%s", (guint64)o->seed, preset->name),
+			*path = g_build_filename(o->keep ? o->keep : data->folder, name, NULL);
+	if ((o->keep && !files_make_folder(o->keep, error)) ||
+		!make_site(path, o, preset, G_N_ELEMENTS(data->scan), error))
+		return false;
+	g_autoptr(site) s = site_open(path, error);
+	for (uint32_t i = 0; s && i < G_N_ELEMENTS(data->scan); i++) {
+		g_autofree char *description = bench_scene_station(&court, i + 1);
+		g_autoptr(panorama) p = scan_load(s, i + 1, false, error);
+		struct bench_truth_scan t;
 		if (!p)
 			return false;
 		data->scan[i].grid = range_grid_from_panorama(p);
-		struct bench_truth_scan t;
 		if (!bench_truth_ask(description, data->scan[i].grid->columns,
 			    data->scan[i].grid->rows, truth, &t, error))
 			return false;
@@ -138,17 +158,6 @@ static bool load_site(struct bench_data *data, const char *path, GError **error)
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND, "%s: has no scan with a grid",
 			path);
 	return found;
-}
-
-static bool prepare(struct bench_data *data, const struct bench_process_options *o, GError **error)
-{
-	if (o->site)
-		return load_site(data, o->site, error);
-	g_autofree char *folder = g_dir_make_tmp("pleinair-bench-XXXXXX", error);
-	if (!folder)
-		return false;
-	bool good = simulate(data, folder, o->preset ? o->preset : "fine", error);
-	return files_remove_tree(folder, good ? error : NULL) && good;
 }
 
 static void clear(struct bench_data *data)
@@ -178,6 +187,10 @@ static void print_table(const struct section *s, GArray *lines)
 	for (guint i = 0; i < lines->len; i++) {
 		const struct bench_line *l = &g_array_index(lines, struct bench_line, i);
 		char b[7][32];
+		if (l->why_not) {
+			printf("  %-26s %s\n", l->method, l->why_not);
+			continue;
+		}
 		printf("  %-26s %8s %8s %8s /%7s %8s /%7s %9s\n", l->method,
 			number(l->cpu_s, 3, b[0]), number(l->points / l->cpu_s * 1e-6, 2, b[1]),
 			number(l->median_deg, 2, b[2]), number(l->p90_deg, 2, b[3]),
@@ -199,6 +212,11 @@ static JsonArray *json_of(GArray *lines)
 		const struct bench_line *l = &g_array_index(lines, struct bench_line, i);
 		JsonObject *j = json_object_new();
 		json_object_set_string_member(j, "method", l->method);
+		json_array_add_object_element(array, j);
+		if (l->why_not) {
+			json_object_set_string_member(j, "why_not", l->why_not);
+			continue;
+		}
 		add_number(j, "cpu_s", l->cpu_s);
 		add_number(j, "points", l->points);
 		add_number(j, "smooth_median_deg", l->median_deg);
@@ -206,7 +224,6 @@ static JsonArray *json_of(GArray *lines)
 		add_number(j, "all_median_deg", l->all_median_deg);
 		add_number(j, "all_p90_deg", l->all_p90_deg);
 		add_number(j, "none_percent", l->none_percent);
-		json_array_add_object_element(array, j);
 	}
 	return array;
 }
@@ -214,7 +231,7 @@ static JsonArray *json_of(GArray *lines)
 /* On the scans as they are, then on what a scanner without noise would have: there the method alone shows. */
 static bool measure_fine(const struct bench_data *data, JsonObject *json, GError **error)
 {
-	const struct bench_scan *s = data->scan;
+	const struct bench_known_scan *s = data->scan;
 	if (!s[0].truth || !s[1].truth)
 		return true;
 	g_autoptr(range_grid) a = bench_exact_grid(&s[0], error);
@@ -233,17 +250,23 @@ static bool measure_fine(const struct bench_data *data, JsonObject *json, GError
 		puts("fine alignment, one thread, from 0.5 m and 3 degrees off (reach: <= 0.20 s "
 		     "in all; on true ranges "
 		     "0.001 degrees, 0.1 mm)");
-	if (!bench_fine(&scanned, data->repeats, list[0], error))
+	if (!bench_fine(&scanned, data->folder, data->repeats, list[0], error))
 		return false;
 	if (!json)
 		puts("the same on true ranges");
-	return bench_fine(&exact, data->repeats, list[1], error);
+	return bench_fine(&exact, data->folder, data->repeats, list[1], error);
+}
+
+static void clear_line(gpointer line)
+{
+	g_free(((struct bench_line *)line)->why_not);
 }
 
 static bool measure(const struct bench_data *data, JsonObject *json, GError **error)
 {
 	for (const struct section *s = sections; s->run; s++) {
 		g_autoptr(GArray) lines = g_array_new(FALSE, FALSE, sizeof(struct bench_line));
+		g_array_set_clear_func(lines, clear_line);
 		if (!s->run(data, lines, error))
 			return false;
 		if (json)
@@ -256,9 +279,12 @@ static bool measure(const struct bench_data *data, JsonObject *json, GError **er
 
 bool bench_process(const struct bench_process_options *o, GError **error)
 {
-	struct bench_data data = { .repeats = o->repeats ? o->repeats : 5 };
+	g_autofree char *folder = g_dir_make_tmp("pleinair-bench-XXXXXX", error);
+	struct bench_data data = { .repeats = o->repeats ? o->repeats : 5, .folder = folder };
+	if (!folder)
+		return false;
 	JsonObject *json = o->json ? json_object_new() : NULL;
-	bool good = prepare(&data, o, error);
+	bool good = o->site ? load_site(&data, o->site, error) : simulate(&data, o, error);
 	if (good && json) {
 		json_object_set_int_member(json, "columns", data.scan[0].grid->columns);
 		json_object_set_int_member(json, "rows", data.scan[0].grid->rows);
@@ -267,6 +293,7 @@ bool bench_process(const struct bench_process_options *o, GError **error)
 			data.scan[0].grid->rows, range_grid_count(data.scan[0].grid));
 	}
 	good = good && measure(&data, json, error);
+	good = files_remove_tree(folder, good ? error : NULL) && good;
 	clear(&data);
 	if (good && json)
 		cli_print_json(json);

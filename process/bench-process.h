@@ -1,6 +1,6 @@
 #ifndef PROCESS_BENCH_PROCESS_H
 #define PROCESS_BENCH_PROCESS_H
-/* pleinair bench process: what processing costs, and how good it is, beside what PCL makes of the same data. One thread.
+/* pleinair bench process: what processing costs, and how good it is, beside what PCL, Open3D and CloudCompare make of the same data. One thread.
  *
  * Each section is a row of `sections` in bench-process.c: it measures on the scan at hand and adds lines. To add one, write a
  * function like bench_normals and its row. */
@@ -12,7 +12,10 @@ struct bench_process_options {
 	const char *
 		site; /* NULL: a courtyard is simulated and scanned, fine, into a folder that is removed */
 	const char *preset; /* of the simulated scan; NULL: fine */
-	uint32_t repeats;   /* the least time counts; 0: 5 */
+	uint64_t seed;      /* of the simulated courtyard */
+	/* Folder where the simulated scans stay, with two more of that place, and are taken from the next time; NULL: they do not. */
+	const char *keep;
+	uint32_t repeats; /* the least time counts; 0: 5 */
 	bool json;
 };
 bool bench_process(const struct bench_process_options *options, GError **error);
@@ -25,20 +28,22 @@ struct bench_truth {
 	float normal[3];
 	bool smooth; /* no edge within four cells, and no leaves */
 };
-struct bench_scan {
+struct bench_known_scan {
 	range_grid *grid;
 	struct bench_truth *truth;                   /* per cell; NULL: not known */
 	struct pose pose;                            /* scanner to world, when truth is known */
 	double elevation_max_rad, elevation_min_rad; /* of the grid's edges, likewise */
 };
 struct bench_data {
-	struct bench_scan scan
+	struct bench_known_scan scan
 		[2]; /* two stations; of a site its first two scans, the second's grid NULL when there is one */
 	uint32_t repeats;
+	const char *folder; /* for files on the way */
 };
 /* A line of the table. NAN: does not apply. */
 struct bench_line {
 	const char *method;
+	char *why_not;              /* NULL: it was measured; freed with the line */
 	double cpu_s, points;       /* points that it took cpu_s for */
 	double median_deg, p90_deg; /* of smooth surfaces */
 	double all_median_deg, all_p90_deg;
@@ -49,7 +54,7 @@ typedef bool (*bench_section)(
 double bench_cpu_s(void);                                              /* of this thread */
 bool bench_normals(const struct bench_data *data, GArray *lines, GError **error);
 /* The scan as a scanner without noise has it: the true range in the middle of each cell that was measured. Caller frees. */
-range_grid *bench_exact_grid(const struct bench_scan *scan, GError **error);
+range_grid *bench_exact_grid(const struct bench_known_scan *scan, GError **error);
 
 /* PCL's ways to normals, in bench-process_pcl.cpp. */
 enum bench_pcl {

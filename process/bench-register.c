@@ -1,5 +1,6 @@
 #include "process/bench-register.h"
 #include "acquire/cli.h"
+#include "process/bench-coarse.h"
 #include "process/bench-table.h"
 #include <glib/gstdio.h>
 #include <stdio.h>
@@ -19,8 +20,9 @@ struct work {
 	const char *folder;
 	struct bench_site sites[SITES];
 	GMutex mutex;
-	GError *error; /* the first */
-	uint32_t done; /* sites or trials of this round */
+	GError *error;      /* the first */
+	GArray *for_others; /* of struct bench_coarse_pair */
+	uint32_t done;      /* sites or trials of this round */
 	double fraction_before, fraction_each;
 	const char *doing;
 };
@@ -103,6 +105,44 @@ static void remove_folder(const char *path)
 		g_subprocess_wait(rm, NULL, NULL);
 }
 
+/* ---- programs of others ---- */
+
+static void clear_pair(gpointer data)
+{
+	struct bench_coarse_pair *p = data;
+	range_grid_free(p->a);
+	range_grid_free(p->b);
+}
+
+/* Pairs that overlap as long as some are wanted; their sites are here yet. */
+static bool take_for_others(struct work *w, const GArray *trials, GError **error)
+{
+	for (guint i = 0; i < trials->len && w->for_others->len < w->o->pairs_of_others; i++) {
+		const struct trial *t = &g_array_index(trials, struct trial, i);
+		const struct pair_result *r = &t->result;
+		if (t->kind != TRIAL_OVERLAP)
+			continue;
+		struct bench_coarse_pair p = { .truth = pose_between(&t->a->truth, &t->b->truth),
+			.ours_right = t->outcome == TRIAL_RIGHT || t->outcome == TRIAL_REFUSED,
+			.ours_cpu_s = r->coarse_s + r->fine_s + r->verify_s };
+		p.a = bench_site_grid(t->site_a, w->folder, w->preset, t->a, error);
+		p.b = p.a ? bench_site_grid(t->site_b, w->folder, w->preset, t->b, error) : NULL;
+		g_array_append_val(w->for_others, p);
+		if (!p.b)
+			return false;
+	}
+	return true;
+}
+
+static bool run_others(const struct work *w, JsonArray *json, GError **error)
+{
+	const GArray *pairs = w->for_others;
+	return !pairs->len || bench_coarse((const struct bench_coarse_pair *)(void *)pairs->data,
+				      pairs->len, json, error);
+}
+
+/* ---- rounds ---- */
+
 /* One round's trials go to the table, without their sites. */
 static bool run_round(struct work *w, uint32_t round, struct bench_table *table, GError **error)
 {
@@ -122,7 +162,7 @@ static bool run_round(struct work *w, uint32_t round, struct bench_table *table,
 		w->fraction_each = 0.4 * share / MAX(trials->len, 1);
 		w->doing = "aligning pairs";
 		run_all(w, run_trial, trials->data, sizeof(struct trial), trials->len);
-		if (!is_stopped(w))
+		if (!is_stopped(w) && take_for_others(w, trials, &w->error))
 			bench_table_add(table, trials);
 		else if (!w->error)
 			g_set_error(&w->error, G_IO_ERROR, G_IO_ERROR_CANCELLED, "stopped");
@@ -172,12 +212,20 @@ bool bench_register(const struct bench_register_options *o, GError **error)
 		return false;
 	}
 	g_mutex_init(&w.mutex);
+	w.for_others = g_array_new(FALSE, FALSE, sizeof(struct bench_coarse_pair));
+	g_array_set_clear_func(w.for_others, clear_pair);
 	struct bench_table *table = bench_table_new();
 	bool good = run_rounds(&w, table, error);
 	if (o->progress)
 		o->progress(1, NULL);
+	JsonArray *others = o->json ? json_array_new() : NULL;
+	if (good && o->json)
+		good = run_others(&w, others, error);
 	if (good)
-		bench_table_print(table, o->json);
+		bench_table_print(table, others);
+	if (good && !o->json)
+		good = run_others(&w, NULL, error);
+	g_clear_pointer(&others, json_array_unref);
 	if (o->keep && bench_table_count(table)) {
 		g_autofree char *path = g_build_filename(o->keep, "trials.tsv", NULL);
 		good = bench_table_save(table, path, good ? error : NULL) && good;
@@ -188,6 +236,7 @@ bool bench_register(const struct bench_register_options *o, GError **error)
 		good = false;
 	}
 	bench_table_free(table);
+	g_array_unref(w.for_others);
 	if (temporary)
 		remove_folder(temporary);
 	g_mutex_clear(&w.mutex);

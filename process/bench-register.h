@@ -11,6 +11,8 @@ struct bench_register_options {
 	const char *preset;
 	const char *
 		keep; /* a folder for the scans, taken from there if they are; NULL: a temporary one */
+	/* Of the first pairs that overlap so many are given to other programs, too (bench-coarse.h). */
+	uint32_t pairs_of_others;
 	bool json;
 	bool (*stop)(void); /* asked now and then; may be NULL */
 	/* From any thread, one at a time; doing is NULL when all is over, before anything is printed. May be NULL. */

@@ -156,17 +156,33 @@ static bool load_scans(struct bench_site *s, const char *path, bool (*stop)(void
 	return true;
 }
 
-bool bench_site_make(struct bench_site *s, const char *folder, const struct preset *preset,
-	bool (*stop)(void), GError **error)
+static char *site_path_in(
+	const struct bench_site *s, const char *folder, const struct preset *preset)
 {
 	g_autofree char *name = g_strdup_printf("%s-%s%s%" G_GUINT64_FORMAT "-%s-grey", s->scene,
 		s->variant ? s->variant : "", s->variant ? "-" : "", (guint64)s->seed,
 		preset->name);
-	g_autofree char *path = g_build_filename(folder, name, NULL);
+	return g_build_filename(folder, name, NULL);
+}
+
+bool bench_site_make(struct bench_site *s, const char *folder, const struct preset *preset,
+	bool (*stop)(void), GError **error)
+{
+	g_autofree char *path = site_path_in(s, folder, preset);
 	list_scans(s);
 	return scan_stations(s, path, preset, stop, error) && place_scans(s, false, error) &&
 	       (!s->moved_stations || place_scans(s, true, error)) &&
 	       load_scans(s, path, stop, error);
+}
+
+range_grid *bench_site_grid(const struct bench_site *s, const char *folder,
+	const struct preset *preset, const struct bench_scan *scan, GError **error)
+{
+	g_autofree char *path = site_path_in(s, folder, preset);
+	g_autoptr(site) from = site_open(path, error);
+	g_autoptr(panorama) p =
+		from ? scan_load(from, (uint32_t)(scan - s->scans) + 1, false, error) : NULL;
+	return p ? range_grid_from_panorama(p) : NULL;
 }
 
 void bench_site_clear(struct bench_site *s)

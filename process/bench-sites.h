@@ -30,6 +30,9 @@ struct bench_site {
 bool bench_site_make(struct bench_site *s, const char *folder, const struct preset *preset,
 	bool (*stop)(void), GError **error);
 void bench_site_clear(struct bench_site *s);
+/* One of its scans as a grid again, from that folder; caller frees. */
+range_grid *bench_site_grid(const struct bench_site *s, const char *folder,
+	const struct preset *preset, const struct bench_scan *scan, GError **error);
 
 /* One of court, street and bridge, as its first stations see it. */
 #define BENCH_STATIONS 4

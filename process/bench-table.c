@@ -239,14 +239,15 @@ static void print_wrong(const struct bench_table *t)
 	}
 }
 
-void bench_table_print(const struct bench_table *t, bool json)
+void bench_table_print(const struct bench_table *t, JsonArray *others)
 {
-	if (json) {
+	if (others) {
 		JsonObject *o = json_object_new();
 		JsonArray *rows = json_array_new();
 		put_rows(t, rows);
 		json_object_set_int_member(o, "trials", bench_table_count(t));
 		json_object_set_array_member(o, "rows", rows);
+		json_object_set_array_member(o, "others", json_array_ref(others));
 		cli_print_json(o);
 		return;
 	}

@@ -1,5 +1,6 @@
 #include "render/bench-vtk.h"
 #include "firmware-io/files.h"
+#include "process/bench-other.h"
 #include "process/bench-run.h"
 #include <gio/gio.h>
 #include <glib/gstdio.h>
@@ -56,30 +57,6 @@ static const char program[] =
 	"print(json.dumps({'version': vtkVersion.GetVTKVersion(), 'first_s': first,\n"
 	"                  'frame_s': means, 'points': points.GetOutput().GetNumberOfPoints(),\n"
 	"                  'renderer': about[0].split(':', 1)[1].strip() if about else ''}))\n";
-
-/* ---- what it needs ---- */
-
-static bool has_vtk(const char *python)
-{
-	const char *argv[] = { python, "-c",
-		"import vtkmodules.vtkRenderingOpenGL2, vtkmodules.vtkIOPLY", NULL };
-	int status;
-	return g_spawn_sync(NULL, (char **)argv, NULL,
-		       G_SPAWN_SEARCH_PATH | G_SPAWN_STDOUT_TO_DEV_NULL |
-			       G_SPAWN_STDERR_TO_DEV_NULL,
-		       NULL, NULL, NULL, NULL, &status, NULL) &&
-	       g_spawn_check_wait_status(status, NULL);
-}
-
-/* Debian's modules belong to Debian's Python, which need not be the first. */
-static const char *python_with_vtk(void)
-{
-	static const char *const pythons[] = { "/usr/bin/python3", "python3" };
-	for (size_t n = 0; n < G_N_ELEMENTS(pythons); n++)
-		if (has_vtk(pythons[n]))
-			return pythons[n];
-	return NULL;
-}
 
 /* ---- what it draws ---- */
 
@@ -194,7 +171,7 @@ void bench_vtk_run(const scene *s, const struct bench_camera *cameras, uint32_t 
 {
 	g_autoptr(GError) error = NULL;
 	g_autofree char *xvfb = g_find_program_in_path("xvfb-run");
-	const char *python = python_with_vtk();
+	const char *python = bench_python("vtkmodules.vtkRenderingOpenGL2, vtkmodules.vtkIOPLY");
 	*ret = (struct bench_vtk){ 0 };
 	g_assert(count <= BENCH_VTK_CAMERAS_MAX);
 	if (!python)

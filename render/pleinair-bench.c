@@ -23,7 +23,7 @@
 static gboolean json;
 /* 0: the default of each bench. */
 static double seconds, million_points, memory_mib;
-static int beams = 1081, repeats = 5, trials = 1000;
+static int beams = 1081, repeats = 5, trials = 1000, pairs_of_others = 3;
 static gint64 seed = 1;
 static int pairs = 8;
 static char *backend, *site_folder, *preset, *keep, *folder, *size_text, *view_name;
@@ -47,6 +47,10 @@ static const GOptionEntry entries[] = {
 		"how finely is scanned (default fine; register, segments, features: standard)",
 		"draft|standard|fine" },
 	{ "trials", 0, 0, G_OPTION_ARG_INT, &trials, "register: pairs (default 1000)", "N" },
+	{ "pairs-of-others", 0, 0, G_OPTION_ARG_INT, &pairs_of_others,
+		"register: of the first pairs that overlap, so many are given to Open3D and PCL, "
+		"too (default 3)",
+		"N" },
 	{ "seed", 0, 0, G_OPTION_ARG_INT64, &seed,
 		"of simulated sites; another one gives others (default 1)", "S" },
 	{ "keep", 0, 0, G_OPTION_ARG_FILENAME, &keep,
@@ -106,11 +110,14 @@ static int run_acquire(void)
 static int run_process(void)
 {
 	g_autoptr(GError) error = NULL;
-	struct bench_process_options options = {
-		.site = site_folder, .preset = preset, .repeats = (uint32_t)repeats, .json = json
-	};
-	if (repeats < 1 || repeats > 1000)
-		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
+	struct bench_process_options options = { .site = site_folder,
+		.preset = preset,
+		.seed = (uint64_t)seed,
+		.keep = keep,
+		.repeats = (uint32_t)repeats,
+		.json = json };
+	if (repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND, "repeats go from 1 to 1000, seeds from 0 to 1000000000");
 	return bench_process(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
@@ -156,12 +163,15 @@ static int run_register(void)
 		.seed = (uint64_t)seed,
 		.preset = preset ? preset : "standard",
 		.keep = keep,
+		.pairs_of_others = (uint32_t)pairs_of_others,
 		.json = json,
 		.stop = cli_interrupted,
 		.progress = show };
-	if (trials < 1 || trials > 100000 || seed < 0 || seed > 1000000000)
-		return cli_misuse(
-			COMMAND, "trials go from 1 to 100000, seeds from 0 to 1000000000");
+	if (trials < 1 || trials > 100000 || pairs_of_others < 0 || pairs_of_others > 100 ||
+		seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND,
+			"trials go from 1 to 100000, pairs of others from 0 to 100, seeds from 0 "
+			"to 1000000000");
 	cli_catch_interrupts();
 	bar = cli_bar_begin(COMMAND);
 	bool good = bench_register(&options, &error);
