@@ -78,6 +78,8 @@ static void tell(const char *title, const char *key, const struct score *s, Json
 	} else {
 		json_object_set_int_member(o, "pairs", s->pairs);
 		json_object_set_int_member(o, "right", s->right);
+		json_object_set_double_member(
+			o, "right_percent", 100.0 * s->right / MAX(s->pairs, 1));
 		json_object_set_double_member(o, "cpu_s", s->cpu_s);
 	}
 	json_array_add_object_element(json, o);

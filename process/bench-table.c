@@ -203,7 +203,11 @@ static void print_times(const struct bench_table *t)
 }
 
 /* Of the pairs that overlap enough: those that can be told, and all. */
-static void print_share(const struct bench_table *t)
+struct share {
+	double all, found, accepted, with_alike;
+};
+
+static struct share share_of(const struct bench_table *t)
 {
 	uint32_t outcome[TRIAL_OUTCOMES] = { 0 };
 	for (guint i = 0; i < t->trials->len; i++) {
@@ -211,13 +215,21 @@ static void print_share(const struct bench_table *t)
 		if (one->kind == TRIAL_OVERLAP || one->kind == TRIAL_MOVED)
 			outcome[one->outcome]++;
 	}
-	double accepted = outcome[TRIAL_RIGHT], found = accepted + outcome[TRIAL_REFUSED],
-	       all = found + outcome[TRIAL_WRONG] + outcome[TRIAL_MISSED],
-	       with_alike = all + outcome[TRIAL_ALIKE];
+	struct share s = { .accepted = outcome[TRIAL_RIGHT] };
+	s.found = s.accepted + outcome[TRIAL_REFUSED];
+	s.all = s.found + outcome[TRIAL_WRONG] + outcome[TRIAL_MISSED];
+	s.with_alike = s.all + outcome[TRIAL_ALIKE];
+	return s;
+}
+
+static void print_share(const struct bench_table *t)
+{
+	struct share s = share_of(t);
 	printf("of %.0f that overlap: found %.1f %%, refused but true %.1f %%, accepted %.1f %%; "
 	       "with the alike, of %.0f: accepted %.1f %%\n",
-		all, 100 * found / MAX(all, 1), 100 * outcome[TRIAL_REFUSED] / MAX(found, 1),
-		100 * accepted / MAX(all, 1), with_alike, 100 * accepted / MAX(with_alike, 1));
+		s.all, 100 * s.found / MAX(s.all, 1),
+		100 * (s.found - s.accepted) / MAX(s.found, 1), 100 * s.accepted / MAX(s.all, 1),
+		s.with_alike, 100 * s.accepted / MAX(s.with_alike, 1));
 }
 
 uint32_t bench_table_wrong(const struct bench_table *t)
@@ -245,7 +257,12 @@ void bench_table_print(const struct bench_table *t, JsonArray *others)
 		JsonObject *o = json_object_new();
 		JsonArray *rows = json_array_new();
 		put_rows(t, rows);
+		struct share share = share_of(t);
 		json_object_set_int_member(o, "trials", bench_table_count(t));
+		json_object_set_int_member(o, "overlap", (gint64)share.all);
+		if (share.all > 0)
+			json_object_set_double_member(
+				o, "overlap_found_percent", 100 * share.found / share.all);
 		json_object_set_array_member(o, "rows", rows);
 		json_object_set_array_member(o, "others", json_array_ref(others));
 		cli_print_json(o);

@@ -206,7 +206,7 @@ bool render_scene_measure(struct render_scene *s, const bench_place *p, const mo
 	const struct bench_render_options *o, GError **error)
 {
 	g_autoptr(painter) cpu = painter_new(BACKEND_WISH_CPU, error);
-	g_autoptr(painter) gles = open_gles(&s->gles_why_not);
+	g_autoptr(painter) gles = o->cpu_only ? NULL : open_gles(&s->gles_why_not);
 	struct picture_buffer picture = picture_buffer_new(o->width, o->height);
 	/* So that it is there before memory is counted. */
 	memset(picture.rgba, 0, (size_t)o->width * o->height * 4);

@@ -123,20 +123,32 @@ static JsonObject *row_to_json(const struct render_row *r)
 	return o;
 }
 
-static JsonObject *vtk_to_json(const struct bench_vtk *v)
+/* points_s: of the frame with most points in view. */
+static JsonObject *vtk_to_json(const struct render_scene *of)
 {
+	const struct bench_vtk *v = &of->vtk;
+	double most = 0, points_s = 0;
 	JsonObject *o = json_object_new();
 	if (v->why_not) {
 		json_object_set_string_member(o, "why_not", v->why_not);
 		return o;
 	}
-	JsonArray *frames = json_array_new();
-	for (uint32_t n = 0; n < v->cameras; n++)
+	JsonArray *frames = json_array_new(), *fps = json_array_new();
+	for (uint32_t n = 0; n < v->cameras; n++) {
+		double points = (double)of->camera[n].in_view;
 		json_array_add_double_element(frames, v->frame_s[n]);
+		json_array_add_double_element(fps, 1 / v->frame_s[n]);
+		if (points > most) {
+			most = points;
+			points_s = points / v->frame_s[n];
+		}
+	}
 	json_object_set_string_member(o, "version", v->version);
 	json_object_set_string_member(o, "renderer", v->renderer);
 	json_object_set_double_member(o, "first_s", v->first_s);
 	json_object_set_array_member(o, "frame_s", frames);
+	json_object_set_array_member(o, "fps", fps);
+	json_object_set_double_member(o, "points_s", points_s);
 	return o;
 }
 
@@ -154,7 +166,7 @@ JsonObject *render_scene_to_json(const struct render_scene *s)
 	json_object_set_array_member(o, "frames", rows);
 	if (s->gles_why_not)
 		json_object_set_string_member(o, "gles_why_not", s->gles_why_not);
-	json_object_set_object_member(o, "vtk", vtk_to_json(&s->vtk));
+	json_object_set_object_member(o, "vtk", vtk_to_json(s));
 	json_object_set_double_member(o, "mask_points_s_of_overview", s->overview_mask_rate);
 	json_object_set_double_member(o, "mask_points_s", render_mask_rate(s));
 	json_object_set_double_member(o, "scene_new_s", s->new_s);
@@ -170,6 +182,7 @@ JsonObject *render_strokes_to_json(const struct render_strokes *s)
 	json_object_set_int_member(o, "submitted", (gint64)s->submitted);
 	json_object_set_int_member(o, "drawn", (gint64)s->drawn);
 	json_object_set_double_member(o, "seconds", s->seconds);
+	json_object_set_double_member(o, "submitted_s", (double)s->submitted / s->seconds);
 	json_object_set_double_member(o, "choose_s", s->choose_s);
 	json_object_set_double_member(o, "bin_s", s->bin_s);
 	json_object_set_double_member(o, "draw_s", s->draw_s);

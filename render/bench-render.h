@@ -22,6 +22,7 @@
 struct bench_render_options {
 	struct bench_place_options place;
 	uint32_t repeats, width, height;
+	bool cpu_only; /* else what there is of OpenGL ES draws the same, also one in software */
 	bool json;
 };
 /* A figure that is not what it is meant to be is no failure. */

@@ -9,11 +9,13 @@
 #include "process/bench-process.h"
 #include "process/bench-register.h"
 #include "process/bench-segments.h"
+#include "render/bench-all.h"
 #include "render/bench-coherence.h"
 #include "render/bench-filters.h"
 #include "render/bench-hatching.h"
 #include "render/bench-paging.h"
 #include "render/bench-render.h"
+#include "render/bench-station.h"
 #include "render/bench-styles.h"
 #include <stdio.h>
 #include <string.h>
@@ -23,10 +25,10 @@
 static gboolean json;
 /* 0: the default of each bench. */
 static double seconds, million_points, memory_mib;
-static int beams = 1081, repeats = 5, trials = 1000, pairs_of_others = 3;
+static int beams = 1081, repeats, trials = 1000, pairs_of_others = 3;
 static gint64 seed = 1;
 static int pairs = 8;
-static char *backend, *site_folder, *preset, *keep, *folder, *size_text, *view_name;
+static char *backend, *site_folder, *preset, *keep, *folder, *size_text, *view_name, *output;
 static char **style_list;
 
 static const GOptionEntry entries[] = {
@@ -85,9 +87,22 @@ static const GOptionEntry entries[] = {
 	{ "backend", 0, 0, G_OPTION_ARG_STRING, &backend,
 		"hatching, filters, styles, paging: what draws (default cpu; of styles auto)",
 		"auto|cpu|gles" },
+	{ "output", 'o', 0, G_OPTION_ARG_FILENAME, &output,
+		"all: where bench.json and bench.html are written (default pleinair-bench)",
+		"FOLDER" },
 	{ "json", 0, 0, G_OPTION_ARG_NONE, &json, "Print the figures as JSON", NULL },
 	{ NULL },
 };
+
+static uint32_t repeats_wanted(void)
+{
+	return repeats ? (uint32_t)repeats : 5;
+}
+
+static bool bad_repeats(void)
+{
+	return repeats < 0 || repeats > 1000;
+}
 
 static double points_wanted(void)
 {
@@ -114,9 +129,9 @@ static int run_process(void)
 		.preset = preset,
 		.seed = (uint64_t)seed,
 		.keep = keep,
-		.repeats = (uint32_t)repeats,
+		.repeats = repeats_wanted(),
 		.json = json };
-	if (repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)
+	if (bad_repeats() || seed < 0 || seed > 1000000000)
 		return cli_misuse(COMMAND, "repeats go from 1 to 1000, seeds from 0 to 1000000000");
 	return bench_process(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
@@ -238,11 +253,15 @@ static struct bench_place_options place_options(void)
 static int run_render(void)
 {
 	g_autoptr(GError) error = NULL;
-	struct bench_render_options options = {
-		.place = place_options(), .repeats = (uint32_t)repeats, .json = json
-	};
+	enum backend_wish wish;
+	if (!backend_wish_parse(backend ? backend : "auto", &wish, &error))
+		return cli_misuse(COMMAND, "%s", error->message);
+	struct bench_render_options options = { .place = place_options(),
+		.repeats = repeats_wanted(),
+		.cpu_only = wish == BACKEND_WISH_CPU,
+		.json = json };
 	if (!read_size(size_text ? size_text : "1600x1200", &options.width, &options.height) ||
-		repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)
+		bad_repeats() || seed < 0 || seed > 1000000000)
 		return cli_misuse(COMMAND,
 			"sizes go from 64x64 to 8192x8192, repeats from 1 to 1000, seeds from 0 "
 			"to 1000000000");
@@ -274,9 +293,9 @@ static int run_hatching(void)
 	if (!backend_wish_parse(backend ? backend : "cpu", &wish, &error))
 		return cli_misuse(COMMAND, "%s", error->message);
 	struct bench_hatching_options options = {
-		.repeats = (uint32_t)repeats, .backend = wish, .styles = style_list, .json = json
+		.repeats = repeats_wanted(), .backend = wish, .styles = style_list, .json = json
 	};
-	if (repeats < 1 || repeats > 1000)
+	if (bad_repeats())
 		return cli_misuse(COMMAND, "repeats go from 1 to 1000");
 	return bench_hatching(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
@@ -288,11 +307,11 @@ static int run_filters(void)
 	if (!backend_wish_parse(backend ? backend : "cpu", &wish, &error))
 		return cli_misuse(COMMAND, "%s", error->message);
 	struct bench_filters_options options = { .place = place_options(),
-		.repeats = (uint32_t)repeats,
+		.repeats = repeats_wanted(),
 		.backend = wish,
 		.million_points_most = points_wanted(),
 		.json = json };
-	if (repeats < 1 || repeats > 1000 || seed < 0 || seed > 1000000000)
+	if (bad_repeats() || seed < 0 || seed > 1000000000)
 		return cli_misuse(COMMAND, "repeats go from 1 to 1000, seeds from 0 to 1000000000");
 	return bench_filters(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
@@ -302,14 +321,14 @@ static int run_styles(void)
 	g_autoptr(GError) error = NULL;
 	struct bench_styles_options options = { .place = place_options(),
 		.million_points = million_points,
-		.repeats = (uint32_t)repeats,
+		.repeats = repeats_wanted(),
 		.styles = style_list,
 		.json = json };
 	if (!backend_wish_parse(backend ? backend : "auto", &options.backend, &error))
 		return cli_misuse(COMMAND, "%s", error->message);
 	if (!read_size(size_text ? size_text : "1920x1080", &options.width, &options.height) ||
-		repeats < 1 || repeats > 1000 || !(million_points >= 0 && million_points <= 1000) ||
-		seed < 0 || seed > 1000000000)
+		bad_repeats() || !(million_points >= 0 && million_points <= 1000) || seed < 0 ||
+		seed > 1000000000)
 		return cli_misuse(COMMAND,
 			"sizes go from 64x64 to 8192x8192, repeats from 1 to 1000, million points "
 			"to 1000, seeds from 0 to 1000000000");
@@ -336,11 +355,54 @@ static int run_paging(void)
 	return bench_paging(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
 }
 
+/* ---- all ---- */
+
+static int run_station(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct bench_station_options options = {
+		.preset = preset, .seed = (uint64_t)seed, .keep = keep, .json = json
+	};
+	if (seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND, "seeds go from 0 to 1000000000");
+	return bench_station(&options, &error) ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
+static int run_all(void)
+{
+	g_autoptr(GError) error = NULL;
+	g_autofree char *self = g_file_read_link("/proc/self/exe", NULL);
+	struct bench_all_options options = { .program = self ? self : "pleinair-bench",
+		.output = output ? output : "pleinair-bench",
+		.site = site_folder,
+		.keep = keep,
+		.seed = (uint64_t)seed,
+		.repeats = (uint32_t)repeats,
+		.json = json,
+		.stop = cli_interrupted,
+		.progress = show };
+	if (bad_repeats() || seed < 0 || seed > 1000000000)
+		return cli_misuse(COMMAND, "repeats go from 1 to 1000, seeds from 0 to 1000000000");
+	if (seconds != 0 || million_points != 0 || memory_mib != 0 || folder || preset ||
+		size_text || view_name || style_list || backend)
+		return cli_misuse(COMMAND,
+			"of all benches only --seed, --repeats, --site, --keep, --output and "
+			"--json "
+			"can be told; the other options are those of one: name it");
+	cli_catch_interrupts();
+	bar = cli_bar_begin(COMMAND);
+	bool good = bench_all(&options, &error);
+	cli_bar_end(&bar);
+	return good ? cli_done(COMMAND) : cli_fail(COMMAND, error);
+}
+
 static const struct part {
 	const char *name;
 	int (*run)(void);
 } parts[] = {
-	{ "acquire", run_acquire }, /* the one without a name given */
+	{ "all", run_all }, /* the one without a name given */
+	{ "acquire", run_acquire },
+	{ "station", run_station },
 	{ "process", run_process },
 	{ "register", run_register },
 	{ "model", run_model },
@@ -369,13 +431,18 @@ int main(int argc, char **argv)
 {
 	int status;
 	if (!cli_parse(COMMAND,
-		    "[acquire | process | register | model | export | segments | features | lines "
-		    "| render | coherence | hatching | filters | paging]",
+		    "[all | acquire | station | process | register | model | export | segments | "
+		    "features | lines "
+		    "| render | coherence | hatching | filters | styles | paging]",
 		    "Measures speed, memory and truth on this machine.",
+		    "Without a name all of them, in about 20 minutes on two cores, with a page of "
+		    "plots of what is to reach.\n"
 		    "acquire: records a simulated lidar at its full rate in real time, and decodes "
-		    "what was recorded.\nprocess: normals of a scan and fine alignment of two, "
-		    "beside "
-		    "those by PCL.\n"
+		    "what was recorded.\n"
+		    "station: how long it is from the last beam of a scan to a registered, styled "
+		    "picture.\n"
+		    "process: normals of a scan and fine alignment of two, beside those by PCL, "
+		    "Open3D and CloudCompare.\n"
 		    "register: aligns pairs of scans of simulated sites, and counts what was "
 		    "found, refused, and accepted although wrong.\n"
 		    "model: builds the model of a large site, then adds one more scan.\n"
@@ -400,9 +467,10 @@ int main(int argc, char **argv)
 	const struct part *part = argc > 2 ? NULL : find_part(argc == 2 ? argv[1] : NULL);
 	if (!part)
 		return cli_misuse(COMMAND,
-			"there is no bench '%s': acquire, process, register, model, export, "
+			"there is no bench '%s': all, acquire, station, process, register, model, "
+			"export, "
 			"segments, "
-			"features, lines, render, coherence, hatching, filters, paging",
+			"features, lines, render, coherence, hatching, filters, styles, paging",
 			argv[argc - 1]);
 	if (preset && !preset_find(preset))
 		return cli_misuse(

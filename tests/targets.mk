@@ -115,9 +115,11 @@ FUZZ_SECONDS ?= 60
 fuzz: $(foreach b,$(buses),$(BUILD)/$(word 1,$(subst :, ,$(b)))-bus.h)
 	@sh tests/fuzz.sh $(FUZZ_SECONDS) '-I$(BUILD) -DGPIOD_API_VERSION=$(gpiod_api) $(PKG_CFLAGS)' '$(CXX_PKG_CFLAGS)' '$(link_libs)' $(sort $(wildcard tests/fuzz-*.c))
 
-#: make bench           measure speed and memory
+#: make bench           measure speed, memory and truth, beside programs of others: build/bench/bench.html; some 20 minutes
+# Their packages are asked for here alone: 33 MB to fetch, 125 MB on the disk, nearly all of that Open3D's. Without them it measures the rest.
 bench: all
-	$(BUILD)/bin/pleinair bench
+	@sh tests/deps.sh python3-open3d python3-vtk9 xvfb cloudcompare || true
+	$(BUILD)/bin/pleinair bench --output $(BUILD)/bench
 
 #: make format          lay out all sources as .clang-format says
 format:
