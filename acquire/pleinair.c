@@ -1,14 +1,11 @@
 /* pleinair COMMAND ...: runs pleinair-COMMAND, which stands beside this program, in its libexec
  * folder or on the PATH. */
 #include "acquire/cli.h"
+#include "acquire/version.h"
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#ifndef PLEINAIR_VERSION
-#define PLEINAIR_VERSION "0.1"
-#endif
 
 static const struct {
 	const char *name, *summary;

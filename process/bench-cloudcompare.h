@@ -10,7 +10,7 @@ bool bench_cloudcompare_is_there(void);
 /* Octree normals of a radius that it chooses itself. As bench_pcl_normals. */
 bool bench_cloudcompare_normals(const char *folder, const range_grid *g, float *const ret_normal[3],
 	double *ret_cpu_s, GError **error);
-/* Its ICP, point to point, of 50,000 points, of which six tenths have a partner. */
+/* Its ICP, point to point, of points that it draws at random, of which six tenths have a partner. */
 bool bench_cloudcompare_fine(const char *folder, const range_grid *a, const range_grid *b,
 	const struct pose *start, struct bench_fine_run *ret, GError **error);
 

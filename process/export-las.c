@@ -1,5 +1,6 @@
 /* LAS 1.4, point format 7 (ASPRS): all points in the coordinates of the site, or of its map. Which station saw one is its source id;
  * where the stations stand tells a record of ours. No coordinate system is named: the site does not know of any. */
+#include "acquire/version.h"
 #include "process/export-verify.h"
 #include "process/pose-json.h"
 #include <math.h>
@@ -14,10 +15,6 @@
 #define GPS_BEGAN_S (315964800.0 - 18)
 /* GPS time less 1e9 s; a coordinate system would be named in WKT, as it must be said of these point formats. */
 #define GLOBAL_ENCODING (1 | 16)
-
-#ifndef PLEINAIR_VERSION
-#define PLEINAIR_VERSION "0.1"
-#endif
 
 struct export_las {
 	const struct export_job *job;

@@ -14,7 +14,7 @@ struct running {
 	GMainLoop *loop;
 	GSubprocess *process;
 	gint64 began_us, asked_us; /* 0: it was not asked to end */
-	pid_t pid;
+	pid_t pid;                 /* of it and its group; 0: not known */
 };
 
 /* A group of its own: what it started ends with it, and Ctrl-C reaches this program alone. */
@@ -25,6 +25,12 @@ static void before_exec(gpointer user_data)
 	prctl(PR_SET_PDEATHSIG, SIGTERM);
 }
 
+static void end(const struct running *r, int signal_number)
+{
+	if (r->pid > 0)
+		kill(-r->pid, signal_number);
+}
+
 static gboolean look(gpointer user_data)
 {
 	struct running *r = user_data;
@@ -33,9 +39,9 @@ static gboolean look(gpointer user_data)
 		r->desc->waits((double)(now_us - r->began_us) * 1e-6, r->desc->user_data);
 	if (!r->asked_us && r->desc->stop && r->desc->stop()) {
 		r->asked_us = now_us;
-		kill(-r->pid, SIGTERM);
+		end(r, SIGTERM);
 	} else if (r->asked_us && now_us - r->asked_us > PATIENCE_MS * 1000) {
-		kill(-r->pid, SIGKILL);
+		end(r, SIGKILL);
 	}
 	return G_SOURCE_CONTINUE;
 }
@@ -104,7 +110,9 @@ void bench_child_run(const struct bench_child_desc *desc, struct bench_child *re
 	g_autoptr(GMainLoop) loop = g_main_loop_new(NULL, FALSE);
 	r.process = process;
 	r.loop = loop;
-	r.pid = (pid_t)atoi(g_subprocess_get_identifier(process));
+	/* It may have ended already. */
+	const char *pid = g_subprocess_get_identifier(process);
+	r.pid = pid ? (pid_t)atoi(pid) : 0;
 	guint timer = g_timeout_add(LOOK_MS, look, &r);
 	g_subprocess_communicate_utf8_async(process, NULL, NULL, ended, &r);
 	g_main_loop_run(loop);

@@ -1,4 +1,5 @@
 #include "render/bench-machine.h"
+#include "acquire/version.h"
 #include <sched.h>
 #include <stdlib.h>
 #include <string.h>
@@ -87,6 +88,7 @@ JsonObject *bench_machine(void)
 		put(o, "kernel", g_strdup_printf("%s %s", kernel.sysname, kernel.release));
 	put(o, "system", line_of("/etc/os-release", "PRETTY_NAME=", ""));
 	put(o, "compiler", g_strdup(COMPILER));
+	put(o, "pleinair", g_strdup(PLEINAIR_VERSION));
 	put(o, "commit", commit());
 	put(o, "date", g_date_time_format(now, "%Y-%m-%d %H:%M"));
 	if (getloadavg(&load, 1) == 1)
