@@ -68,7 +68,7 @@ bool bench_cloudcompare_normals(const char *folder, const range_grid *g, float *
 {
 	static const char *const save[] = { "-C_EXPORT_FMT", "PLY", "-PLY_EXPORT_FMT", "BINARY_LE",
 		"-SAVE_CLOUDS", "FILE", "normals.ply" };
-	const char *with[] = { "-O", "points.ply", "-OCTREE_NORMALS", "AUTO", save[0], save[1],
+	const char *with[] = { "-O", "points.ply", "-OCTREE_NORMALS", "0.1", save[0], save[1],
 		save[2], save[3], save[4], save[5], save[6], NULL };
 	const char *without[] = { "-O", "points.ply", save[0], save[1], save[2], save[3], save[4],
 		save[5], save[6], NULL };

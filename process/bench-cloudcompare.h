@@ -7,7 +7,7 @@
 #define BENCH_CLOUDCOMPARE_WHY_NOT "not installed (apt install cloudcompare)"
 bool bench_cloudcompare_is_there(void);
 
-/* Octree normals of a radius that it chooses itself. As bench_pcl_normals. */
+/* Octree normals of 0.1 m around; the radius that it chooses itself (AUTO) is another one each time. As bench_pcl_normals. */
 bool bench_cloudcompare_normals(const char *folder, const range_grid *g, float *const ret_normal[3],
 	double *ret_cpu_s, GError **error);
 /* Its ICP, point to point, of points that it draws at random, of which six tenths have a partner. */

@@ -18,7 +18,7 @@
 const struct bench_all_part bench_all_parts[] = {
 	{ "acquire", "--seconds 15", 17, false },
 	{ "station", "", 110, false },
-	{ "process", "--repeats 3", 110, false },
+	{ "process", "--repeats 3", 150, false },
 	{ "register", "--trials 100", 330, false },
 	{ "render", "--repeats 3 --backend cpu", 80, true },
 	{ "filters", "--repeats 3 --million-points 3", 60, true },
@@ -27,7 +27,7 @@ const struct bench_all_part bench_all_parts[] = {
 	{ "styles", STYLES " --repeats 3 --backend cpu", 60, true },
 	{ "model", "--million-points 5", 20, false },
 	{ "export", "--million-points 2", 20, false },
-	{ "segments", "--preset draft", 30, false },
+	{ "segments", "--preset draft", 140, false },
 	{ "features", "--preset draft", 30, false },
 	{ "lines", "--preset draft", 30, false },
 	{ "paging", "--preset draft --million-points 5 --memory 64 --seconds 10", 30, false },
