@@ -8,6 +8,7 @@
 #define RIGHT     (WIDTH - 1)
 #define ROW       37.0 /* of a text and its bar */
 #define BAR       12.0
+#define BAR_AT    17.0 /* below the text */
 #define TOP       18.0 /* the line's label */
 #define LOG_RATIO 20.0
 /* Bars a person tells apart in grey, too. */
@@ -131,23 +132,32 @@ static void append_decades(GString *to, const struct scale *s, double bottom)
 	}
 }
 
-static void append_line(GString *to, const struct scale *s, JsonObject *row, double bottom)
+static void append_stroke(GString *to, double at, double from, double until)
 {
-	double at = place(s, json_object_get_double_member(row, "wanted"));
-	g_autofree char *x = px(at), *y = px(bottom), *top = px(TOP - 3),
-			*wish = bench_reach_wish(row), *label = g_strconcat("wanted: ", wish, NULL);
-	const char *anchor = at < WIDTH * 0.3 ? " fill=\"" LINE "\" font-size=\"12\""
-			     : at > WIDTH * 0.7
-				     ? " text-anchor=\"end\" fill=\"" LINE "\" font-size=\"12\""
-				     : " text-anchor=\"middle\" fill=\"" LINE "\" font-size=\"12\"";
+	g_autofree char *x = px(at), *top = px(from), *bottom = px(until);
 	g_string_append_printf(to,
 		"<line x1=\"%s\" x2=\"%s\" y1=\"%s\" y2=\"%s\" stroke=\"" LINE
-		"\" stroke-width=\"2\" stroke-dasharray=\"5 3\"/>",
-		x, x, top, y);
-	append_text(to, at, TOP - 6, anchor, label);
+		"\" stroke-width=\"2.5\"/>",
+		x, x, top, bottom);
 }
 
-/* The line lies over bars and under words, which have a rim to be read on it. */
+/* Across each bar, and not through the words between them. */
+static void append_line(
+	GString *to, const struct scale *s, JsonObject *row, const struct bar *bars, guint count)
+{
+	double at = place(s, json_object_get_double_member(row, "wanted")), value;
+	g_autofree char *wish = bench_reach_wish(row), *label = g_strconcat("wanted: ", wish, NULL);
+	const char *anchor = at < WIDTH * 0.3 ? "start" : at > WIDTH * 0.7 ? "end" : "middle";
+	g_autofree char *more =
+		g_strdup_printf(" text-anchor=\"%s\" fill=\"" LINE "\" font-size=\"12\"", anchor);
+	append_text(to, at, TOP - 6, more, label);
+	append_stroke(to, at, TOP - 3, TOP + 5);
+	for (guint n = 0; n < count; n++)
+		if (measured(bars[n].of, &value))
+			append_stroke(
+				to, at, bar_y(n) + BAR_AT - 2.5, bar_y(n) + BAR_AT + BAR + 2.5);
+}
+
 static void append_all(GString *to, const struct scale *s, JsonObject *row, const struct bar *bars,
 	guint count, double bottom)
 {
@@ -156,14 +166,11 @@ static void append_all(GString *to, const struct scale *s, JsonObject *row, cons
 		append_decades(to, s, bottom);
 	for (guint n = 0; n < count; n++)
 		if (measured(bars[n].of, &value))
-			append_bar(
-				to, bar_y(n) + 17, place(s, value), bars[n].fill, bars[n].stroke);
-	append_line(to, s, row, bottom);
-	g_string_append(to, "<g stroke=\"#fff\" stroke-width=\"4\" stroke-linejoin=\"round\" "
-			    "paint-order=\"stroke\">");
+			append_bar(to, bar_y(n) + BAR_AT, place(s, value), bars[n].fill,
+				bars[n].stroke);
+	append_line(to, s, row, bars, count);
 	for (guint n = 0; n < count; n++)
 		append_words(to, bar_y(n), &bars[n], json_object_get_string_member(row, "unit"));
-	g_string_append(to, "</g>");
 }
 
 /* ---- all of it ---- */

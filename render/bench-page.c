@@ -176,7 +176,7 @@ char *bench_page_of(JsonObject *document)
 	append_machine(to, json_object_get_object_member(document, "machine"));
 	append(to, "<p>", sum,
 		". A full bar is a figure that is reached, a hatched one a figure that is not; the "
-		"dashed line is what is wanted. All programs were measured in the same run.</p>\n");
+		"line across is what is wanted. All programs were measured in the same run.</p>\n");
 	if (json_object_has_member(document, "stopped"))
 		g_string_append(to, "<p class=\"no\">It was stopped before its end.</p>\n");
 	append_reach(to, reach);
