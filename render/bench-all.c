@@ -29,7 +29,7 @@ const struct bench_all_part bench_all_parts[] = {
 	{ "export", "--million-points 2", 20, false },
 	{ "segments", "--preset draft", 140, false },
 	{ "features", "--preset draft", 30, false },
-	{ "lines", "--preset draft", 30, false },
+	{ "lines", "--preset draft", 90, false },
 	{ "paging", "--preset draft --million-points 5 --memory 64 --seconds 10", 30, false },
 	{ NULL },
 };

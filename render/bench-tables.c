@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define WHO 2
+
 /* ---- a table ---- */
 
 static bench_tables_table *table_new(const char *title)
@@ -129,23 +131,58 @@ static void put_members(bench_tables_table *t, GPtrArray *row, const char *befor
 	}
 }
 
-static void add_array(GPtrArray *to, const char *title, JsonArray *a);
-
-/* What is a table itself, within the objects of a table; it is told of which row. */
-static void add_inner(GPtrArray *to, const char *title, JsonObject *o)
+/* What tells a row from the others: what stands first in it, if that is a name or a whole number. */
+static void put_who(bench_tables_table *t, GPtrArray *row, JsonObject *o)
 {
 	g_autoptr(GList) names = json_object_get_members(o);
-	JsonNode *first = names ? json_object_get_member(o, names->data) : NULL;
-	bool number = true;
-	g_autofree char *who =
-		first && JSON_NODE_HOLDS_VALUE(first) ? value_text(first, &number) : NULL;
-	g_autofree char *of =
-		who && !number ? g_strdup_printf("%s %s", title, who) : g_strdup(title);
-	for (GList *l = names; l; l = l->next) {
+	guint count = 0;
+	for (GList *l = names; l && count < WHO; l = l->next, count++) {
 		JsonNode *node = json_object_get_member(o, l->data);
-		g_autofree char *inner = inside(of, l->data);
-		if (holds_objects(node))
-			add_array(to, inner, json_node_get_array(node));
+		GType type = JSON_NODE_HOLDS_VALUE(node) ? json_node_get_value_type(node) : 0;
+		if (type != G_TYPE_STRING && type != G_TYPE_INT64)
+			return;
+		bool number;
+		char *text = value_text(node, &number);
+		put(t, row, l->data, text, number);
+	}
+}
+
+/* of: of each row; NULL, or the objects that these arrays stand in, whose names come first. */
+static void put_rows(bench_tables_table *t, JsonArray *a, JsonObject *of)
+{
+	for (guint n = 0; n < json_array_get_length(a); n++) {
+		JsonNode *node = json_array_get_element(a, n);
+		GPtrArray *row = g_ptr_array_new_with_free_func(g_free);
+		if (of)
+			put_who(t, row, of);
+		if (JSON_NODE_HOLDS_OBJECT(node))
+			put_members(t, row, "", json_node_get_object(node));
+		g_ptr_array_add(t->rows, row);
+	}
+}
+
+/* Arrays of objects within the objects of an array: those of one name are one table. */
+static void add_inner(GPtrArray *to, const char *title, JsonArray *a)
+{
+	g_autoptr(GHashTable) tables = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+	for (guint n = 0; n < json_array_get_length(a); n++) {
+		JsonNode *element = json_array_get_element(a, n);
+		JsonObject *o =
+			JSON_NODE_HOLDS_OBJECT(element) ? json_node_get_object(element) : NULL;
+		g_autoptr(GList) names = o ? json_object_get_members(o) : NULL;
+		for (GList *l = names; l; l = l->next) {
+			JsonNode *node = json_object_get_member(o, l->data);
+			bench_tables_table *t = g_hash_table_lookup(tables, l->data);
+			if (!holds_objects(node))
+				continue;
+			if (!t) {
+				g_autofree char *inner = inside(title, l->data);
+				g_ptr_array_add(to, t = table_new(inner));
+				g_hash_table_insert(tables, g_strdup(l->data), t);
+			}
+			put_rows(t, json_node_get_array(node), o);
+			pad_rows(t);
+		}
 	}
 }
 
@@ -153,17 +190,9 @@ static void add_array(GPtrArray *to, const char *title, JsonArray *a)
 {
 	bench_tables_table *t = table_new(title);
 	g_ptr_array_add(to, t);
-	for (guint n = 0; n < json_array_get_length(a); n++) {
-		JsonNode *node = json_array_get_element(a, n);
-		GPtrArray *row = g_ptr_array_new_with_free_func(g_free);
-		if (JSON_NODE_HOLDS_OBJECT(node))
-			put_members(t, row, "", json_node_get_object(node));
-		g_ptr_array_add(t->rows, row);
-	}
+	put_rows(t, a, NULL);
 	pad_rows(t);
-	for (guint n = 0; n < json_array_get_length(a); n++)
-		if (JSON_NODE_HOLDS_OBJECT(json_array_get_element(a, n)))
-			add_inner(to, title, json_array_get_object_element(a, n));
+	add_inner(to, title, a);
 }
 
 /* Plain members first, as rows of name and value. */

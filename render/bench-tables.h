@@ -1,6 +1,7 @@
 #ifndef RENDER_BENCH_TABLES_H
 #define RENDER_BENCH_TABLES_H
-/* What a bench printed as JSON, as tables for people: an array of objects is a table of its own, with a column for each member; the plain
+/* What a bench printed as JSON, as tables for people: an array of objects is a table of its own, with a column for each member; such arrays
+ * within its objects are one more table, whose rows begin with what the object begins with; the plain
  * members of an object are a table of two columns. Names are those of the members, with spaces. */
 #include <json-glib/json-glib.h>
 #include <stdbool.h>

@@ -239,7 +239,8 @@ static void test_tables(void)
 {
 	g_autoptr(JsonObject) o = object_of(
 		"{\"width\":640,\"list\":[1,2.5],\"rows\":[{\"scene_name\":\"A\",\"iou\":{\"tree\":"
-		"0.25},\"frames\":[{\"fps\":10}]},{\"scene_name\":\"B\",\"good\":true}]}");
+		"0.25},\"frames\":[{\"fps\":10}]},{\"scene_name\":\"B\",\"frames\":[{\"fps\":11}],"
+		"\"good\":true}]}");
 	g_autoptr(GPtrArray) all = bench_tables_of(o);
 	g_assert_cmpuint(all->len, ==, 3);
 	const bench_tables_table *plain = all->pdata[0], *rows = all->pdata[1],
@@ -251,7 +252,10 @@ static void test_tables(void)
 	g_assert_cmpstr(rows->columns->pdata[1], ==, "iou tree");
 	g_assert_true(g_array_index(rows->numbers, bool, 1));
 	g_assert_cmpstr(((GPtrArray *)rows->rows->pdata[1])->pdata[1], ==, "");
-	g_assert_cmpstr(frames->title, ==, "rows A, frames");
+	g_assert_cmpstr(frames->title, ==, "rows, frames");
+	g_assert_cmpuint(frames->rows->len, ==, 2);
+	g_assert_cmpstr(((GPtrArray *)frames->rows->pdata[1])->pdata[0], ==, "B");
+	g_assert_cmpstr(((GPtrArray *)frames->rows->pdata[1])->pdata[1], ==, "11");
 }
 
 /* ---- children ---- */
