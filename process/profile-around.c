@@ -5,6 +5,12 @@
 #define CELL_M PROFILE_AROUND_LAYER_M
 /* Cells on either side of the origin: 65 km. */
 #define CELLS_HALF (1 << 20)
+/* How far apart beams are, the median of one point in so many of those that face the scanner. */
+#define BEAM_STEP     7u
+#define BEAM_STEP_RAD 2e-5
+#define BEAMS         2048
+#define BEAM_POINTS   50u
+#define FACING_COS    0.5
 
 struct stored {
 	float at_m[3];
@@ -19,17 +25,12 @@ struct cell {
 	uint32_t first, count;
 };
 
-struct station {
-	uint16_t scan;
-	double at_m[3];
-};
-
 struct profile_around {
 	uint32_t mask, cells;
 	struct cell *cell; /* a hash table */
 	struct stored *
 		stored; /* cube by cube, in the order in which the model comes to them: what is near is near */
-	GArray *stations; /* of struct station */
+	GArray *stations; /* of struct profile_station */
 };
 
 static int32_t cell_of(float m)
@@ -149,27 +150,66 @@ static JsonArray *array_in(JsonObject *o, const char *key)
 static void read_stations(profile_around *a, const model *m, const double origin_m[3])
 {
 	JsonArray *scans = array_in(product_manifest(model_file(m)), "made_from");
-	a->stations = g_array_new(FALSE, FALSE, sizeof(struct station));
+	a->stations = g_array_new(FALSE, FALSE, sizeof(struct profile_station));
 	for (guint n = 0; scans && n < json_array_get_length(scans); n++) {
 		JsonNode *node = json_array_get_element(scans, n);
 		JsonObject *scan = JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
 		JsonArray *pose = scan ? array_in(scan, "pose") : NULL;
 		if (!pose || json_array_get_length(pose) != 12)
 			continue;
-		struct station station = { (uint16_t)json_object_get_int_member_with_default(
-			scan, "scan", 0) };
-		for (guint k = 0; k < 3; k++)
+		struct profile_station station = {
+			.scan = (uint16_t)json_object_get_int_member_with_default(scan, "scan", 0)
+		};
+		for (guint k = 0; k < 3; k++) {
 			station.at_m[k] = json_array_get_double_element(pose, 9 + k) - origin_m[k];
+			station.up[k] = json_array_get_double_element(pose, 3 * k + 2);
+		}
 		g_array_append_val(a->stations, station);
 	}
 }
 
-bool profile_around_station(const profile_around *a, uint16_t scan, double ret_m[3])
+/* How far apart the beams were between which a point has its part of the surface; 0: it does not tell. */
+static double beam_rad_of(const struct profile_station *s, const struct stored *p)
+{
+	float normal[3];
+	double way[3], range = 0, facing = 0, rise = 0;
+	model_unpack_normal(p->normal, normal);
+	for (int k = 0; k < 3; k++) {
+		way[k] = (double)p->at_m[k] - s->at_m[k];
+		range += way[k] * way[k];
+		facing += way[k] * (double)normal[k];
+		rise += way[k] * s->up[k];
+	}
+	range = sqrt(range);
+	double cosine = fabs(facing) / range, level = 1 - rise * rise / (range * range);
+	return range > 0 && cosine > FACING_COS && level > 0.1
+		       ? (double)p->spacing * 1e-4 * sqrt(cosine) / range / pow(level, 0.25)
+		       : 0;
+}
+
+static void find_beams(profile_around *a, struct profile_station *s, uint32_t points)
+{
+	uint32_t count[BEAMS] = { 0 }, all = 0, sum = 0;
+	for (uint32_t i = 0; i < points; i += BEAM_STEP) {
+		double rad = a->stored[i].scan == s->scan ? beam_rad_of(s, &a->stored[i]) : 0;
+		if (rad > 0) {
+			count[MIN((int)(rad / BEAM_STEP_RAD), BEAMS - 1)]++;
+			all++;
+		}
+	}
+	int n = 0;
+	for (; n + 1 < BEAMS && 2 * (sum + count[n]) < all; n++)
+		sum += count[n];
+	s->beam_rad = all >= BEAM_POINTS && n + 1 < BEAMS ? (n + 0.5) * BEAM_STEP_RAD : 0;
+}
+
+bool profile_around_station(const profile_around *a, uint16_t scan, struct profile_station *ret)
 {
 	for (guint n = 0; n < a->stations->len; n++) {
-		const struct station *s = &g_array_index(a->stations, struct station, n);
+		const struct profile_station *s =
+			&g_array_index(a->stations, struct profile_station, n);
 		if (s->scan == scan) {
-			memcpy(ret_m, s->at_m, sizeof s->at_m);
+			*ret = *s;
 			return true;
 		}
 	}
@@ -185,6 +225,9 @@ profile_around *profile_around_new(const model *m, const double origin_m[3])
 	fill(a, m, origin_m, true);
 	place_cells(a);
 	fill(a, m, origin_m, false);
+	for (guint n = 0; n < a->stations->len; n++)
+		find_beams(a, &g_array_index(a->stations, struct profile_station, n),
+			(uint32_t)model_count(m));
 	return a;
 }
 

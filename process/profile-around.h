@@ -26,8 +26,14 @@ typedef struct profile_around profile_around;
 profile_around *profile_around_new(const model *m, const double origin_m[3]);
 void profile_around_free(profile_around *a); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(profile_around, profile_around_free)
-/* Where the scanner stood, from the origin; false: the model does not say. */
-bool profile_around_station(const profile_around *a, uint16_t scan, double ret_m[3]);
+/* Where a scanner stood, from the origin, and which way up; how far apart its beams are, in rows as in columns; 0: its points do not
+ * tell. */
+struct profile_station {
+	uint16_t scan;
+	double at_m[3], up[3], beam_rad;
+};
+/* false: the model does not say. */
+bool profile_around_station(const profile_around *a, uint16_t scan, struct profile_station *ret);
 /* All within radius_m of the line between two places along it. ret is emptied first. step: of layers across, PROFILE_AROUND_LAYER_M or so
  * along it, one in so many; 1: all. */
 #define PROFILE_AROUND_LAYER_M 0.0625f

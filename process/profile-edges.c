@@ -27,8 +27,14 @@
 /* Only so much farther than the section does it tell where an edge is. */
 #define FARTHER 3.0f
 /* What lies farther from what grew is left to what grew there. */
-#define MARK_SUPPORT    0.85f /* of what grew, where no face tells of it */
-#define OTHER_KIND_M    0.03
+#define MARK_SUPPORT 0.85f /* of what grew, where no face tells of it */
+#define OTHER_KIND_M 0.03
+/* An edge that was looked at again is the same when it is so near. One that was not found again is left as long as so many times what it
+ * was found by. */
+#define SAME_M          0.015
+#define SAME_SPACINGS   0.5
+#define SEEN_PART       2.0
+#define LEFT_M          0.1
 #define BESIDE_M        0.04f
 #define BESIDE_SPACINGS 1.0f
 #define AHEAD_M         0.3f
@@ -56,7 +62,8 @@ struct settler {
 	struct profile_section section;
 	bool is_met[PROFILE_SPANS][2]; /* where a span begins, or ends, it meets another face */
 	GArray *near;
-	GArray *ret; /* of struct profile_piece */
+	GArray *ret;   /* of struct profile_piece */
+	bool is_there; /* the piece itself, found again, is known already */
 	bool (*is_known)(const struct profile_piece *p, const void *user_data);
 	const void *user_data;
 };
@@ -247,6 +254,7 @@ static struct profile_piece piece_between(
 	const struct profile_section *section = &s->section;
 	struct profile_piece p = *s->seed;
 	p.seen_m = 2 * section->half_m;
+	memcpy(p.seen_at, section->frame.at, sizeof p.seen_at);
 	p.spacing_m = section->spacing_m;
 	double from[3], to[3], length = 0;
 	to_site(&section->frame, (float[3]){ low[0], low[1], -section->half_m }, from);
@@ -281,6 +289,23 @@ static float beside_of(const struct profile_face *f, const float at[2])
 	return profile_beside(&n, f);
 }
 
+/* How far two pieces are apart at the middle of the first, and at its ends. */
+static double off_from(const struct profile_piece *p, const struct profile_piece *q)
+{
+	double most = 0;
+	for (int n = 0; n < 3; n++) {
+		double at[3];
+		straight_place(&p->line, p->from_m + n * profile_piece_length(p) / 2, at);
+		most = fmax(most, straight_off(&q->line, at));
+	}
+	return most;
+}
+
+static bool is_same(const struct profile_piece *p, double off_m)
+{
+	return off_m < SAME_M + SAME_SPACINGS * (double)p->spacing_m;
+}
+
 static void keep(struct settler *s, struct profile_piece *p, const struct plane *plane, int side)
 {
 	for (int f = 0; f < 1 + (p->kind == PROFILE_CREASE); f++)
@@ -289,7 +314,9 @@ static void keep(struct settler *s, struct profile_piece *p, const struct plane 
 	straight_place(&p->line, (p->from_m + p->to_m) / 2, at);
 	if (straight_off(&s->seed->line, at) > (double)(BESIDE_M + BESIDE_SPACINGS * p->spacing_m))
 		return;
-	if (!(s->is_known && s->is_known(p, s->user_data)) && find_extent(s, p, plane, side))
+	if (s->is_known && s->is_known(p, s->user_data))
+		s->is_there |= is_same(s->seed, off_from(s->seed, p));
+	else if (find_extent(s, p, plane, side))
 		g_array_append_val(s->ret, *p);
 }
 
@@ -476,20 +503,19 @@ static void find_edges(struct settler *s)
 				add_end(s, &s->section.span[n], end);
 }
 
-/* How far two pieces are apart at the middle of the first, and at its ends. */
-static double off_from(const struct profile_piece *p, const struct profile_piece *q)
+/* No more of an edge than what it was found by, and a little: farther on nothing bears it out. */
+static bool seen_part(const struct profile_piece *p, struct profile_piece *ret)
 {
-	double most = 0;
-	for (int n = 0; n < 3; n++) {
-		double at[3];
-		straight_place(&p->line, p->from_m + n * profile_piece_length(p) / 2, at);
-		most = fmax(most, straight_off(&q->line, at));
-	}
-	return most;
+	double middle = straight_along(&p->line, p->seen_at),
+	       half_m = SEEN_PART * (double)p->seen_m / 2;
+	*ret = *p;
+	ret->from_m = fmax(p->from_m, middle - half_m);
+	ret->to_m = fmin(p->to_m, middle + half_m);
+	return profile_piece_length(ret) > LEFT_M;
 }
 
 /* Of an edge that was looked at again, the edge itself: the one that is the nearest, of its kind if there is one. */
-static void keep_same(const struct profile_piece *seed, GArray *ret)
+static void keep_same(const struct settler *s, const struct profile_piece *seed, GArray *ret)
 {
 	double least = INFINITY;
 	struct profile_piece best = { 0 };
@@ -502,7 +528,9 @@ static void keep_same(const struct profile_piece *seed, GArray *ret)
 		}
 	}
 	g_array_set_size(ret, 0);
-	if (least < INFINITY)
+	if (is_same(seed, least))
+		g_array_append_val(ret, best);
+	else if (!s->is_there && seen_part(seed, &best))
 		g_array_append_val(ret, best);
 }
 
@@ -522,7 +550,7 @@ void profile_piece_settle(const profile_around *all, const struct profile_piece 
 		g_array_append_val(ret, p);
 	}
 	if (seed->seen_m > 0)
-		keep_same(seed, ret);
+		keep_same(&s, seed, ret);
 	profile_section_clear(&s.section);
 	g_array_unref(s.near);
 }

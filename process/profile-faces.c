@@ -89,12 +89,13 @@ static void turn_frame(struct profile_section *s, const double slope[2])
 static bool find_station(const profile_around *all, const struct profile_section *s,
 	const uint32_t *which, uint32_t count, double ret[3])
 {
-	double at[3];
-	if (profile_around_station(all, near_at(s, which[0])->scan, at)) {
+	struct profile_station station;
+	if (profile_around_station(all, near_at(s, which[0])->scan, &station)) {
 		for (int j = 0; j < 3; j++) {
 			ret[j] = 0;
 			for (int k = 0; k < 3; k++)
-				ret[j] += (double)s->frame.axis[j][k] * (at[k] - s->frame.at[k]);
+				ret[j] += (double)s->frame.axis[j][k] *
+					  (station.at_m[k] - s->frame.at[k]);
 		}
 		return true;
 	}

@@ -20,6 +20,7 @@
 #define EXPLAINS_SHARE         0.75
 #define EXPLAINS_STEP_M        0.1
 #define EXPLAINS_EDGE_M        0.008
+#define EXPLAINS_MARK_M        0.06 /* feature points of edges, grown askew */
 #define EXPLAINS_EDGE_SPACINGS 0.3
 /* Ends that are so near, and turn less, go on in each other. */
 #define LINK_M        0.05
@@ -190,12 +191,14 @@ static GArray *pieces_near(const profile_joiner *j, const struct profile_piece *
 static bool is_on(const struct profile_piece *q, const struct profile_piece *p, bool is_edge,
 	const double at[3])
 {
-	double along = straight_along(&q->line, at);
+	double along = straight_along(&q->line, at), within_m = is_edge && p->kind > PROFILE_END
+									? EXPLAINS_MARK_M
+								: is_edge ? EXPLAINS_EDGE_M
+									  : EXPLAINS_M;
 	return along > q->from_m - BETWEEN_M / 2 && along < q->to_m + BETWEEN_M / 2 &&
 	       straight_off(&q->line, at) <
-		       (is_edge ? EXPLAINS_EDGE_M : EXPLAINS_M) +
-			       (is_edge ? EXPLAINS_EDGE_SPACINGS : EXPLAINS_SPACINGS) *
-				       (double)fmaxf(p->spacing_m, q->spacing_m);
+		       within_m + (is_edge ? EXPLAINS_EDGE_SPACINGS : EXPLAINS_SPACINGS) *
+					  (double)fmaxf(p->spacing_m, q->spacing_m);
 }
 
 /* Those that do not go its way are none that explain it. */

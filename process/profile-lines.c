@@ -1,5 +1,6 @@
 #include "process/profile-lines.h"
 #include "process/profile-join.h"
+#include "process/profile-rim.h"
 #include <math.h>
 #include <string.h>
 
@@ -49,12 +50,12 @@ static int by_length(const void *a, const void *b)
 	return m != n ? (m > n ? -1 : 1) : memcmp(x, y, sizeof *x);
 }
 
-/* Creases before what else there is: where faces meet is known the best. */
+/* Creases, then ends, before what else there is: where faces meet is known the best. */
 static int by_worth(const void *a, const void *b)
 {
 	const struct profile_piece *x = a, *y = b;
-	bool is_crease[2] = { x->kind == PROFILE_CREASE, y->kind == PROFILE_CREASE };
-	return is_crease[0] != is_crease[1] ? (is_crease[0] ? -1 : 1) : by_length(a, b);
+	int rank[2] = { MIN(x->kind, PROFILE_MARK), MIN(y->kind, PROFILE_MARK) };
+	return rank[0] != rank[1] ? rank[0] - rank[1] : by_length(a, b);
 }
 
 static bool is_known(const struct profile_piece *p, const void *joiner)
@@ -105,6 +106,16 @@ static struct profile_options defaults(const struct profile_options *options)
 	return o;
 }
 
+/* Ends of faces, by the beams along all of their length. */
+static void fit_rims(
+	const profile_around *around, profile_joiner *joiner, const struct profile_options *options)
+{
+	g_autoptr(GArray) pieces = profile_joiner_pieces(joiner);
+#pragma omp parallel for schedule(dynamic) if (!options->single_thread)
+	for (guint n = 0; n < pieces->len; n++)
+		profile_rim_fit(around, &g_array_index(pieces, struct profile_piece, n));
+}
+
 profile_lines *profile_lines_find(const model *m, const struct profile_options *options)
 {
 	const struct profile_options o = defaults(options);
@@ -116,8 +127,10 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 		g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
 		if (!settle(around, pieces, pass > 0, joiner, &o))
 			return NULL;
-		if (pass + 1 == PASSES)
+		if (pass + 1 == PASSES) {
+			fit_rims(around, joiner, &o);
 			return profile_joiner_finish(joiner, origin_m);
+		}
 		g_array_unref(pieces);
 		pieces = profile_joiner_pieces(joiner);
 	}

@@ -10,7 +10,9 @@
  *    as far as its faces do, with feature points beside it.
  * 3. Lines (profile-join.h): the longest come first; what they explain is left out. What lies on one line is one, what follows each other
  *    a curve, and ends that nearly meet in a corner meet. Edges that came out longer than what they were found by are looked at
- *    again, by all of their length, for that tells their direction the better.
+ *    again, by all of their length, for that tells their direction the better; those that are not found again keep about what they were
+ *    found by.
+ * 4. Where a face ends, all beams along the end tell at last where exactly (profile-rim.h).
  *
  * The same model gives the same bytes on any number of threads. */
 #include "process/model.h"

@@ -10,6 +10,7 @@ struct profile_piece {
 	double from_m, to_m;  /* along it */
 	float spacing_m;      /* of the points on it, the mean */
 	float seen_m;         /* of an edge: how long the section is that it was found by */
+	double seen_at[3];    /* and where the middle of that is */
 	float support;        /* 0..1: part of its length that feature points are on */
 	float degree;         /* 0..1: of these, the mean */
 	bool is_directed;     /* of directional points */

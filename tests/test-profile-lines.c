@@ -2,6 +2,7 @@
 #include "process/line-grow.h"
 #include "process/model-write.h"
 #include "process/profile-lines.h"
+#include "process/profile-rim.h"
 #include "process/vector3.h"
 #include "tests/simulated.h"
 #include <math.h>
@@ -136,6 +137,9 @@ static int by_order(const void *a, const void *b)
 	return part_point_compare(a, b);
 }
 
+/* Points of this leaf are of scan 2, others of scan 1. */
+#define SECOND_LEAF 21
+
 /* Of all points, with what the manifest says of where they were seen from; NULL: nothing. */
 static model *write_model(GArray *all, JsonArray *made_from)
 {
@@ -147,9 +151,10 @@ static model *write_model(GArray *all, JsonArray *made_from)
 		json_object_set_array_member(made, "made_from", made_from);
 	g_array_sort(all, by_order);
 	g_autoptr(model_writer) w = model_writer_new(path, 0, &error);
-	for (guint n = 0; n < all->len; n++)
-		g_assert_true(
-			model_writer_add(w, &g_array_index(all, struct part_point, n), 1, NULL));
+	for (guint n = 0; n < all->len; n++) {
+		const struct part_point *p = &g_array_index(all, struct part_point, n);
+		g_assert_true(model_writer_add(w, p, p->leaf == SECOND_LEAF ? 2 : 1, NULL));
+	}
 	g_assert_true(model_writer_finish(w, NULL, 0, made, NULL));
 	model *m = model_open_file(path, &error);
 	g_assert_no_error(error);
@@ -396,6 +401,83 @@ static void test_band(void)
 	}
 }
 
+/* ---- where a wall ends ---- */
+
+/* A wall, y = 0, from x = -1 to where it ends, x = 0, as two scanners see it, aslant; ranges waver by 12 mm. */
+#define RIM_NOISE_M 0.012
+static const double rim_scanner_m[2][3] = { { -4, -4, 1.1 }, { 3, -6, 0.9 } };
+
+static void add_wall(GArray *all, JsonArray *scans, GRand *r, int scan)
+{
+	const double *from = rim_scanner_m[scan], up = 0.3;
+	const float normal[3] = { 0, -1, 0 };
+	JsonArray *pose = json_array_new();
+	JsonObject *about = json_object_new();
+	for (double azimuth = -1.2; azimuth < 1.2; azimuth += BEAM_RAD)
+		for (double elevation = -up; elevation < up; elevation += BEAM_RAD) {
+			double way[3] = { cos(elevation) * sin(azimuth),
+				cos(elevation) * cos(azimuth), sin(elevation) };
+			double far = -from[1] / way[1], at[3];
+			double x = from[0] + far * way[0], z = from[2] + far * way[2];
+			if (x < -1 || x > 0 || z < 0 || z > 2)
+				continue;
+			for (int k = 0; k < 3; k++)
+				at[k] = from[k] + (far + RIM_NOISE_M * gauss(r)) * way[k];
+			struct morton_place place;
+			g_assert_true(morton_from_point(at, morton_cell_m(0), &place));
+			double size = 1e4 * far * BEAM_RAD * sqrt(cos(elevation));
+			struct part_point p = { .code = place.code,
+				.leaf = scan ? SECOND_LEAF : 20,
+				.size = (uint16_t)size,
+				.spacing = (uint16_t)(size / sqrt(way[1])) };
+			memcpy(p.within, place.within, sizeof p.within);
+			model_pack_normal(normal, p.normal);
+			p.k1 = p.k2 = MODEL_HALF_NONE;
+			g_array_append_val(all, p);
+		}
+	for (int n = 0; n < 12; n++)
+		json_array_add_double_element(pose, n < 9 ? n % 4 == 0 : from[n - 9]);
+	json_object_set_int_member(about, "scan", scan + 1);
+	json_object_set_array_member(about, "pose", pose);
+	json_array_add_object_element(scans, about);
+}
+
+/* Beams are 2 cm apart on the wall; by all of them together its end is told better than that, from wherever one begins. */
+static void test_rim(void)
+{
+	g_autoptr(GRand) r = g_rand_new_with_seed(4);
+	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
+	JsonArray *scans = json_array_new();
+	const double origin_m[3] = { 0 };
+	for (int scan = 0; scan < 2; scan++)
+		add_wall(all, scans, r, scan);
+	g_autoptr(model) m = write_model(all, scans);
+	g_autoptr(profile_around) around = profile_around_new(m, origin_m);
+	struct profile_station station;
+	g_assert_false(profile_around_station(around, 3, &station));
+	g_assert_true(profile_around_station(around, 2, &station));
+	g_assert_cmpfloat(fabs(station.beam_rad - BEAM_RAD), <, 0.05 * BEAM_RAD);
+	for (int n = 0; n < 9; n++) {
+		struct profile_piece p = { .line = { { 0.015 * (n % 3 - 1), 0.01, 0.3 },
+						   { 0.01 * (n / 3 - 1), 0, 1 } },
+			.to_m = 1.4,
+			.spacing_m = 0.012f,
+			.kind = PROFILE_END,
+			.face = { { 0, -1, 0 } } };
+		g_assert_true(profile_rim_fit(around, &p));
+		for (int end = 0; end < 2; end++) {
+			double at[3];
+			straight_place(&p.line, end ? p.to_m : p.from_m, at);
+			g_test_message("from %d: %.1f mm beside, %.1f mm off", n, 1000 * at[0],
+				1000 * at[1]);
+			g_assert_cmpfloat(fabs(at[0]), <, 0.007);
+			g_assert_cmpfloat(fabs(at[1]), <, 0.004);
+		}
+	}
+	struct profile_piece crease = { .kind = PROFILE_CREASE, .to_m = 1 };
+	g_assert_false(profile_rim_fit(around, &crease));
+}
+
 /* The same bytes on one thread and on many. */
 static void test_threads(void)
 {
@@ -431,6 +513,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/profile-lines/grow", test_grow);
 	g_test_add_func("/profile-lines/block", test_block);
 	g_test_add_func("/profile-lines/band", test_band);
+	g_test_add_func("/profile-lines/rim", test_rim);
 	g_test_add_func("/profile-lines/threads", test_threads);
 	g_test_add_func("/profile-lines/stopped", test_stopped);
 	return g_test_run();
