@@ -13,7 +13,7 @@ void profile_joiner_add(profile_joiner *j, const struct profile_piece *piece);
  * adds. */
 bool profile_joiner_explains(
 	const profile_joiner *j, const struct profile_piece *piece, bool is_edge);
-/* All that stays, as it is now: of struct profile_piece; caller unrefs, and may move them a little before the joiner finishes. */
+/* All that stays, as it is now: of struct profile_piece; caller unrefs. */
 GArray *profile_joiner_pieces(const profile_joiner *j);
 profile_lines *profile_joiner_finish(profile_joiner *j, const double origin_m[3]);
 

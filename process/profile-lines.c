@@ -106,14 +106,18 @@ static struct profile_options defaults(const struct profile_options *options)
 	return o;
 }
 
-/* Ends of faces, by the beams along all of their length. */
-static void fit_rims(
-	const profile_around *around, profile_joiner *joiner, const struct profile_options *options)
+/* Ends of faces, by the beams along all of their length; what lies on one line now is one. */
+static profile_joiner *fit_rims(
+	const profile_around *around, GArray *pieces, const struct profile_options *options)
 {
-	g_autoptr(GArray) pieces = profile_joiner_pieces(joiner);
+	profile_joiner *joiner = profile_joiner_new(options);
 #pragma omp parallel for schedule(dynamic) if (!options->single_thread)
 	for (guint n = 0; n < pieces->len; n++)
 		profile_rim_fit(around, &g_array_index(pieces, struct profile_piece, n));
+	g_array_sort(pieces, by_worth);
+	for (guint n = 0; n < pieces->len; n++)
+		profile_joiner_add(joiner, &g_array_index(pieces, struct profile_piece, n));
+	return joiner;
 }
 
 profile_lines *profile_lines_find(const model *m, const struct profile_options *options)
@@ -127,12 +131,11 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 		g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
 		if (!settle(around, pieces, pass > 0, joiner, &o))
 			return NULL;
-		if (pass + 1 == PASSES) {
-			fit_rims(around, joiner, &o);
-			return profile_joiner_finish(joiner, origin_m);
-		}
 		g_array_unref(pieces);
 		pieces = profile_joiner_pieces(joiner);
 	}
-	return NULL;
+	if (!pieces)
+		return NULL;
+	g_autoptr(profile_joiner) joiner = fit_rims(around, pieces, &o);
+	return profile_joiner_finish(joiner, origin_m);
 }
