@@ -2,6 +2,7 @@
 #include "acquire/cli.h"
 #include "acquire/doctor.h"
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 #define COMMAND "doctor"
@@ -48,9 +49,12 @@ static void print_lines(const GPtrArray *findings)
 	bool terminal = isatty(STDOUT_FILENO);
 	for (guint i = 0; i < findings->len; i++) {
 		const struct finding *f = findings->pdata[i];
+		bool advises = f->advice && *f->advice;
+		const char *end =
+			strchr(".?!", f->sentence[MAX(strlen(f->sentence), 1) - 1]) ? " " : ". ";
 		printf("%s%s%s  %-13s %s%s%s\n", terminal ? colours[f->state] : "", signs[f->state],
-			terminal ? "\33[0m" : "", f->subject, f->sentence,
-			f->advice && *f->advice ? ". " : "", f->advice ? f->advice : "");
+			terminal ? "\33[0m" : "", f->subject, f->sentence, advises ? end : "",
+			advises ? f->advice : "");
 	}
 }
 

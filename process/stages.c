@@ -37,8 +37,9 @@ static char *placed_summary(const scan_graph *g, JsonObject *figures)
 	g_autofree char *parts =
 		groups > 1 ? g_strdup_printf(" in %u parts that nothing ties together", groups)
 			   : g_strdup("");
-	return g_strdup_printf("%u of %u scans are placed%s, by %u pairs; %u pairs were refused",
-		placed, g->scans->len, parts, used, refused);
+	return g_strdup_printf("%u of %u scans are placed%s, by %u pair%s; %u %s refused", placed,
+		g->scans->len, parts, used, used == 1 ? "" : "s", refused,
+		refused == 1 ? "was" : "were");
 }
 
 static bool run_register(site *s, const struct stage_progress *progress, char **ret_summary,

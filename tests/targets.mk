@@ -29,13 +29,12 @@ real: deps
 	$(MAKE) $(side_by_side) all
 	@sh tests/real.sh $(BUILD)/bin "$(DATA)" "$(real)"
 
-#: make check           set up, build, run every test (all but the slowest also under ASan and UBSan), check layers and format
+#: make check           set up, build, run all tests but the slowest, check layers, format and documents: ten minutes of two cores, once built
 check: deps
 	$(MAKE) $(side_by_side) all tests
 	$(MAKE) check-house
 	$(MAKE) check-units
-	$(MAKE) check-tests
-	$(MAKE) check-sanitized
+	$(MAKE) run_tests='$(filter-out $(patient_tests),$(tests) $(fuzzers))' check-tests
 
 #: make deps            install the Debian packages that building, running and testing need
 deps:
@@ -64,7 +63,12 @@ run_tests ?= $(tests) $(fuzzers)
 check-tests: all tests
 	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(filter $(run_tests),$(long_tests)) $(filter-out $(long_tests),$(run_tests))
 
-# Instrumented, these take a minute and more of two cores each. They do so wherever main changes (.ci/run), not at each check.
+# Half a minute and more of two cores each: whole scans again and again, killed, damaged, calibrated. They are of make check-slow, which
+# runs wherever main changes (.ci/run).
+patient_tests := $(addprefix $(BUILD)/tests/,test-scan-kill test-scan-faults test-calibrate test-export test-align-command \
+	test-commands-damage test-preset test-process-kill test-kiosk-hostile test-kiosk-workflow test-parity test-scan test-poster)
+
+# Instrumented, these take a minute and more of two cores each.
 slow_tests := $(addprefix $(BUILD)/tests/,test-cloud-align test-align-command test-scan-faults test-align-scans \
 	test-register-site test-commands-damage test-world test-preset test-segmentation-truth)
 # Fingers wait for pictures: instrumented ones come too late for taps that are meant to be double.
@@ -73,15 +77,18 @@ asan := BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1'
 check-sanitized:
 	$(MAKE) $(side_by_side) $(asan) all tests
 	$(MAKE) $(asan) check-asan-quick
-.PHONY: check-asan-quick check-asan-slow check-slow
+.PHONY: check-asan-quick check-asan-slow check-slow check-patient
 check-asan-quick check-asan-slow: all tests
 check-asan-quick:
 	$(MAKE) run_tests='$(filter-out $(slow_tests) $(screen_tests),$(tests) $(fuzzers))' check-tests
 check-asan-slow:
 	$(MAKE) run_tests='$(slow_tests)' check-tests
-#: make check-slow      the tests that make check leaves out under ASan and UBSan, since they take long there
-check-slow: check-truth check-kernel
+#: make check-slow      what make check leaves out: the slowest tests, all of them under ASan and UBSan, real scans, a kernel in QEMU
+check-slow: check-patient check-truth check-kernel
+	$(MAKE) check-sanitized
 	$(MAKE) $(asan) check-asan-slow
+check-patient: all tests
+	$(MAKE) run_tests='$(patient_tests)' check-tests
 #: make check-truth     segments of simulated sites at the standard preset against the truth, and all real scans drawn, which check-slow does too
 .PHONY: check-truth
 check-truth: all $(BUILD)/tests/test-segmentation-truth $(BUILD)/tests/test-real
