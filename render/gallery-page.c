@@ -71,9 +71,17 @@ static enum shown kind_of(const char *path)
 	return SHOWN_LINK;
 }
 
+/* Of panoramas/index.html its folder. */
+static char *name_of(const char *path)
+{
+	g_autofree char *whole = g_canonicalize_filename(path, NULL),
+			*folder = g_path_get_dirname(whole);
+	return g_path_get_basename(g_str_has_suffix(whole, "/index.html") ? folder : whole);
+}
+
 static void show(GString *html, const char *folder, const char *path)
 {
-	g_autofree char *name = g_path_get_basename(path), *text = g_markup_escape_text(name, -1),
+	g_autofree char *name = name_of(path), *text = g_markup_escape_text(name, -1),
 			*link = gallery_page_link(folder, path);
 	switch (kind_of(path)) {
 	case SHOWN_FILM:
