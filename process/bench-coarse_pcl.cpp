@@ -10,9 +10,9 @@
 extern "C" {
 #include "process/bench-coarse.h"
 }
+#include "process/bench-cloud_pcl.hpp"
 #include <pcl/features/fpfh.h>
 #include <pcl/features/normal_3d.h>
-#include <pcl/filters/voxel_grid.h>
 #include <pcl/point_types.h>
 #include <pcl/registration/sample_consensus_prerejective.h>
 
@@ -30,19 +30,6 @@ double cpu_s()
 	struct timespec t;
 	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
 	return double(t.tv_sec) + double(t.tv_nsec) * 1e-9;
-}
-
-points::Ptr thinned(const range_grid *g)
-{
-	points::Ptr all(new points), thin(new points);
-	for (size_t i = 0; i < range_grid_cells(g); i++)
-		if (g->range_m[i] > 0)
-			all->emplace_back(g->x_m[i], g->y_m[i], g->z_m[i]);
-	pcl::VoxelGrid<pcl::PointXYZ> voxels;
-	voxels.setLeafSize(VOXEL_M, VOXEL_M, VOXEL_M);
-	voxels.setInputCloud(all);
-	voxels.filter(*thin);
-	return thin;
 }
 
 features::Ptr described(const points::Ptr &from)
@@ -68,7 +55,8 @@ extern "C" bool bench_coarse_pcl(
 {
 	return pcl_guard(error, "PCL", [&] {
 		double began = cpu_s();
-		points::Ptr pa = thinned(a), pb = thinned(b);
+		points::Ptr pa = bench_cloud_thinned(a, VOXEL_M),
+			    pb = bench_cloud_thinned(b, VOXEL_M);
 		features::Ptr fa = described(pa), fb = described(pb);
 		pcl::SampleConsensusPrerejective<pcl::PointXYZ, pcl::PointXYZ, pcl::FPFHSignature33>
 			method;

@@ -6,7 +6,6 @@
 #include <exception>
 #include <gio/gio.h>
 #include <pcl/features/normal_3d.h>
-#include <pcl/filters/voxel_grid.h>
 #include <pcl/registration/gicp.h>
 #include <pcl/registration/icp.h>
 /* GLib brings C++ headers of its own: it comes before what is C alone. */
@@ -14,6 +13,7 @@
 extern "C" {
 #include "process/bench-fine.h"
 }
+#include "process/bench-cloud_pcl.hpp"
 
 namespace
 {
@@ -29,19 +29,6 @@ double cpu_s()
 	struct timespec t;
 	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
 	return double(t.tv_sec) + double(t.tv_nsec) * 1e-9;
-}
-
-points::Ptr thinned(const range_grid *g)
-{
-	points::Ptr all(new points), thin(new points);
-	for (size_t i = 0; i < range_grid_cells(g); i++)
-		if (g->range_m[i] > 0)
-			all->emplace_back(g->x_m[i], g->y_m[i], g->z_m[i]);
-	pcl::VoxelGrid<pcl::PointXYZ> voxels;
-	voxels.setLeafSize(VOXEL_M, VOXEL_M, VOXEL_M);
-	voxels.setInputCloud(all);
-	voxels.filter(*thin);
-	return thin;
 }
 
 planes::Ptr with_normals(const points::Ptr &from)
@@ -94,7 +81,7 @@ void run(enum bench_fine_method method, const range_grid *a, const range_grid *b
 	const struct pose *start, struct bench_fine_run *ret)
 {
 	double begin = cpu_s();
-	points::Ptr pa = thinned(a), pb = thinned(b);
+	points::Ptr pa = bench_cloud_thinned(a, VOXEL_M), pb = bench_cloud_thinned(b, VOXEL_M);
 	if (method == BENCH_FINE_GICP) {
 		ret->prepare_s = cpu_s() - begin;
 		pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ, double> gicp;

@@ -292,52 +292,48 @@ static double facing(const struct view_sources *s, uint64_t i, const struct came
 	return far2 > 0 ? 1 + along / sqrt(far2) : 1;
 }
 
-/* Of fewer pixels a column is as good as empty. */
-#define COLUMN_LEAST 3
+/* With fewer pixels a line is as good as empty. */
+#define LINE_LEAST 3
 
-static bool is_column_empty(const struct camera *c, const float *depths_m, uint32_t x)
+/* Lines of a picture, one pixel beside the other: how many there are, how long, and how many pixels from one to the next of each. */
+struct picture_lines {
+	uint32_t count, length;
+	size_t to_line, to_pixel;
+};
+
+static bool is_line_empty(const float *depths_m, const struct picture_lines *l, uint32_t line)
 {
 	int filled = 0;
-	for (uint32_t y = 0; y < c->height; y++)
-		filled += isfinite(depths_m[(size_t)y * c->width + x]);
-	return filled < COLUMN_LEAST;
+	for (uint32_t n = 0; n < l->length; n++)
+		filled += isfinite(depths_m[line * l->to_line + n * l->to_pixel]);
+	return filled < LINE_LEAST;
 }
 
-static bool is_row_empty(const struct camera *c, const float *depths_m, uint32_t y)
+/* Between which angles from the axis, across the lines, anything stands; false: nothing does. */
+static bool find_extent(const float *depths_m, const struct picture_lines *l, double focal_px,
+	double *ret_least_rad, double *ret_most_rad)
 {
-	int filled = 0;
-	for (uint32_t x = 0; x < c->width; x++)
-		filled += isfinite(depths_m[(size_t)y * c->width + x]);
-	return filled < COLUMN_LEAST;
+	uint32_t first = 0, end = l->count;
+	while (first < end && is_line_empty(depths_m, l, first))
+		first++;
+	while (end > first && is_line_empty(depths_m, l, end - 1))
+		end--;
+	*ret_least_rad = atan((first - l->count / 2.0) / focal_px);
+	*ret_most_rad = atan((end - l->count / 2.0) / focal_px);
+	return first < end;
 }
 
-/* Of a level camera. */
-static void find_heights(const struct camera *c, const float *depths_m, struct view_sight *ret)
+static void find_extents(const struct camera *c, const float *depths_m, struct view_sight *ret)
 {
-	uint32_t top = 0, bottom = c->height;
-	while (top < bottom && is_row_empty(c, depths_m, top))
-		top++;
-	while (bottom > top && is_row_empty(c, depths_m, bottom - 1))
-		bottom--;
-	double half = c->height / 2.0;
-	if (top == bottom)
+	const struct picture_lines columns = { c->width, c->height, 1, c->width },
+				   rows = { c->height, c->width, c->width, 1 };
+	double left, right, top, bottom;
+	if (!find_extent(depths_m, &columns, c->focal_px, &left, &right) ||
+		!find_extent(depths_m, &rows, c->focal_px, &top, &bottom))
 		return;
-	ret->high_rad = atan((half - top) / c->focal_px);
-	ret->low_rad = atan((half - bottom) / c->focal_px);
-}
-
-static double aside_rad(const struct camera *c, const float *depths_m)
-{
-	uint32_t left = 0, right = c->width;
-	while (left < right && is_column_empty(c, depths_m, left))
-		left++;
-	while (right > left && is_column_empty(c, depths_m, right - 1))
-		right--;
-	double half = c->width / 2.0;
-	return left < right
-		       ? (atan((left - half) / c->focal_px) + atan((right - half) / c->focal_px)) /
-				 2
-		       : 0;
+	ret->aside_rad = (left + right) / 2;
+	ret->high_rad = -top; /* of a level camera */
+	ret->low_rad = -bottom;
 }
 
 struct view_sight view_look(
@@ -345,8 +341,7 @@ struct view_sight view_look(
 {
 	struct view_sight sight = { 0 };
 	g_autofree float *depths_m = draw_depths(s, c);
-	sight.aside_rad = aside_rad(c, depths_m);
-	find_heights(c, depths_m, &sight);
+	find_extents(c, depths_m, &sight);
 	for (uint64_t i = 0; i < s->boxes->count; i++) {
 		const struct model_chunk *chunk = &s->boxes->box[i];
 		struct seen seen;
