@@ -7,7 +7,6 @@
 
 #define CELL_PX 32u
 #define TILE_PX 64u
-#define SOFT_PX 9u
 
 enum { PATH_DOLLY, PATH_ORBIT, PATH_PAN, PATH_LIGHT, PATHS };
 
@@ -22,13 +21,26 @@ struct shot {
 	stroke_list *lists; /* NULL: there is no shot */
 	uint32_t layers;
 	float *luminance;   /* of each pixel, in linear light */
-	float *soft;        /* the same, each the mean of SOFT_PX x SOFT_PX around */
 	uint8_t *lightness; /* of each pixel, as layers take it of a colour */
 };
 /* f is moved to the camera. shared NULL: it makes a mask of its own, else that one must live as long. */
 bool shot_take(struct shot *ret, frame *f, const struct camera *c, const visibility_mask *shared,
 	struct picture_buffer *picture, GError **error);
 void shot_clear(struct shot *s);
+
+/* The same frame drawn finer, for what is held against the frame before pixel by pixel. */
+#define FINE 4u /* of its pixels in one, along each side */
+
+struct fine_shot {
+	struct camera camera;
+	const visibility_mask *mask;
+	visibility_mask *own_mask; /* NULL: that of another shot */
+	float *luminance;          /* NULL: there is no shot */
+};
+/* c: of the frame itself; the rest as for shot_take. */
+bool fine_shot_take(struct fine_shot *ret, frame *f, const struct camera *c,
+	const visibility_mask *shared, struct picture_buffer *picture, GError **error);
+void fine_shot_clear(struct fine_shot *s);
 
 /* ---- strokes of two frames ---- */
 
@@ -91,7 +103,7 @@ struct coherence_row {
 	double kept_least, kept, step_most, jumped_share;
 	double density_least, density_most, limited_share, cv, cv_all;
 	double layer_least, layer_most; /* density of single layers */
-	double warp, warp_soft, tone, tone_all, tone_bias, tone_drift;
+	double warp, warp_pixels, tone, tone_all, tone_bias, tone_drift;
 	bool is_static;
 };
 void coherence_print_heading(const struct bench_coherence_options *o);

@@ -89,22 +89,28 @@ bool styled_open(struct styled *s, const char *name, const bench_place *p, const
 	if (!again)
 		return false;
 	s->toned = tone_drawing(again);
+	struct camera fine = camera_scaled(c, FINE);
 	s->frame = frame_new(points, s->drawing, c, error);
-	if (s->frame && s->toned)
+	if (s->frame)
+		s->fine_frame = frame_new(points, s->drawing, &fine, error);
+	if (s->fine_frame && s->toned)
 		s->toned_frame = frame_new(points, s->toned, c, error);
 	if (s->frame && baseline && !open_bright(s, name, p, points, c, error))
 		return false;
 	s->shares_mask = baseline && shares_mask(s->drawing, baseline->drawing);
-	return s->frame && (!s->toned || s->toned_frame);
+	return s->fine_frame && (!s->toned || s->toned_frame);
 }
 
 void styled_close(struct styled *s)
 {
 	shot_clear(&s->before);
 	shot_clear(&s->now);
+	fine_shot_clear(&s->fine_before);
+	fine_shot_clear(&s->fine_now);
 	close_bright(s);
 	g_free(s->title);
 	frame_free(s->frame);
+	frame_free(s->fine_frame);
 	frame_free(s->toned_frame);
 	drawing_free(s->drawing);
 	drawing_free(s->toned);
@@ -138,6 +144,7 @@ void styled_turn_light(struct styled *s, double by_deg)
 	struct style_light light = s->drawing->whole.light;
 	light.azimuth_deg += (float)by_deg;
 	frame_set_light(s->frame, &light);
+	frame_set_light(s->fine_frame, &light);
 	if (s->toned_frame)
 		frame_set_light(s->toned_frame, &light);
 	if (s->bright)
@@ -150,11 +157,14 @@ void styled_begin_path(struct styled *s)
 {
 	shot_clear(&s->before);
 	shot_clear(&s->now);
+	fine_shot_clear(&s->fine_before);
+	fine_shot_clear(&s->fine_now);
+	s->change = s->fine_change = (struct reprojection_sums){ 0 };
 	s->tally = (struct stroke_tally){ 0 };
 	s->tone = (struct tone_sums){ 0 };
 	s->kept_least = s->density_least = s->layer_least = s->tone_mean_least = INFINITY;
 	s->density_most = s->layer_most = s->tone_mean_most = -INFINITY;
-	s->limited = s->cv = s->cv_all = s->error2 = s->soft_error2 = 0;
+	s->limited = s->cv = s->cv_all = 0;
 	s->densities = s->cvs = s->cvs_all = 0;
 }
 
@@ -163,14 +173,20 @@ void styled_step(struct styled *s)
 	shot_clear(&s->before);
 	s->before = s->now;
 	s->now = (struct shot){ 0 };
+	fine_shot_clear(&s->fine_before);
+	s->fine_before = s->fine_now;
+	s->fine_now = (struct fine_shot){ 0 };
 }
 
 bool styled_take(struct styled *s, const struct camera *c, const struct styled *baseline,
-	struct picture_buffer *picture, GError **error)
+	struct picture_buffer *picture, struct picture_buffer *fine, GError **error)
 {
 	shot_clear(&s->now);
-	return shot_take(
-		&s->now, s->frame, c, s->shares_mask ? baseline->now.mask : NULL, picture, error);
+	fine_shot_clear(&s->fine_now);
+	return shot_take(&s->now, s->frame, c, s->shares_mask ? baseline->now.mask : NULL, picture,
+		       error) &&
+	       fine_shot_take(&s->fine_now, s->fine_frame, c,
+		       baseline != s ? baseline->fine_now.mask : NULL, fine, error);
 }
 
 /* ---- two of them ---- */
@@ -192,13 +208,13 @@ static void tally_strokes(struct styled *s, float *const scratch[2])
 		s->kept_least = fmin(s->kept_least, (double)t.kept / (double)t.shown);
 }
 
-uint64_t styled_measure_pair(struct styled *s, const reprojection *r, float *const scratch[2])
+void styled_measure_pair(
+	struct styled *s, const reprojection *r, const reprojection *fine, float *const scratch[2])
 {
-	uint64_t pixels = 0, again = 0;
-	s->error2 += reprojection_error(r, s->now.luminance, s->before.luminance, &pixels);
-	s->soft_error2 += reprojection_error(r, s->now.soft, s->before.soft, &again);
+	reprojection_add(r, s->now.luminance, s->before.luminance, 1, &s->change);
+	reprojection_add(
+		fine, s->fine_now.luminance, s->fine_before.luminance, FINE, &s->fine_change);
 	tally_strokes(s, scratch);
-	return pixels;
 }
 
 /* ---- one of them ---- */
@@ -292,12 +308,6 @@ static double by(double sum, double count)
 	return count > 0 ? sum / count : NAN;
 }
 
-/* The baseline is what it is compared with. */
-static double warp_of(bool is_baseline, double error2, double baseline)
-{
-	return is_baseline ? NAN : by(error2, baseline);
-}
-
 struct coherence_row styled_row(
 	const struct styled *s, const char *path, const struct styled *baseline)
 {
@@ -312,9 +322,11 @@ struct coherence_row styled_row(
 		.layer_least = has_density ? s->layer_least : NAN,
 		.layer_most = has_density ? s->layer_most : NAN,
 		.limited_share = by(s->limited, s->densities), .cv = by(s->cv, s->cvs),
-		.cv_all = by(s->cv_all, s->cvs_all),
-		.warp = warp_of(s == baseline, s->error2, baseline->error2),
-		.warp_soft = warp_of(s == baseline, s->soft_error2, baseline->soft_error2),
+		.cv_all = by(s->cv_all, s->cvs_all), .warp = reprojection_share(&s->fine_change),
+		/* The baseline is what the others are compared with. */
+		.warp_pixels = s == baseline ? NAN
+					     : by(reprojection_change(&s->change),
+						       reprojection_change(&baseline->change)),
 		.tone = sqrt(by(s->tone.error2, (double)s->tone.tiles)),
 		.tone_all = sqrt(by(s->tone.error2_all, (double)s->tone.tiles_all)),
 		.tone_bias = by(s->tone.light - s->tone.wanted, (double)s->tone.tiles),

@@ -6,7 +6,7 @@
 struct styled {
 	char *title;              /* its file's name without .json */
 	drawing *drawing, *toned; /* toned NULL: it has no tones */
-	frame *frame, *toned_frame;
+	frame *frame, *toned_frame, *fine_frame;
 	bool shares_mask; /* with the baseline */
 	/* Of hatching: the scene as light as it takes it for, drawn as plain points that are hidden as its own are; NULL: it has none. */
 	scene *bright;
@@ -14,6 +14,7 @@ struct styled {
 	frame *bright_frame;
 	bool is_static;
 	struct shot before, now;
+	struct fine_shot fine_before, fine_now;
 	/* Of the path so far. */
 	struct stroke_tally tally;
 	double kept_least, limited, cv, cv_all;
@@ -21,7 +22,7 @@ struct styled {
 	uint32_t densities, cvs, cvs_all;
 	struct tone_sums tone;
 	double tone_mean_least, tone_mean_most;
-	double error2, soft_error2; /* of luminance */
+	struct reprojection_sums change, fine_change; /* of luminance */
 };
 
 /* baseline NULL: it is one. */
@@ -40,9 +41,10 @@ void styled_turn_light(struct styled *s, double by_deg);
 void styled_step(struct styled *s);
 /* A frame as now; with the mask of the baseline, which must have taken its own, where it does for both. */
 bool styled_take(struct styled *s, const struct camera *c, const struct styled *baseline,
-	struct picture_buffer *picture, GError **error);
-/* Of before and now. r: of the baseline. Returns how many pixels were compared. */
-uint64_t styled_measure_pair(struct styled *s, const reprojection *r, float *const scratch[2]);
+	struct picture_buffer *picture, struct picture_buffer *fine, GError **error);
+/* Of before and now. r and fine: of the baseline, of its frames and of its fine ones. */
+void styled_measure_pair(
+	struct styled *s, const reprojection *r, const reprojection *fine, float *const scratch[2]);
 /* Of now: density and tone. */
 bool styled_measure_frame(
 	struct styled *s, const uint8_t *lightness, struct picture_buffer *picture, GError **error);

@@ -6,7 +6,7 @@
 #define DENSITY_LEAST 0.9
 #define DENSITY_MOST  1.1
 #define CV_MOST       0.25
-#define WARP_MOST     1.25
+#define WARP_MOST     0.0325
 #define TONE_MOST     0.04
 
 void coherence_print_heading(const struct bench_coherence_options *o)
@@ -16,10 +16,10 @@ void coherence_print_heading(const struct bench_coherence_options *o)
 		o->width, o->height, o->view ? o->view : "walk", o->pairs);
 	puts("style                        kept (mean)       step (beyond)   density (layers)      "
 	     "       "
-	     "limited       cv (all)       warp (soft)     tone (all)    drift   static");
+	     "limited       cv (all)       warp (pixels)   tone (all)    drift   static");
 	puts("                          >= 99 %            <= 0.15       %  0.9 .. 1.1             "
 	     "            "
-	     "%  <= 0.25          <= 1.25         <= 0.04");
+	     "%  <= 0.25          <= 3.25 %       <= 0.04");
 }
 
 /* ---- figures and bars ---- */
@@ -77,8 +77,8 @@ void coherence_print(const struct coherence_row *r, uint32_t *bars, uint32_t *mi
 	beside("%5.1f", 100 * r->limited_share);
 	judge(&f, "%7.2f", r->cv, r->cv <= CV_MOST);
 	beside("(%.2f)", r->cv_all);
-	judge(&f, "%7.2f", r->warp, r->warp <= WARP_MOST);
-	beside("(%.2f)", r->warp_soft);
+	judge(&f, "%7.2f", 100 * r->warp, r->warp <= WARP_MOST);
+	beside("(%.2f)", r->warp_pixels);
 	judge(&f, "%7.3f", r->tone, r->tone <= TONE_MOST);
 	beside("(%.3f)", r->tone_all);
 	beside("%.3f", r->tone_drift);
@@ -98,7 +98,7 @@ JsonObject *coherence_to_json(const struct coherence_row *r)
 		{ "density_least", r->density_least }, { "density_most", r->density_most },
 		{ "layer_density_least", r->layer_least }, { "layer_density_most", r->layer_most },
 		{ "limited_share", r->limited_share }, { "cv", r->cv }, { "cv_all", r->cv_all },
-		{ "warp", r->warp }, { "warp_soft", r->warp_soft }, { "tone", r->tone },
+		{ "warp", r->warp }, { "warp_pixels", r->warp_pixels }, { "tone", r->tone },
 		{ "tone_all", r->tone_all }, { "tone_bias", r->tone_bias },
 		{ "tone_drift", r->tone_drift } };
 	json_object_set_string_member(o, "style", r->style);

@@ -24,9 +24,8 @@ struct bench {
 	view *view;
 	struct styled *style; /* the first is the baseline */
 	uint32_t styles;
-	uint64_t pixels;
 	float *scratch[2];
-	struct picture_buffer picture;
+	struct picture_buffer picture, fine;
 	JsonArray *rows; /* NULL: printed */
 	uint32_t bars, missed;
 };
@@ -54,7 +53,7 @@ static bool open_styles(struct bench *b, const struct camera *c, GError **error)
 static bool take_all(struct bench *b, const struct camera *c, GError **error)
 {
 	for (uint32_t n = 0; n < b->styles; n++)
-		if (!styled_take(&b->style[n], c, b->style, &b->picture, error))
+		if (!styled_take(&b->style[n], c, b->style, &b->picture, &b->fine, error))
 			return false;
 	return true;
 }
@@ -62,12 +61,14 @@ static bool take_all(struct bench *b, const struct camera *c, GError **error)
 static void measure_pair(struct bench *b)
 {
 	const struct shot *now = &b->style->now, *before = &b->style->before;
+	const struct fine_shot *fine_now = &b->style->fine_now,
+			       *fine_before = &b->style->fine_before;
 	g_autoptr(reprojection) r = reprojection_new(
 		b->style->frame, &now->camera, now->mask, &before->camera, before->mask);
-	uint64_t pixels = 0;
+	g_autoptr(reprojection) fine = reprojection_new(b->style->fine_frame, &fine_now->camera,
+		fine_now->mask, &fine_before->camera, fine_before->mask);
 	for (uint32_t n = 0; n < b->styles; n++)
-		pixels = styled_measure_pair(&b->style[n], r, b->scratch);
-	b->pixels += pixels;
+		styled_measure_pair(&b->style[n], r, fine, b->scratch);
 }
 
 static bool measure_frame(struct bench *b, GError **error)
@@ -86,8 +87,8 @@ static void report_path(struct bench *b, int path)
 	if (!b->rows)
 		printf("%s: %.1f million pixels compared, of plain points off by %.4f (root mean "
 		       "square)\n",
-			path_names[path], (double)b->pixels * 1e-6,
-			sqrt(b->style->error2 / (double)MAX(b->pixels, 1)));
+			path_names[path], (double)b->style->change.places * 1e-6,
+			sqrt(reprojection_change(&b->style->change)));
 	for (uint32_t n = 0; n < b->styles; n++) {
 		struct coherence_row row = styled_row(&b->style[n], path_names[path], b->style);
 		if (b->rows)
@@ -133,7 +134,6 @@ static bool measure_path(struct bench *b, int path, GError **error)
 		way = camera_path_parse(path_specs[path], b->view, &b->place->sources, error);
 	if (path_specs[path] && !way)
 		return false;
-	b->pixels = 0;
 	for (uint32_t n = 0; n < b->styles; n++)
 		styled_begin_path(&b->style[n]);
 	for (uint32_t k = 0; k < pairs; k++) {
@@ -177,6 +177,7 @@ static bool open_all(struct bench *b, GError **error)
 	for (int k = 0; k < 2; k++)
 		b->scratch[k] = g_new0(float, b->scene->count);
 	b->picture = picture_buffer_new(o->width, o->height);
+	b->fine = picture_buffer_new(FINE * o->width, FINE * o->height);
 	return true;
 }
 
@@ -207,6 +208,7 @@ bool bench_coherence(const struct bench_coherence_options *o, GError **error)
 	for (int k = 0; k < 2; k++)
 		g_free(b.scratch[k]);
 	picture_buffer_clear(&b.picture);
+	picture_buffer_clear(&b.fine);
 	g_clear_pointer(&b.rows, json_array_unref);
 	scene_free(b.scene);
 	view_free(b.view);

@@ -114,21 +114,55 @@ static float between(const float *plane, const reprojection *r, const float px[2
 	return upper + v * (lower - upper);
 }
 
-double reprojection_error(
-	const reprojection *r, const float *now, const float *before, uint64_t *add_pixels)
+/* false: some of it was not to be seen. */
+static bool compare_square(const reprojection *r, const float *now, const float *before,
+	uint32_t left, uint32_t top, uint32_t side, double ret_mean[2])
 {
-	double sum = 0;
-	uint64_t pixels = 0;
-#pragma omp parallel for schedule(static) reduction(+ : sum, pixels)
-	for (uint32_t y = 0; y < r->height; y++)
-		for (uint32_t x = 0; x < r->width; x++) {
+	double sum[2] = { 0 };
+	for (uint32_t y = top; y < top + side; y++)
+		for (uint32_t x = left; x < left + side; x++) {
 			size_t at = (size_t)y * r->width + x;
 			if (isnan(r->before_px[at][0]))
-				continue;
-			float off = now[at] - between(before, r, r->before_px[at]);
-			sum += (double)off * off;
-			pixels++;
+				return false;
+			sum[0] += now[at];
+			sum[1] += between(before, r, r->before_px[at]);
 		}
-	*add_pixels += pixels;
-	return sum;
+	for (int k = 0; k < 2; k++)
+		ret_mean[k] = sum[k] / ((double)side * side);
+	return true;
+}
+
+void reprojection_add(const reprojection *r, const float *now, const float *before, uint32_t side,
+	struct reprojection_sums *to)
+{
+	double error2 = 0, light = 0, light2 = 0;
+	uint64_t places = 0;
+#pragma omp parallel for schedule(static) reduction(+ : error2, light, light2, places)
+	for (uint32_t y = 0; y < r->height / side; y++)
+		for (uint32_t x = 0; x < r->width / side; x++) {
+			double mean[2];
+			if (!compare_square(r, now, before, x * side, y * side, side, mean))
+				continue;
+			error2 += (mean[0] - mean[1]) * (mean[0] - mean[1]);
+			light += mean[0];
+			light2 += mean[0] * mean[0];
+			places++;
+		}
+	to->error2 += error2;
+	to->light += light;
+	to->light2 += light2;
+	to->places += places;
+}
+
+double reprojection_change(const struct reprojection_sums *s)
+{
+	return s->places ? s->error2 / (double)s->places : NAN;
+}
+
+double reprojection_share(const struct reprojection_sums *s)
+{
+	double places = (double)s->places;
+	double variance =
+		s->places ? s->light2 / places - s->light / places * s->light / places : 0;
+	return variance > 0 ? reprojection_change(s) / variance : NAN;
 }

@@ -25,8 +25,20 @@ reprojection *reprojection_new(const frame *f, const struct camera *now,
 void reprojection_free(reprojection *r); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(reprojection, reprojection_free)
 
-/* Sum of squared differences of two planes of width x height; adds how many pixels these are of. */
-double reprojection_error(
-	const reprojection *r, const float *now, const float *before, uint64_t *add_pixels);
+/* Of places of a picture: how much what they show changed from a frame to the next, and how light they are. */
+struct reprojection_sums {
+	double error2;        /* squared differences */
+	double light, light2; /* of the second frame, and squared */
+	uint64_t places;
+};
+/* Adds those of two planes of width x height. A place is a square of side x side pixels all of which were to be seen, and shows the mean
+ * of them: moved pixel by pixel, then held against each other. Planes that are finer than what is judged by so much have no error that
+ * comes from what lies between pixels. */
+void reprojection_add(const reprojection *r, const float *now, const float *before, uint32_t side,
+	struct reprojection_sums *to);
+/* Mean squared change, and by the variance of what is shown: 0 where nothing changes, 2 where a frame has nothing to do with the one
+ * before; how strong the contrast is does not matter. NAN: of nothing. */
+double reprojection_change(const struct reprojection_sums *s);
+double reprojection_share(const struct reprojection_sums *s);
 
 #endif

@@ -67,19 +67,66 @@ static void test_error(void)
 	g_autoptr(visibility_mask) m = mask_of_depth(depth_m);
 	g_autoptr(reprojection) r = reprojection_new(NULL, &now, m, &before, m);
 	g_autofree float *was = g_new(float, WIDTH *HEIGHT), *is = g_new(float, WIDTH *HEIGHT);
-	uint64_t pixels = 0;
+	struct reprojection_sums same = { 0 }, lighter = { 0 };
 	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
 		was[i] = (float)(i % WIDTH) / WIDTH;
 		is[i] = was[i] + shift / WIDTH;
 	}
-	g_assert_cmpfloat(reprojection_error(r, is, was, &pixels) / (double)pixels, <, 1e-10);
-	g_assert_cmpuint(pixels, <, WIDTH * HEIGHT);
-	g_assert_cmpuint(pixels, >, (uint64_t)((float)WIDTH - shift - 3) * (HEIGHT - 2));
-	pixels = 0;
+	reprojection_add(r, is, was, 1, &same);
+	g_assert_cmpfloat(reprojection_change(&same), <, 1e-10);
+	g_assert_cmpuint(same.places, <, WIDTH * HEIGHT);
+	g_assert_cmpuint(same.places, >, (uint64_t)((float)WIDTH - shift - 3) * (HEIGHT - 2));
 	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++)
 		is[i] += 0.5f;
-	g_assert_cmpfloat_with_epsilon(
-		reprojection_error(r, is, was, &pixels) / (double)pixels, 0.25, 1e-5);
+	reprojection_add(r, is, was, 1, &lighter);
+	g_assert_cmpfloat_with_epsilon(reprojection_change(&lighter), 0.25, 1e-5);
+}
+
+/* Ink on the wall: lines about 8 pixels apart, a third of them black; or others in each frame. */
+static float ink_at(double x, double y, int of)
+{
+	g_autoptr(GRand) chance = g_rand_new_with_seed(
+		(guint32)(1000 * floor(x / 8) + 77 * floor(y / 8)) + 1000003u * (guint32)of);
+	return g_rand_double(chance) < 1 / 3. ? 0 : 1;
+}
+
+static void draw_ink(float *to, double shift_px, int of, float contrast)
+{
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++)
+			to[y * WIDTH + x] =
+				1 - contrast * (1 - ink_at(x + 0.5 + shift_px, y + 0.5, of));
+}
+
+/* Ink that stays on the wall changes nothing, but pixel by pixel it seems to; ink that is another in each frame, or that moves with the
+ * picture, changes all of it, however faint it is. */
+static void test_share(void)
+{
+	const float depth_m = 5;
+	struct camera before = camera_at(0, 0), now = camera_at(0.2503, 0);
+	double shift = 0.2503 * now.focal_px / (double)depth_m;
+	g_autoptr(visibility_mask) m = mask_of_depth(depth_m);
+	g_autoptr(reprojection) r = reprojection_new(NULL, &now, m, &before, m);
+	g_autofree float *was = g_new(float, WIDTH *HEIGHT), *is = g_new(float, WIDTH *HEIGHT);
+	for (float contrast = 1; contrast > 0.2f; contrast -= 0.7f) {
+		struct reprojection_sums fixed = { 0 }, by_pixels = { 0 }, boils = { 0 },
+					 slides = { 0 };
+		draw_ink(was, 0, 1, contrast);
+		draw_ink(is, shift, 1, contrast);
+		reprojection_add(r, is, was, 1, &by_pixels);
+		reprojection_add(r, is, was, 4, &fixed);
+		draw_ink(is, shift, 2, contrast);
+		reprojection_add(r, is, was, 4, &boils);
+		reprojection_add(r, was, was, 4, &slides);
+		g_test_message("fixed %.3f (%.3f by pixels), boils %.2f, slides %.2f",
+			reprojection_share(&fixed), reprojection_share(&by_pixels),
+			reprojection_share(&boils), reprojection_share(&slides));
+		g_assert_cmpfloat(reprojection_share(&fixed), <, 0.01);
+		g_assert_cmpfloat(
+			reprojection_share(&by_pixels), >, 2 * reprojection_share(&fixed));
+		g_assert_cmpfloat(reprojection_share(&boils), >, 1.5);
+		g_assert_cmpfloat(reprojection_share(&slides), >, 0.5);
+	}
 }
 
 /* What a mask pushes back is where it was. */
@@ -166,6 +213,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/bench-render/there-and-back", test_there_and_back);
 	g_test_add_func("/bench-render/shows", test_shows);
 	g_test_add_func("/bench-render/error", test_error);
+	g_test_add_func("/bench-render/share", test_share);
 	g_test_add_func("/bench-render/pushed-back", test_pushed_back);
 	g_test_add_func("/bench-render/variation", test_variation);
 	g_test_add_func("/bench-render/subset", test_subset);
