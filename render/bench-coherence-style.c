@@ -85,14 +85,16 @@ bool styled_open(struct styled *s, const char *name, const bench_place *p, const
 {
 	s->title = title_of(name);
 	s->drawing = bench_place_drawing(p, name, error);
-	drawing *again = s->drawing ? bench_place_drawing(p, name, error) : NULL;
+	s->smooth = s->drawing ? bench_place_drawing(p, name, error) : NULL;
+	drawing *again = s->smooth ? bench_place_drawing(p, name, error) : NULL;
 	if (!again)
 		return false;
+	s->smooth->whole.paper.grain = 0;
 	s->toned = tone_drawing(again);
 	struct camera fine = camera_scaled(c, FINE);
 	s->frame = frame_new(points, s->drawing, c, error);
 	if (s->frame)
-		s->fine_frame = frame_new(points, s->drawing, &fine, error);
+		s->fine_frame = frame_new(points, s->smooth, &fine, error);
 	if (s->fine_frame && s->toned)
 		s->toned_frame = frame_new(points, s->toned, c, error);
 	if (s->frame && baseline && !open_bright(s, name, p, points, c, error))
@@ -113,6 +115,7 @@ void styled_close(struct styled *s)
 	frame_free(s->fine_frame);
 	frame_free(s->toned_frame);
 	drawing_free(s->drawing);
+	drawing_free(s->smooth);
 	drawing_free(s->toned);
 }
 

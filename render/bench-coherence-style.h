@@ -6,6 +6,7 @@
 struct styled {
 	char *title;              /* its file's name without .json */
 	drawing *drawing, *toned; /* toned NULL: it has no tones */
+	drawing *smooth;          /* on paper without grain */
 	frame *frame, *toned_frame, *fine_frame;
 	bool shares_mask; /* with the baseline */
 	/* Of hatching: the scene as light as it takes it for, drawn as plain points that are hidden as its own are; NULL: it has none. */

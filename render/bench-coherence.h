@@ -26,8 +26,8 @@
  *                2018), squared, by the variance of V; over what is covered in both frames at depths that agree to 2 %, which are those of
  *                surfaces, not what the mask pushes back. Both frames are drawn four times as fine, and means of 4 x 4 pixels are compared
  *                (<= 3.25 %, which is what kept and step let through: a hundredth of the strokes goes at once, and all others change by
- *                0.15). A picture that has nothing to do with the one before has 200 %; how strong its contrast is does not matter. Paper,
- *                which stays where it is, counts too.
+ *                0.15). A picture that has nothing to do with the one before has 200 %; how strong its contrast is does not matter. On
+ *                paper without grain, which is to stay where it is.
  *                And beside it the mean square of the pixels' own differences by the same of plain coloured points, where thin ink that
  *                moves by half a pixel counts like ink that comes and goes: points of a courtyard that are painted with black stripes of
  *                1 cm, which never change, have 23 there (and 1.1 % of the above), where figure-7d has 14
