@@ -2,6 +2,9 @@
 #include "render/light.h"
 #include "render/project-lanes.h"
 #include <math.h>
+#if defined __AVX512VBMI__
+#include "render/band-draw-wide.h"
+#endif
 
 /* Of a sprite's Gaussian kernel: its diameter is so many sigmas. */
 #define SIGMAS 5.f
@@ -11,8 +14,13 @@
 #define REACH_MOST   1e5f
 /* Between texels there are so many places, either way. */
 #define TEXEL_BITS 7
+/* What weights of texels, which are 127 together, make of one that is opaque. */
+#define TEXTURE_UNIT (1.f / (255 * ((1 << TEXEL_BITS) - 1)))
 /* Pixels, for what floats are rounded by. */
 #define ROUNDING 1e-3f
+
+/* KERNEL_TEXTURE of few texels, where registers can be looked up in. */
+#define KERNEL_FEW_TEXELS (KERNEL_TEXTURE + 1)
 
 /* A stroke with what its rows share. */
 struct pen {
@@ -23,9 +31,13 @@ struct pen {
 	float turn[2], reach[2];
 	float falloff;  /* of a sprite */
 	float strength; /* of a line */
+	float alpha;    /* what the kernel gives is multiplied by */
 	/* Of a texture: the variant, and where a pixel is in it, along and across, in parts of texels: x dx + y dy + middle. */
 	const uint32_t *texels;
 	uint32_t texel_shift;
+#if defined __AVX512VBMI__
+	struct few_texels few; /* of a texture that has no more */
+#endif
 	float texel_x[2], texel_y[2], texel_middle[2], texel_end[2];
 	float colour[3];
 	/* Of paint: octaves that it lies higher by, of its place and by what is thick; how thick it must be to cover; depths that it
@@ -68,7 +80,8 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		.cosine = s->along[0],
 		.sine = s->along[1],
 		.half_length = s->half_length_px,
-		.half_width = s->half_width_px };
+		.half_width = s->half_width_px,
+		.alpha = kernel >= KERNEL_TEXTURE ? s->alpha * TEXTURE_UNIT : s->alpha };
 	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
 	p.reach_along = p.half_length + soft;
 	p.reach_across = p.half_width + soft;
@@ -77,7 +90,7 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		float sigma = 2 * p.half_length / SIGMAS;
 		p.falloff = 1 / (2 * sigma * sigma);
 	}
-	if (kernel == KERNEL_TEXTURE) {
+	if (kernel >= KERNEL_TEXTURE) {
 		const struct paint_level *level = l->paint ? paint_level_of(l, s) : NULL;
 		const stroke_texture *t = level ? level->texture : l->texture;
 		uint32_t variant =
@@ -86,6 +99,11 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		p.texel_shift = level ? level->texel_shift : l->texel_shift;
 		p.texels = (level ? level->texels : l->texels) +
 			   frame_texels(t, p.texel_shift) * variant;
+#if defined __AVX512VBMI__
+		if (kernel == KERNEL_FEW_TEXELS)
+			p.few = few_texels_of(
+				l->few_texels + FRAME_FEW_TEXELS * variant, t->length + 2);
+#endif
 		float along = (float)t->length / (2 * p.half_length),
 		      across = (float)t->width / (2 * p.half_width);
 		p.texel_x[0] = p.cosine * along * (1 << TEXEL_BITS);
@@ -156,8 +174,8 @@ INLINE vi weighted(vi bytes, vi weights)
 #endif
 }
 
-/* Between four texels, by whole numbers: the weights are within 1/127 of what they should be. */
-INLINE vf texture_alpha(const struct pen *p, vf dx, float dy)
+/* Between four texels, by whole numbers: the weights are within 1/127 of what they should be. 1 is TEXTURE_UNIT. */
+INLINE vf texture_sum(const struct pen *p, vf dx, float dy)
 {
 	vi at[2], part[2];
 	for (int k = 0; k < 2; k++) {
@@ -171,15 +189,15 @@ INLINE vf texture_alpha(const struct pen *p, vf dx, float dy)
 	vi last = (multiply(part[0], part[1]) + ((1 << TEXEL_BITS) - 1)) >> TEXEL_BITS;
 	vi weights = (((1 << TEXEL_BITS) - 1) - part[0] - part[1] + last) | (part[0] - last) << 8 |
 		     (part[1] - last) << 16 | last << 24;
-	return __builtin_convertvector(weighted(four, weights), vf) *
-	       (1.f / (255 * ((1 << TEXEL_BITS) - 1)));
+	return __builtin_convertvector(weighted(four, weights), vf);
 }
 
+/* To be multiplied by that of the pen. */
 INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 {
 	if (kernel == KERNEL_SPRITE)
 		return sprite_alpha(p, dx, dy);
-	return kernel == KERNEL_LINE ? line_alpha(p, dx, dy) : texture_alpha(p, dx, dy);
+	return kernel == KERNEL_LINE ? line_alpha(p, dx, dy) : texture_sum(p, dx, dy);
 }
 
 /* ---- eight pixels ---- */
@@ -214,11 +232,53 @@ INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum ker
 	enum band_blend blend, const int32_t *keys, ptrdiff_t at, float dy, int left)
 {
 	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
-	vf alpha = alpha_at(p, kernel, dx, dy) * p->s->alpha;
+	vf alpha = alpha_at(p, kernel, dx, dy) * p->alpha;
 	if (keys)
 		alpha = where(shows(p, keys + left, dx, dy), alpha);
 	blend_at(p, blend, alpha, ink, at + left);
 }
+
+/* ---- sixteen pixels ---- */
+
+#if defined __AVX512VBMI__
+
+INLINE void wide_blend(const struct pen *p, enum band_blend blend, wf alpha,
+	const struct band_ink *ink, ptrdiff_t at)
+{
+	wf bare = blend == BAND_COLOURED ? (wf){ 0 } : wide_load(ink->bare + at);
+	if (blend == BAND_STRONGEST || blend == BAND_COVERING)
+		wide_store(ink->bare + at, _mm512_min_ps(bare, 1 - alpha));
+	else if (blend != BAND_COLOURED)
+		wide_store(ink->bare + at, bare * (1 - alpha));
+	for (int k = 0; k < 3 && blend == BAND_COLOURED; k++)
+		wide_store(ink->channel[k] + at,
+			wide_load(ink->channel[k] + at) * (1 - alpha * (1 - p->colour[k])));
+	if (blend != BAND_PAINTED)
+		return;
+	for (int k = 0; k < 3; k++)
+		wide_store(ink->channel[k] + at,
+			wide_load(ink->channel[k] + at) + alpha * p->colour[k]);
+	wide_store(ink->weight + at, wide_load(ink->weight + at) + alpha);
+}
+
+/* draw_eight() */
+INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum band_blend blend,
+	const int32_t *keys, ptrdiff_t at, float dy, int left)
+{
+	wf dx = (float)left + 0.5f - p->s->x_px + wide_number, place[2];
+	for (int k = 0; k < 2; k++)
+		place[k] = dx * p->texel_x[k] + (dy * p->texel_y[k] + p->texel_middle[k]);
+	wf alpha = wide_sum(&p->few, place, p->texel_end, TEXEL_BITS) * p->alpha;
+	if (keys) {
+		wf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+		wf depth = wide_load((const float *)(keys + left));
+		alpha = _mm512_maskz_mov_ps(
+			_mm512_cmp_ps_mask(q * depth, 1 + (wf){ 0 }, _CMP_GE_OQ), alpha);
+	}
+	wide_blend(p, blend, alpha, ink, at + left);
+}
+
+#endif
 
 /* ---- paint ---- */
 
@@ -272,7 +332,8 @@ INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const vis
 	ptrdiff_t at, int y, float dy, int left)
 {
 	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
-	vf thick = texture_alpha(p, dx, dy), cover = clamp01((thick - p->dry) * (1 / PAINT_COVERS));
+	vf thick = texture_sum(p, dx, dy) * TEXTURE_UNIT,
+	   cover = clamp01((thick - p->dry) * (1 / PAINT_COVERS));
 	if (!any(cover > 0))
 		return;
 	if (m) {
@@ -314,7 +375,7 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 	vf dx = (float)left + 0.5f - s->x_px + lane_number,
 	   dy = (float)top + 0.5f - s->y_px + lane_number;
 	vf dx2 = dx * dx, reach2 = p->half_length * p->half_length - dx2,
-	   across = gaussian(p, dx2) * s->alpha;
+	   across = gaussian(p, dx2) * p->alpha;
 	float down[LANES], down2[LANES];
 	store(down, gaussian(p, dy * dy));
 	store(down2, dy * dy);
@@ -329,6 +390,86 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 	}
 }
 
+/* Pixels of a row that are drawn at once, from left on. */
+struct spot {
+	int left, row; /* row: from the band's first on */
+};
+/* Rows of what has fewer pixels side by side are looked through before any of them is drawn: how many vectors a row has is hard to foresee,
+ * and what is drawn should not wait for it. */
+#define SPOTS_ROW  4
+#define SPOTS_MOST (SPOTS_ROW * (BAND_ROWS + 2 * BAND_AROUND) + SPOTS_ROW)
+
+/* So many at once, 2 to this. */
+INLINE int spot_bits(enum kernel kernel)
+{
+	return kernel == KERNEL_FEW_TEXELS ? 4 : 3;
+}
+
+/* Where the stroke's rows begin and end, of eight from y on. */
+INLINE void find_rows(const struct pen *p, const struct band *b, int y, vi *ret_left, vi *ret_right)
+{
+	vf dy = (float)y + 0.5f - p->s->y_px + lane_number;
+	vf low = most(dy * p->turn[0] - p->reach[0], dy * p->turn[1] - p->reach[1]),
+	   high = least(dy * p->turn[0] + p->reach[0], dy * p->turn[1] + p->reach[1]);
+	*ret_left = pixels_from(p->s->x_px + low, (int32_t)b->width);
+	*ret_right = pixels_from(p->s->x_px + high, (int32_t)b->width);
+}
+
+/* Rows have so many vectors at most. */
+INLINE uint32_t find_spots(const struct pen *p, const struct band *b, enum kernel kernel, int y,
+	int end, int vectors, struct spot *ret)
+{
+	const int shift = spot_bits(kernel);
+	uint32_t count = 0;
+	for (; y < end; y += LANES) {
+		vi first, stop;
+		find_rows(p, b, y, &first, &stop);
+		int32_t left[LANES], vector[LANES];
+		store_mask(left, first);
+		store_mask(vector, (stop - first + (1 << shift) - 1) >> shift);
+		for (int k = 0; k < MIN(LANES, end - y); k++) {
+			for (int n = 0; n < vectors; n++)
+				ret[count + (uint32_t)n] = (struct spot){ left[k] + (n << shift),
+					y + k - (int)b->from };
+			count += (uint32_t)MAX(vector[k], 0);
+		}
+	}
+	return count;
+}
+
+INLINE void draw_spot(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend,
+	const struct spot *at)
+{
+	int y = (int)b->from + at->row;
+	float dy = (float)y + 0.5f - p->s->y_px;
+	ptrdiff_t row = (ptrdiff_t)at->row * b->pitch + BAND_MARGIN;
+	const int32_t *keys = m ? m->key + (ptrdiff_t)y * m->pitch : NULL;
+#if defined __AVX512VBMI__
+	if (kernel == KERNEL_FEW_TEXELS) {
+		draw_sixteen(p, ink, blend, keys, row, dy, at->left);
+		return;
+	}
+#endif
+	if (blend == BAND_LAID)
+		lay_eight(p, ink, m, row, y, dy, at->left);
+	else
+		draw_eight(p, ink, kernel, blend, keys, row, dy, at->left);
+}
+
+INLINE void draw_wide_rows(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend, int y, int end)
+{
+	for (; y < end; y += LANES) {
+		vi first, stop;
+		find_rows(p, b, y, &first, &stop);
+		for (int k = 0; k < MIN(LANES, end - y); k++)
+			for (int left = first[k]; left < stop[k]; left += 1 << spot_bits(kernel))
+				draw_spot(p, b, m, ink, kernel, blend,
+					&(struct spot){ left, y + k - (int)b->from });
+	}
+}
+
 INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
@@ -340,30 +481,21 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 	float down = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
 	int y = MAX(pixel_from(s->y_px - down - ROUNDING), (int)b->from),
 	    end = MIN(pixel_from(s->y_px + down + ROUNDING), (int)(b->from + b->rows));
-	bool is_thin = 2 * MIN(p->reach[0], p->reach[1]) < LANES - 1;
-	ptrdiff_t at = (ptrdiff_t)(y - (int)b->from) * b->pitch + BAND_MARGIN;
-	const int32_t *keys = m ? m->key + (ptrdiff_t)y * m->pitch : NULL;
-	while (y < end) {
-		float first = (float)y + 0.5f - s->y_px;
-		vf dy = first + lane_number;
-		vf low = most(dy * p->turn[0] - p->reach[0], dy * p->turn[1] - p->reach[1]),
-		   high = least(dy * p->turn[0] + p->reach[0], dy * p->turn[1] + p->reach[1]);
-		int32_t left[LANES], right[LANES];
-		store_mask(left, pixels_from(s->x_px + low, (int32_t)b->width));
-		if (!is_thin)
-			store_mask(right, pixels_from(s->x_px + high, (int32_t)b->width));
-		for (int k = 0; k < LANES && y < end;
-			k++, y++, at += b->pitch, keys += m ? m->pitch : 0) {
-			int stop = is_thin ? left[k] + 1 : right[k];
-			for (; left[k] < stop; left[k] += LANES)
-				if (blend == BAND_LAID)
-					lay_eight(p, ink, m, at, y, first + (float)k, left[k]);
-				else
-					draw_eight(p, ink, kernel, blend, keys, at,
-						first + (float)k, left[k]);
-		}
+	/* A row has a pixel more than it is long at most. */
+	float across = fminf(2 * MIN(p->reach[0], p->reach[1]), (float)b->width) + 1;
+	int vectors = ((int)across + (1 << spot_bits(kernel)) - 1) >> spot_bits(kernel);
+	if (vectors > SPOTS_ROW) {
+		draw_wide_rows(p, b, m, ink, kernel, blend, y, end);
+		return;
 	}
+	struct spot spot[SPOTS_MOST];
+	uint32_t count = find_spots(p, b, kernel, y, end, vectors, spot);
+	for (uint32_t n = 0; n < count; n++)
+		draw_spot(p, b, m, ink, kernel, blend, &spot[n]);
 }
+
+/* Strokes lie about in memory: so many of them ahead are fetched. */
+#define AHEAD 8
 
 INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
@@ -371,6 +503,7 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 {
 	const float *light = light_of_bytes();
 	for (uint32_t n = 0; n < count; n++) {
+		__builtin_prefetch(which[MIN(n + AHEAD, count - 1)]);
 		struct pen p = pen_of(l, which[n], kernel);
 		for (int k = 0; k < 3; k++)
 			p.colour[k] = light[p.s->rgb[k]];
@@ -389,21 +522,26 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 	case BAND_STRONGEST:                                                                       \
 	case BAND_COVERING: draw_all(b, l, which, count, m, ink, kernel, BAND_STRONGEST); break;   \
 	case BAND_LAID: break; /* has a texture */                                                 \
-	}                                                                                          \
-	break
+	}
 
 void LANES_NAME(band_draw)(const struct band *b, const struct frame_layer *l,
 	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
 	switch (kernel) {
-	case KERNEL_SPRITE: WITH_BLEND(KERNEL_SPRITE);
-	case KERNEL_LINE: WITH_BLEND(KERNEL_LINE);
+	case KERNEL_SPRITE: WITH_BLEND(KERNEL_SPRITE); break;
+	case KERNEL_LINE: WITH_BLEND(KERNEL_LINE); break;
 	case KERNEL_TEXTURE:
 		if (blend == BAND_LAID) {
 			draw_all(b, l, which, count, m, ink, KERNEL_TEXTURE, BAND_LAID);
 			break;
 		}
+#if defined __AVX512VBMI__
+		if (l->few_texels) {
+			WITH_BLEND(KERNEL_FEW_TEXELS);
+			break;
+		}
+#endif
 		WITH_BLEND(KERNEL_TEXTURE);
 	}
 }

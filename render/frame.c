@@ -147,6 +147,19 @@ uint32_t *frame_pack_texels(const stroke_texture *t, uint32_t *ret_shift)
 	return ret;
 }
 
+uint8_t *frame_pack_few_texels(const stroke_texture *t)
+{
+	uint32_t pitch = t->length + 2;
+	if (pitch * (t->width + 2) > FRAME_FEW_TEXELS)
+		return NULL;
+	uint8_t *ret = g_malloc0(FRAME_FEW_TEXELS * t->variants);
+	for (uint32_t v = 0; v < t->variants; v++)
+		for (uint32_t y = 0; y < t->width; y++)
+			memcpy(ret + FRAME_FEW_TEXELS * v + pitch * (y + 1) + 1,
+				stroke_texture_variant(t, v) + (size_t)y * t->length, t->length);
+	return ret;
+}
+
 /* Thin lines of hatching are drawn as lines are, which is faster. */
 static bool has_texture(const struct step *s)
 {
@@ -164,8 +177,10 @@ static bool load_texture(struct frame_layer *l, GError **error)
 		l->texture =
 			stroke_texture_scaled(whole, (uint32_t)fmaxf(l->ink.length_px + 0.5f, 4),
 				(uint32_t)fmaxf(l->ink.width_px + 0.5f, 2));
-	if (l->texture)
+	if (l->texture) {
 		l->texels = frame_pack_texels(l->texture, &l->texel_shift);
+		l->few_texels = frame_pack_few_texels(l->texture);
+	}
 	return whole;
 }
 
@@ -588,6 +603,7 @@ void frame_free(frame *f)
 	for (uint32_t l = 0; l < f->layers; l++) {
 		stroke_texture_free(f->layer[l].texture);
 		g_free(f->layer[l].texels);
+		g_free(f->layer[l].few_texels);
 		frame_hatch_free(f->layer[l].hatch);
 		frame_paint_free(f->layer[l].paint);
 	}

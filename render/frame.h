@@ -56,6 +56,7 @@ struct frame_layer {
 	stroke_texture *texture;            /* NULL: none; of about the size on the screen */
 	/* The texture, four neighbouring texels in one, with nothing beyond its borders: rows of 2^texel_shift, variants below each other. */
 	uint32_t *texels, texel_shift;
+	uint8_t *few_texels; /* the same, one by one, if there are so few (frame_pack_few_texels) */
 	float stroke_area_px; /* integral of a mean stroke's alpha */
 	enum frame_lit lit;
 	bool is_queue; /* INK_DITHERING and TONE_COLOUR: dithering points, and behind them all others */
@@ -86,6 +87,10 @@ static inline size_t frame_texels(const stroke_texture *t, uint32_t texel_shift)
 }
 /* As texels of a layer are; g_free. */
 uint32_t *frame_pack_texels(const stroke_texture *t, uint32_t *ret_shift);
+/* What two or four of the largest registers hold. */
+#define FRAME_FEW_TEXELS 256u
+/* Of each variant, in so many bytes: a border of nothing around it, rows of length + 2; g_free. NULL: they are more than few. */
+uint8_t *frame_pack_few_texels(const stroke_texture *t);
 
 /* Strokes that a point of surface with a normal gives at most: itself and its copies. */
 uint32_t frame_copies(const struct frame_layer *l);

@@ -25,7 +25,7 @@ lane_sources := $(wildcard render/*-lanes.c)
 $(lane_sources:%.c=$(BUILD)/%.o): house_cflags += -DLANES_BUILT_FOR=portable
 ifneq ($(findstring x86_64,$(shell $(CC) -dumpmachine)),)
 lane_flags_avx2 := -mavx2
-lane_flags_avx512 := -march=x86-64-v4 -mprefer-vector-width=256
+lane_flags_avx512 := -march=x86-64-v4 -mavx512vbmi -mprefer-vector-width=256
 define lane_path
 $$(BUILD)/render/%-lanes.$(1).o: render/%-lanes.c
 	@mkdir -p $$(@D)

@@ -82,10 +82,10 @@ static void test_threads(void)
 }
 
 /* With whatever vectors. */
-static void test_lanes(void)
+static void assert_same_by_all_lanes(const char *nodes)
 {
 	g_autoptr(drawing) d = NULL;
-	g_autoptr(frame) f = frame_with(made_shared_court(), EVERYTHING, &d);
+	g_autoptr(frame) f = frame_with(made_shared_court(), nodes, &d);
 	struct picture_buffer a = made_picture(f);
 	for (enum lanes_path path = 0; path < lanes_path_widest(); path++) {
 		f->lanes = path;
@@ -94,6 +94,32 @@ static void test_lanes(void)
 		picture_buffer_clear(&b);
 	}
 	picture_buffer_clear(&a);
+}
+
+static void test_lanes(void)
+{
+	assert_same_by_all_lanes(EVERYTHING);
+}
+
+/* Strokes whose textures are few texels and many, in one colour and in those of points, multiplied and laid over. */
+static void test_lanes_of_strokes(void)
+{
+	static const int sizes[][2] = { { 24, 6 }, { 9, 3 }, { 30, 14 }, { 70, 9 } };
+	static const char *const inks[] = { "\"colour\":\"ink\"", "\"colour\":\"point\"",
+		"\"colour\":\"point\",\"blend\":\"paint\"" };
+	for (size_t n = 0; n < G_N_ELEMENTS(sizes); n++)
+		for (size_t k = 0; k < G_N_ELEMENTS(inks); k++)
+			for (int angle_deg = 0; angle_deg < 180; angle_deg += 50) {
+				double px = FRAME_STYLE_HEIGHT / HEIGHT;
+				g_autofree char *nodes = g_strdup_printf(
+					MADE_SITE("{\"step\":\"strokes\",\"points\":\"all\","
+						  "\"direction\":\"screen\",\"angle_deg\":%d,"
+						  "\"texture\":\"charcoal\",\"length_px\":%d,"
+						  "\"width_px\":%d,\"spacing_px\":%d,%s}"),
+					angle_deg, (int)(sizes[n][0] * px), (int)(sizes[n][1] * px),
+					(int)(4 * px), inks[k]);
+				assert_same_by_all_lanes(nodes);
+			}
 }
 
 /* ---- order ---- */
@@ -366,6 +392,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/draw/moved", test_moved);
 	g_test_add_func("/draw/threads", test_threads);
 	g_test_add_func("/draw/lanes", test_lanes);
+	g_test_add_func("/draw/lanes-of-strokes", test_lanes_of_strokes);
 	g_test_add_func("/draw/order", test_order);
 	g_test_add_func("/draw/segments", test_segments);
 	g_test_add_func("/draw/hidden-segment", test_hidden_segment);
