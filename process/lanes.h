@@ -152,6 +152,48 @@ INLINE vi gather(const void *from, vi at, int bytes)
 	return ret;
 }
 
+/* Two of four bytes each that lie side by side, from at on. */
+INLINE void gather_pairs(const int32_t *from, vi at, vi *ret_first, vi *ret_second)
+{
+#if defined __AVX2__
+	__m256i low = _mm256_i32gather_epi64(
+		(const long long *)from, _mm256_castsi256_si128((__m256i)at), 4);
+	__m256i high = _mm256_i32gather_epi64(
+		(const long long *)from, _mm256_extracti128_si256((__m256i)at, 1), 4);
+	*ret_first = (vi)evens((vf)low, (vf)high);
+	*ret_second = (vi)odds((vf)low, (vf)high);
+#else
+	*ret_first = gather(from, at, 4);
+	*ret_second = gather(from + 1, at, 4);
+#endif
+}
+
+/* Which lane comes where when those of the bits are put side by side, in front; behind them any. */
+INLINE vi order_of(unsigned which)
+{
+#if defined __AVX512VL__
+	return (vi)_mm256_maskz_compress_epi32(
+		(__mmask8)which, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+#else
+	vi ret = { 0 };
+	for (int n = 0; which; which &= which - 1)
+		ret[n++] = __builtin_ctz(which);
+	return ret;
+#endif
+}
+
+INLINE vf put_in_order(vf x, vi order)
+{
+#if defined __AVX2__
+	return _mm256_permutevar8x32_ps(x, (__m256i)order);
+#else
+	vf ret;
+	for (int k = 0; k < LANES; k++)
+		ret[k] = x[order[k]];
+	return ret;
+#endif
+}
+
 INLINE vf all(float x)
 {
 	vf one = { x };

@@ -100,6 +100,16 @@ INLINE void find_smooth(const struct brush *b, uint32_t at, const struct lane_ca
 		h->way[n] = choose(outline >= hinted, h->way[n], e.fold[n]);
 }
 
+/* At whole places, or the nearest that the mask has. */
+INLINE vf mask_depth_at(const struct brush *b, vf x, vf y)
+{
+	const visibility_mask *m = b->mask;
+	vi column = __builtin_convertvector(least(most(x, all(0)), all((float)m->width - 1)), vi),
+	   row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
+	vi key = gather(m->key, row * (int32_t)m->pitch + column, 4);
+	return (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1));
+}
+
 INLINE vf is_behind_there(const struct brush *b, vf x, vf y, vf depth_m)
 {
 	vf behind = (mask_depth_at(b, x, y) / depth_m - 1) * LENS_STRETCH(&b->lens, depth_m);

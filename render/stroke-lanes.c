@@ -127,6 +127,18 @@ static float need_most(const struct brush *b)
 	return more * b->wanted_most * scale * scale;
 }
 
+/* Places in the list from which on points are fetched, before they are looked at. */
+#define AHEAD (3 * LANES)
+
+INLINE void fetch_places(const struct brush *b, uint32_t i, uint32_t end)
+{
+	const scene *s = b->f->scene;
+	uint32_t first = b->view->chunk->first, at = first + b->list_from + i;
+	for (uint32_t k = 0; k < LANES && i + LANES <= end; k++)
+		for (int axis = 0; axis < 3; axis++)
+			__builtin_prefetch(&s->q[axis][first + s->list[at + k]]);
+}
+
 /* Those from i on of the list. */
 INLINE void find_candidates(
 	const struct brush *b, uint32_t i, uint32_t end, struct lane_candidates *c)
@@ -163,19 +175,76 @@ INLINE void try_copies(const struct brush *b, struct lane_candidates *c, struct 
 	}
 }
 
-void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
+/* Most points of a chunk are soon told to be no strokes. The others wait until there are some, so that all lanes have work, and what is
+ * known of them is on its way meanwhile. */
+#define QUEUE 64
+struct queue {
+	uint32_t count;
+	int32_t point[QUEUE + LANES];
+	float rank[QUEUE + LANES], spacing_m[QUEUE + LANES];
+	float x_px[QUEUE + LANES], y_px[QUEUE + LANES], depth_m[QUEUE + LANES];
+};
+
+INLINE void put_in_queue(const struct brush *b, const struct lane_candidates *c, struct queue *q)
 {
-	uint32_t end = (uint32_t)MIN(need_most(b) * (float)b->list_count + 1, (float)b->list_count);
-	for (uint32_t i = 0; i < end; i += LANES) {
-		struct lane_candidates c;
-		find_candidates(b, i, end, &c);
-		if (!c.left)
-			continue;
+	const scene *s = b->f->scene;
+	vi order = order_of(c->left);
+	store((float *)q->point + q->count, put_in_order((vf)c->point, order));
+	store(q->rank + q->count, put_in_order(c->rank, order));
+	store(q->spacing_m + q->count, put_in_order(c->spacing_m, order));
+	store(q->x_px + q->count, put_in_order(c->x_px, order));
+	store(q->y_px + q->count, put_in_order(c->y_px, order));
+	store(q->depth_m + q->count, put_in_order(c->depth_m, order));
+	q->count += (uint32_t)__builtin_popcount(c->left);
+	fetch(b, c);
+	for (unsigned left = c->left; left; left &= left - 1) {
+		int32_t point = c->point[__builtin_ctz(left)];
+		__builtin_prefetch(&s->normal[point]);
+		__builtin_prefetch(&s->rgba[point]);
+		__builtin_prefetch(&s->degree[point]);
+	}
+}
+
+/* Eight of them, or the last ones. */
+INLINE struct lane_candidates from_queue(const struct queue *q, uint32_t at)
+{
+	uint32_t left = q->count - at;
+	struct lane_candidates c = { .point = load_mask(q->point + at),
+		.rank = load(q->rank + at),
+		.spacing_m = load(q->spacing_m + at),
+		.x_px = load(q->x_px + at),
+		.y_px = load(q->y_px + at),
+		.depth_m = load(q->depth_m + at),
+		.left = left < LANES ? (1u << left) - 1 : 0xff };
+	return c;
+}
+
+INLINE void try_queue(const struct brush *b, struct queue *q, struct stroke_chain *to)
+{
+	for (uint32_t at = 0; at < q->count; at += LANES) {
+		struct lane_candidates c = from_queue(q, at);
 		find_ids(b, &c);
-		fetch(b, &c);
 		if (is_on_edge(b))
 			try_on_edges(b, &c, to);
 		else
 			try_copies(b, &c, to);
 	}
+	q->count = 0;
+}
+
+void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
+{
+	uint32_t end = (uint32_t)MIN(need_most(b) * (float)b->list_count + 1, (float)b->list_count);
+	/* Lanes behind the last one are of some point, too. */
+	struct queue q = { 0 };
+	for (uint32_t i = 0; i < end; i += LANES) {
+		struct lane_candidates c;
+		fetch_places(b, i + AHEAD, end);
+		find_candidates(b, i, end, &c);
+		if (c.left)
+			put_in_queue(b, &c, &q);
+		if (q.count >= QUEUE - LANES)
+			try_queue(b, &q, to);
+	}
+	try_queue(b, &q, to);
 }

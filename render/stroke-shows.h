@@ -11,33 +11,34 @@
 
 /* ---- hidden or not ---- */
 
-/* At whole places, or the nearest that the mask has. */
-INLINE vf mask_depth_at(const struct brush *b, vf x, vf y)
+INLINE vf shows(const struct brush *b, vi key, vf depth_m)
 {
-	const visibility_mask *m = b->mask;
-	vi column = __builtin_convertvector(least(most(x, all(0)), all((float)m->width - 1)), vi),
-	   row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
-	vi key = gather(m->key, row * (int32_t)m->pitch + column, 4);
-	return (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1));
-}
-
-INLINE vf shows(const struct brush *b, vf x, vf y, vf depth_m)
-{
-	vf behind = (depth_m / mask_depth_at(b, x, y) - 1) * LENS_STRETCH(&b->lens, depth_m);
+	vf mask_m = (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1));
+	vf behind = (depth_m / mask_m - 1) * LENS_STRETCH(&b->lens, depth_m);
 	return clamp01(1 - behind * (1 / HIDDEN_BEHIND));
 }
 
-/* How far it is not hidden in the four pixels around. */
+/* Of two pixels side by side at whole places, between them by u; above and below the picture those at its edge count. */
+INLINE vf shows_beside(const struct brush *b, vi column, vf y, vf u, vf depth_m)
+{
+	const visibility_mask *m = b->mask;
+	vi row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
+	vi left, right;
+	gather_pairs(m->key, row * (int32_t)m->pitch + column, &left, &right);
+	return (1 - u) * shows(b, left, depth_m) + u * shows(b, right, depth_m);
+}
+
+/* How far it is not hidden in the four pixels around. Beside the picture nothing hides. */
 INLINE vf visibility(const struct brush *b, const struct lane_candidates *c)
 {
 	if (!b->mask)
 		return all(1);
 	vf x = c->x_px - 0.5f, y = c->y_px - 0.5f, x0 = floor_of(x), y0 = floor_of(y);
 	vf u = x - x0, v = y - y0;
-	vf upper = (1 - u) * shows(b, x0, y0, c->depth_m) + u * shows(b, x0 + 1, y0, c->depth_m),
-	   lower = (1 - u) * shows(b, x0, y0 + 1, c->depth_m) +
-		   u * shows(b, x0 + 1, y0 + 1, c->depth_m);
-	return (1 - v) * upper + v * lower;
+	vi column =
+		__builtin_convertvector(least(most(x0, all(-2)), all((float)b->mask->width)), vi);
+	return (1 - v) * shows_beside(b, column, y0, u, c->depth_m) +
+	       v * shows_beside(b, column, y0 + 1, u, c->depth_m);
 }
 
 INLINE bool hides_backs(const struct brush *b)
