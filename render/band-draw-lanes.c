@@ -1,10 +1,8 @@
 #include "render/band-draw-lanes.h"
+#include "render/band-draw-few.h"
 #include "render/light.h"
 #include "render/project-lanes.h"
 #include <math.h>
-#if defined __AVX512VBMI__
-#include "render/band-draw-wide.h"
-#endif
 
 /* Of a sprite's Gaussian kernel: its diameter is so many sigmas. */
 #define SIGMAS 5.f
@@ -19,7 +17,7 @@
 /* Pixels, for what floats are rounded by. */
 #define ROUNDING 1e-3f
 
-/* KERNEL_TEXTURE of few texels, where registers can be looked up in. */
+/* KERNEL_TEXTURE of few texels. */
 #define KERNEL_FEW_TEXELS (KERNEL_TEXTURE + 1)
 
 /* A stroke with what its rows share. */
@@ -35,9 +33,7 @@ struct pen {
 	/* Of a texture: the variant, and where a pixel is in it, along and across, in parts of texels: x dx + y dy + middle. */
 	const uint32_t *texels;
 	uint32_t texel_shift;
-#if defined __AVX512VBMI__
-	struct few_texels few; /* of a texture that has no more */
-#endif
+	struct few few; /* of few texels, instead of what comes now */
 	float texel_x[2], texel_y[2], texel_middle[2], texel_end[2];
 	float colour[3];
 	/* Of paint: octaves that it lies higher by, of its place and by what is thick; how thick it must be to cover; depths that it
@@ -74,6 +70,13 @@ INLINE void lay_pen(const struct frame_layer *l, struct pen *p)
 	p->hole_px = paint->hole_px;
 }
 
+INLINE float unit_of(enum kernel kernel)
+{
+	if (kernel == KERNEL_FEW_TEXELS)
+		return FEW_UNIT;
+	return kernel == KERNEL_TEXTURE ? TEXTURE_UNIT : 1;
+}
+
 INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
 {
 	struct pen p = { .s = s,
@@ -81,7 +84,7 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		.sine = s->along[1],
 		.half_length = s->half_length_px,
 		.half_width = s->half_width_px,
-		.alpha = kernel >= KERNEL_TEXTURE ? s->alpha * TEXTURE_UNIT : s->alpha };
+		.alpha = s->alpha * unit_of(kernel) };
 	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
 	p.reach_along = p.half_length + soft;
 	p.reach_across = p.half_width + soft;
@@ -99,11 +102,6 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		p.texel_shift = level ? level->texel_shift : l->texel_shift;
 		p.texels = (level ? level->texels : l->texels) +
 			   frame_texels(t, p.texel_shift) * variant;
-#if defined __AVX512VBMI__
-		if (kernel == KERNEL_FEW_TEXELS)
-			p.few = few_texels_of(
-				l->few_texels + FRAME_FEW_TEXELS * variant, t->length + 2);
-#endif
 		float along = (float)t->length / (2 * p.half_length),
 		      across = (float)t->width / (2 * p.half_width);
 		p.texel_x[0] = p.cosine * along * (1 << TEXEL_BITS);
@@ -114,6 +112,11 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		p.texel_end[1] = (float)(t->width + 1) * (1 << TEXEL_BITS);
 		for (int k = 0; k < 2; k++)
 			p.texel_middle[k] = p.texel_end[k] / 2;
+		if (kernel == KERNEL_FEW_TEXELS)
+			p.few = few_of(t, l->few_texels + FRAME_FEW_TEXELS * variant,
+				(float[]){ s->x_px, s->y_px },
+				(float[]){ p.cosine * along, -p.sine * across },
+				(float[]){ p.sine * along, p.cosine * across });
 		/* Half a texel: from the last one to nothing. */
 		p.reach_along += 0.5f / along;
 		p.reach_across += 0.5f / across;
@@ -152,25 +155,14 @@ INLINE vf line_alpha(const struct pen *p, vf dx, float dy)
 	       clamp01(p->reach_across - magnitude(across)) * p->strength;
 }
 
-typedef int16_t vh __attribute__((vector_size(32)));
-
-/* Of numbers below 2^15, whose product is too. */
-INLINE vi multiply(vi a, vi b)
-{
-	return (vi)((vh)a * (vh)b);
-}
-
 /* Of four bytes each with as many weights, which are 127 together. */
 INLINE vi weighted(vi bytes, vi weights)
 {
+	vi pairs = bytes_product(bytes, weights);
 #if defined __AVX2__
-	__m256i pairs = _mm256_maddubs_epi16((__m256i)bytes, (__m256i)weights);
-	return (vi)_mm256_madd_epi16(pairs, _mm256_set1_epi16(1));
+	return (vi)_mm256_madd_epi16((__m256i)pairs, _mm256_set1_epi16(1));
 #else
-	vi sum = { 0 };
-	for (int shift = 0; shift < 32; shift += 8)
-		sum += (bytes >> shift & 255) * (weights >> shift & 255);
-	return sum;
+	return (pairs & 65535) + (pairs >> 16);
 #endif
 }
 
@@ -186,7 +178,7 @@ INLINE vf texture_sum(const struct pen *p, vf dx, float dy)
 		part[k] = whole & ((1 << TEXEL_BITS) - 1);
 	}
 	vi four = gather(p->texels, (at[1] << (int32_t)p->texel_shift) + at[0], 4);
-	vi last = (multiply(part[0], part[1]) + ((1 << TEXEL_BITS) - 1)) >> TEXEL_BITS;
+	vi last = (halves_product(part[0], part[1]) + ((1 << TEXEL_BITS) - 1)) >> TEXEL_BITS;
 	vi weights = (((1 << TEXEL_BITS) - 1) - part[0] - part[1] + last) | (part[0] - last) << 8 |
 		     (part[1] - last) << 16 | last << 24;
 	return __builtin_convertvector(weighted(four, weights), vf);
@@ -227,15 +219,26 @@ INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
 	}
 }
 
-/* Eight pixels of a row, dy below the middle: those from left on; at: the first one of the row. */
+/* Pixels of row y from left on that are drawn at once, up to stop. */
+struct spot {
+	int y, left, stop;
+};
+
+/* Eight of them; keys and at: of the row's first pixel. */
 INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum kernel kernel,
-	enum band_blend blend, const int32_t *keys, ptrdiff_t at, float dy, int left)
+	enum band_blend blend, const int32_t *keys, ptrdiff_t at, const struct spot *spot)
 {
-	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
-	vf alpha = alpha_at(p, kernel, dx, dy) * p->alpha;
+	float dy = (float)spot->y + 0.5f - p->s->y_px;
+	vf dx = (float)spot->left + 0.5f - p->s->x_px + lane_number, alpha;
+	if (kernel == KERNEL_FEW_TEXELS)
+		alpha = where(lane_number < (float)(spot->stop - spot->left),
+			eight_few(&p->few, p->texels, p->texel_shift, spot->left, spot->y));
+	else
+		alpha = alpha_at(p, kernel, dx, dy);
+	alpha *= p->alpha;
 	if (keys)
-		alpha = where(shows(p, keys + left, dx, dy), alpha);
-	blend_at(p, blend, alpha, ink, at + left);
+		alpha = where(shows(p, keys + spot->left, dx, dy), alpha);
+	blend_at(p, blend, alpha, ink, at + spot->left);
 }
 
 /* ---- sixteen pixels ---- */
@@ -261,21 +264,20 @@ INLINE void wide_blend(const struct pen *p, enum band_blend blend, wf alpha,
 	wide_store(ink->weight + at, wide_load(ink->weight + at) + alpha);
 }
 
-/* draw_eight() */
+/* draw_eight() of few texels */
 INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum band_blend blend,
-	const int32_t *keys, ptrdiff_t at, float dy, int left)
+	const int32_t *keys, ptrdiff_t at, const struct spot *spot)
 {
-	wf dx = (float)left + 0.5f - p->s->x_px + wide_number, place[2];
-	for (int k = 0; k < 2; k++)
-		place[k] = dx * p->texel_x[k] + (dy * p->texel_y[k] + p->texel_middle[k]);
-	wf alpha = wide_sum(&p->few, place, p->texel_end, TEXEL_BITS) * p->alpha;
+	__mmask16 drawn = (__mmask16)_bzhi_u32(0xffff, (uint32_t)(spot->stop - spot->left));
+	wf alpha = wide_few(&p->few, spot->left, spot->y) * p->alpha;
 	if (keys) {
+		float dy = (float)spot->y + 0.5f - p->s->y_px;
+		wf dx = (float)spot->left + 0.5f - p->s->x_px + wide_number;
 		wf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
-		wf depth = wide_load((const float *)(keys + left));
-		alpha = _mm512_maskz_mov_ps(
-			_mm512_cmp_ps_mask(q * depth, 1 + (wf){ 0 }, _CMP_GE_OQ), alpha);
+		wf depth = wide_load((const float *)(keys + spot->left));
+		drawn = _mm512_mask_cmp_ps_mask(drawn, q * depth, 1 + (wf){ 0 }, _CMP_GE_OQ);
 	}
-	wide_blend(p, blend, alpha, ink, at + left);
+	wide_blend(p, blend, _mm512_maskz_mov_ps(drawn, alpha), ink, at + spot->left);
 }
 
 #endif
@@ -390,10 +392,6 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 	}
 }
 
-/* Pixels of a row that are drawn at once, from left on. */
-struct spot {
-	int left, row; /* row: from the band's first on */
-};
 /* Rows of what has fewer pixels side by side are looked through before any of them is drawn: how many vectors a row has is hard to foresee,
  * and what is drawn should not wait for it. */
 #define SPOTS_ROW  4
@@ -402,7 +400,12 @@ struct spot {
 /* So many at once, 2 to this. */
 INLINE int spot_bits(enum kernel kernel)
 {
-	return kernel == KERNEL_FEW_TEXELS ? 4 : 3;
+#if defined __AVX512VBMI__
+	if (kernel == KERNEL_FEW_TEXELS)
+		return 4;
+#endif
+	(void)kernel;
+	return 3;
 }
 
 /* Where the stroke's rows begin and end, of eight from y on. */
@@ -424,13 +427,14 @@ INLINE uint32_t find_spots(const struct pen *p, const struct band *b, enum kerne
 	for (; y < end; y += LANES) {
 		vi first, stop;
 		find_rows(p, b, y, &first, &stop);
-		int32_t left[LANES], vector[LANES];
+		int32_t left[LANES], right[LANES], vector[LANES];
 		store_mask(left, first);
+		store_mask(right, stop);
 		store_mask(vector, (stop - first + (1 << shift) - 1) >> shift);
 		for (int k = 0; k < MIN(LANES, end - y); k++) {
 			for (int n = 0; n < vectors; n++)
-				ret[count + (uint32_t)n] = (struct spot){ left[k] + (n << shift),
-					y + k - (int)b->from };
+				ret[count + (uint32_t)n] =
+					(struct spot){ y + k, left[k] + (n << shift), right[k] };
 			count += (uint32_t)MAX(vector[k], 0);
 		}
 	}
@@ -441,20 +445,18 @@ INLINE void draw_spot(const struct pen *p, const struct band *b, const visibilit
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend,
 	const struct spot *at)
 {
-	int y = (int)b->from + at->row;
-	float dy = (float)y + 0.5f - p->s->y_px;
-	ptrdiff_t row = (ptrdiff_t)at->row * b->pitch + BAND_MARGIN;
-	const int32_t *keys = m ? m->key + (ptrdiff_t)y * m->pitch : NULL;
+	ptrdiff_t row = (ptrdiff_t)(at->y - (int)b->from) * b->pitch + BAND_MARGIN;
+	const int32_t *keys = m ? m->key + (ptrdiff_t)at->y * m->pitch : NULL;
 #if defined __AVX512VBMI__
 	if (kernel == KERNEL_FEW_TEXELS) {
-		draw_sixteen(p, ink, blend, keys, row, dy, at->left);
+		draw_sixteen(p, ink, blend, keys, row, at);
 		return;
 	}
 #endif
 	if (blend == BAND_LAID)
-		lay_eight(p, ink, m, row, y, dy, at->left);
+		lay_eight(p, ink, m, row, at->y, (float)at->y + 0.5f - p->s->y_px, at->left);
 	else
-		draw_eight(p, ink, kernel, blend, keys, row, dy, at->left);
+		draw_eight(p, ink, kernel, blend, keys, row, at);
 }
 
 INLINE void draw_wide_rows(const struct pen *p, const struct band *b, const visibility_mask *m,
@@ -466,7 +468,7 @@ INLINE void draw_wide_rows(const struct pen *p, const struct band *b, const visi
 		for (int k = 0; k < MIN(LANES, end - y); k++)
 			for (int left = first[k]; left < stop[k]; left += 1 << spot_bits(kernel))
 				draw_spot(p, b, m, ink, kernel, blend,
-					&(struct spot){ left, y + k - (int)b->from });
+					&(struct spot){ y + k, left, stop[k] });
 	}
 }
 
@@ -536,12 +538,10 @@ void LANES_NAME(band_draw)(const struct band *b, const struct frame_layer *l,
 			draw_all(b, l, which, count, m, ink, KERNEL_TEXTURE, BAND_LAID);
 			break;
 		}
-#if defined __AVX512VBMI__
 		if (l->few_texels) {
 			WITH_BLEND(KERNEL_FEW_TEXELS);
 			break;
 		}
-#endif
 		WITH_BLEND(KERNEL_TEXTURE);
 	}
 }

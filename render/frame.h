@@ -87,7 +87,7 @@ static inline size_t frame_texels(const stroke_texture *t, uint32_t texel_shift)
 }
 /* As texels of a layer are; g_free. */
 uint32_t *frame_pack_texels(const stroke_texture *t, uint32_t *ret_shift);
-/* What two or four of the largest registers hold. */
+/* What four of the largest registers hold, in no more than 62 columns. */
 #define FRAME_FEW_TEXELS 256u
 /* Of each variant, in so many bytes: a border of nothing around it, rows of length + 2; g_free. NULL: they are more than few. */
 uint8_t *frame_pack_few_texels(const stroke_texture *t);
