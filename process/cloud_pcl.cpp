@@ -23,6 +23,10 @@ constexpr float LINE = 0.03f;
 constexpr int WIDENINGS = 2;
 /* Normals less upright than this look sideways, and are told apart by heights. */
 constexpr float UPRIGHT = 0.3f;
+/* At a crease the neighbours are of two faces: they are so far off one plane, in sizes of a point. Among so many, one with so much less of an error, whose plane holds the point within so many
+ * of its own errors, tells which way the face looks that the point is on. */
+constexpr int MEND_NEIGHBOURS = 40;
+constexpr float MEND_SIZES = 0.15f, MEND_BETTER = 0.45f, MEND_HOLDS = 2.0f;
 
 using cloud_xyz = pcl::PointCloud<pcl::PointXYZ>;
 using tree_xyz = pcl::KdTreeFLANN<pcl::PointXYZ>;
@@ -180,7 +184,7 @@ const tree_xyz &search_tree(const surroundings &s)
 }
 
 struct fit {
-	Eigen::Vector3f normal;
+	Eigen::Vector3f normal, middle;
 	float error, curvature;
 	bool good;
 };
@@ -192,14 +196,14 @@ struct scratch {
 
 fit fit_plane(const surroundings &s, const pcl::PointXYZ &p, scratch &t)
 {
-	fit f = { Eigen::Vector3f::Zero(), NAN, NAN, false };
+	fit f = { Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), NAN, NAN, false };
 	int k = NEIGHBOURS;
 	for (int i = 0; i <= WIDENINGS; i++, k *= 3) {
 		int most = int(std::min<size_t>(size_t(k), s.thinned->size()));
 		if (most < 3 || search_tree(s).nearestKSearch(p, most, t.index, t.distance2) < 3)
 			return f;
 		Eigen::Matrix3d covariance, vectors;
-		Eigen::Vector4d mean;
+		Eigen::Vector4d mean = Eigen::Vector4d::Zero();
 		Eigen::Vector3d values;
 		pcl::computeMeanAndCovarianceMatrix(*s.thinned, t.index, covariance, mean);
 		pcl::eigen33(covariance, vectors, values);
@@ -207,6 +211,7 @@ fit fit_plane(const surroundings &s, const pcl::PointXYZ &p, scratch &t)
 			continue; /* all at one place */
 		values = values.cwiseMax(0);
 		f.normal = vectors.col(0).cast<float>().normalized();
+		f.middle = mean.head<3>().cast<float>();
 		f.error = float(std::sqrt(values[0]));
 		f.curvature = float(values[0] / values.sum());
 		f.good = f.normal.allFinite();
@@ -214,6 +219,31 @@ fit fit_plane(const surroundings &s, const pcl::PointXYZ &p, scratch &t)
 			break;
 	}
 	return f;
+}
+
+/* The normal of the point's own face; errors stay, for they tell where creases are. of: of the block's own points. */
+Eigen::Vector3f mended(
+	const surroundings &s, const std::vector<fit> &of, size_t i, float size, scratch &t)
+{
+	scratch beside;
+	const fit &own = of[i];
+	Eigen::Vector3f ret = own.normal, at = (*s.all)[i].getVector3fMap();
+	float best = INFINITY;
+	int k = int(std::min<size_t>(MEND_NEIGHBOURS, s.all->size()));
+	if (!own.good || !(own.error > MEND_SIZES * size) ||
+		s.all_tree.nearestKSearch((*s.all)[i], k, t.index, t.distance2) < k)
+		return ret;
+	for (int j : t.index) {
+		const fit f = size_t(j) < s.own ? of[j] : fit_plane(s, (*s.all)[j], beside);
+		if (!f.good || !(f.error < MEND_BETTER * own.error))
+			continue;
+		float off = std::fabs(f.normal.dot(at - f.middle));
+		if (off < MEND_HOLDS * f.error && std::hypot(off, f.error) < best) {
+			best = std::hypot(off, f.error);
+			ret = f.normal;
+		}
+	}
+	return ret;
 }
 
 /* So many points lie in a disc of the distance of the last of them. */
@@ -313,14 +343,19 @@ void estimate_block(const struct cloud_view *v, const std::vector<uint32_t> &ord
 {
 	heights h(v->has_viewpoint ? cloud_xyz() : *s.all,
 		std::clamp(4 * plan_spacing(*s.all), 0.1f, 2.0f));
+	std::vector<fit> fits(s.own);
 #pragma omp parallel if (!single_thread)
 	{
 		scratch t;
 #pragma omp for schedule(dynamic, 1024)
+		for (size_t i = 0; i < s.own; i++)
+			fits[i] = fit_plane(s, (*s.all)[i], t);
+#pragma omp for schedule(dynamic, 1024)
 		for (size_t i = 0; i < s.own; i++) {
 			const pcl::PointXYZ &p = (*s.all)[i];
 			float size = size_of(s, p, t);
-			fit f = fit_plane(s, p, t);
+			fit f = fits[i];
+			f.normal = mended(s, fits, i, size, t);
 			bool right = v->has_viewpoint ? looks_to(v, s, p, f.normal)
 						      : looks_out(h, p, f.normal);
 			put(ret, order[b.begin + i], f, size, !right);

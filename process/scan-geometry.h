@@ -13,7 +13,7 @@
 #include "process/scan-graph.h"
 
 #define SCAN_GEOMETRY_KIND    "geometry"
-#define SCAN_GEOMETRY_VERSION 2
+#define SCAN_GEOMETRY_VERSION 3
 /* Further away scanners see little of the same, and not as well. */
 #define GEOMETRY_NEIGHBOURS 6
 #define GEOMETRY_REACH_M    40.0
