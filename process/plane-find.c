@@ -12,15 +12,22 @@
 #define AREA_LEAST_M2 1.f
 #define TEXEL_LEAST_M 0.01f
 #define TEXEL_SPACING 0.4f
-/* Parts of a region, and holes in it, that are left out. */
+/* Parts of a region, and holes in it, that are left out: also those of so few points, where these are far apart. */
 #define PART_LEAST_M2 0.2
+#define PART_POINTS   16
 #define HOLE_LEAST_M2 0.02
+#define HOLE_POINTS   4
 /* Of a patch's diameter: as the mask has discs by itself. */
 #define REACH 0.75f
+/* Points that are farther apart were seen from an aeroplane or the like, and lie in no order: so many spacings reach over what gaps chance
+ * leaves among them. */
+#define SPARSE_M        0.1f
+#define SPARSE_SPACINGS 1.4f
 /* What is of an edge: cells of the outline, and parts of the spacing. */
 #define EDGE_CELLS   1.6f
 #define EDGE_SPACING 0.6f
 #define EDGE_MOST_M  0.1f
+#define EDGE_SPARSE  1.f /* spacings, of points that lie in no order */
 /* Where points are far apart they lie less well on their plane: so much of their spacing, and that at most. */
 #define FAR_SPACING 0.3f
 #define FAR_MOST_M  0.12f
@@ -31,7 +38,8 @@
 #define AGREES     0.6f  /* cosine */
 #define SLIVER     0.3f
 /* Points so near a plane close slits in it. */
-#define BESIDE_M 0.08
+#define BESIDE_M     0.08
+#define BESIDE_THICK 1.5
 /* Of all textures together: what a storage block of a GPU takes, with smaller ones of them (scene-planes.h). */
 #define TEXELS_MOST      20e6f
 #define TEXTURE_MARGIN_M 0.3f
@@ -130,6 +138,8 @@ static struct plane_spot spot_of(
 	struct plane_spot s = { .reach_m = REACH * disc_m(p),
 		.spacing_m = MAX(p->spacing, 1) * 1e-4f,
 		.intensity = p->intensity };
+	if (s.spacing_m > SPARSE_M)
+		s.reach_m = fmaxf(s.reach_m, SPARSE_SPACINGS * s.spacing_m);
 	plane_place(r, at_m, s.at);
 	memcpy(s.rgba, p->rgba, sizeof s.rgba);
 	return s;
@@ -155,17 +165,18 @@ static GArray *spots_of(const struct search *s, guint leaf, guint number)
 {
 	const struct plane_leaf *l = &g_array_index(s->leaf, struct plane_leaf, leaf);
 	struct plane_draft *d = drafts(s);
+	const double beside_m = fmax(BESIDE_M, BESIDE_THICK * (double)d[number].r.thickness_m);
 	GArray *spots = g_array_new(FALSE, FALSE, sizeof(struct plane_spot));
 	for (uint64_t c = l->first_chunk; c < l->end_chunk; c++) {
 		const struct model_chunk *chunk = &s->chunk[c];
 		const struct model_point *p = model_points(s->m) + chunk->first;
-		if (!chunk_is_near(&d[number], chunk, BESIDE_M))
+		if (!chunk_is_near(&d[number], chunk, beside_m))
 			continue;
 		for (uint32_t i = 0; i < chunk->points; i++) {
 			double at_m[3], away_m;
 			float normal[3];
 			point_m(chunk, &p[i], at_m);
-			if (fabs(plane_distance_m(&d[number].r, at_m)) > BESIDE_M)
+			if (fabs(plane_distance_m(&d[number].r, at_m)) > beside_m)
 				continue;
 			model_unpack_normal(p[i].normal, normal);
 			bool is_on = plane_nearest(d + s->first[leaf],
@@ -199,6 +210,14 @@ static float median_spacing_m(const GArray *spots)
 
 /* ---- a region ---- */
 
+/* Of an outline, what is of an edge. */
+static float edge_m(const struct plane_draft *d, float step_m)
+{
+	if (d->spacing_m > SPARSE_M)
+		return fmaxf(EDGE_CELLS * step_m, EDGE_SPARSE * d->spacing_m);
+	return fminf(fmaxf(EDGE_CELLS * step_m, EDGE_SPACING * d->spacing_m), EDGE_MOST_M);
+}
+
 static void make_region(struct search *s, guint leaf, guint number)
 {
 	struct plane_draft *d = &drafts(s)[number];
@@ -212,15 +231,15 @@ static void make_region(struct search *s, guint leaf, guint number)
 	d->vertex = g_array_new(FALSE, FALSE, sizeof(float[2]));
 	d->met = g_array_new(FALSE, TRUE, sizeof(struct plane_met));
 	d->spacing_m = median_spacing_m(spots);
-	if (!plane_outline(spot, spots->len, PART_LEAST_M2, HOLE_LEAST_M2, places, ends, &step_m,
-		    &error)) {
+	double point_m2 = (double)(d->spacing_m * d->spacing_m);
+	if (!plane_outline(spot, spots->len, fmax(PART_LEAST_M2, PART_POINTS * point_m2),
+		    fmax(HOLE_LEAST_M2, HOLE_POINTS * point_m2), places, ends, &step_m, &error)) {
 #pragma omp critical(plane_error)
 		if (!s->error)
 			s->error = g_steal_pointer(&error);
 		return;
 	}
-	plane_straighten(d, places, ends,
-		fminf(fmaxf(EDGE_CELLS * step_m, EDGE_SPACING * d->spacing_m), EDGE_MOST_M));
+	plane_straighten(d, places, ends, edge_m(d, step_m));
 	if (d->ring->len)
 		plane_texture(d, spot, spots->len,
 			fmaxf(s->o.texel_m, TEXEL_SPACING * d->spacing_m), TEXTURE_MARGIN_M);
@@ -305,13 +324,19 @@ static bool agrees(const struct plane_draft *d, const struct model_point *p)
 	return !(length2 > 0) || cosine > AGREES;
 }
 
+/* How far off it explains points at most. */
+static float far_most_m(const struct plane_draft *d)
+{
+	return fmaxf(FAR_MOST_M, d->r.thickness_m);
+}
+
 /* Where a patch reaches out of the polygon it still closes gaps to what is beside, and so does the foot of what stands on it. */
 static bool explains(const struct plane_draft *d, const plane_inside *inside,
 	const struct model_point *p, const double at_m[3])
 {
 	float at[2], thick_m = d->r.thickness_m + FAR_SPACING * (float)p->spacing * 1e-4f;
 	double off_m = plane_distance_m(&d->r, at_m);
-	if (fabs(off_m) > (double)fminf(thick_m, FAR_MOST_M))
+	if (fabs(off_m) > (double)fminf(thick_m, far_most_m(d)))
 		return false;
 	plane_place(&d->r, at_m, at);
 	if (!plane_inside_near(inside, at, 0))
@@ -319,7 +344,7 @@ static bool explains(const struct plane_draft *d, const plane_inside *inside,
 	float reach_m = REACH * disc_m(p), out_m = reach_m - fmaxf(SLIVER_M, SLIVER * reach_m);
 	if (!agrees(d, p) || off_m > (double)(FOOT_THICK * d->r.thickness_m))
 		out_m = fmaxf(out_m, FOOT_M);
-	return !plane_inside_is_border(inside, at, fminf(out_m, PLANE_INSIDE_WITHIN_M));
+	return !plane_inside_is_border(inside, at, out_m);
 }
 
 static void explain_chunk(const struct search *s, struct plane_draft *const *d,
@@ -329,7 +354,7 @@ static void explain_chunk(const struct search *s, struct plane_draft *const *d,
 	const struct model_point *p = model_points(s->m) + c->first;
 	g_autofree bool *is_near = g_new(bool, count + 1);
 	for (guint n = 0; n < count; n++)
-		is_near[n] = chunk_is_near(d[n], c, (double)FAR_MOST_M);
+		is_near[n] = chunk_is_near(d[n], c, (double)far_most_m(d[n]));
 	for (uint32_t i = 0; i < c->points; i++) {
 		double at_m[3];
 		point_m(c, &p[i], at_m);

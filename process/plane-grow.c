@@ -7,25 +7,30 @@
 
 /* Cubes have a few points each. */
 #define VOXEL_LEAST_M  0.1
-#define VOXEL_MOST_M   0.4
 #define VOXEL_SPACINGS 2.0
 #define GAP_POINTS     2.5
 /* A plane lies through any three points: where they are as sparse as from an aeroplane, a region is at least so many large. */
 #define AREA_POINTS 64
-/* Of cubes that join: how far their mean is from the plane, and the cosine of the angle to it. */
+/* Of cubes that join: how far their mean is from the plane, and the cosine of the angle to it. Distances that are given in noises
+ * too hold where points waver more than those of a scanner that stands on the ground, as from an aeroplane. */
 #define JOIN_M      0.02
+#define JOIN_NOISES 2.0
 #define JOIN_COSINE 0.966f
 #define AGREE_LEAST 0.8f /* length of the mean of a cube's normals */
 /* Points of a plane: how far at first, cosine, and so many times the noise at last. */
 #define NEAR_M        0.05f
+#define NEAR_NOISES   4.f
 #define NEAR_COSINE   0.6f
 #define NOISES        3.f
 #define THICK_LEAST_M 0.01f
 #define THICK_MOST_M  0.045f
 /* Planes that are one. */
-#define SAME_COSINE  0.9998
-#define SAME_M       0.015
-#define BOX_MARGIN_M 0.3f
+#define SAME_COSINE 0.9998
+#define SAME_M      0.015
+#define SAME_NOISES 0.5
+/* Next to an edge normals are of what is around it, and cubes do not join. */
+#define BOX_MARGIN_M     0.3f
+#define BOX_MARGIN_CUBES 2.5f
 
 /* ---- moments ---- */
 
@@ -115,6 +120,7 @@ struct growing {
 	double origin_m[3]; /* of what moments are reckoned from */
 	uint32_t *of, *queue;
 	uint32_t next;
+	double noise_m; /* of the leaf */
 };
 
 #define FREE UINT32_MAX
@@ -138,7 +144,8 @@ static bool joins(const struct growing *g, uint32_t i, const struct fit *f, cons
 	float length = agreement(v), along = 0;
 	for (int k = 0; k < 3; k++)
 		along += v->normal[k] * (float)f->normal[k];
-	return length > AGREE_LEAST && along > JOIN_COSINE * length && fabs(away(f, at)) < JOIN_M;
+	return length > AGREE_LEAST && along > JOIN_COSINE * length &&
+	       fabs(away(f, at)) < fmax(JOIN_M, JOIN_NOISES * g->noise_m);
 }
 
 /* From a cube on; refits: the plane follows what has joined. */
@@ -238,19 +245,20 @@ static int by_area(const void *a, const void *b)
 
 /* ---- planes that are one ---- */
 
-static bool is_same(const struct fit *a, const struct fit *b)
+static bool is_same(const struct fit *a, const struct fit *b, double noise_m)
 {
-	return dot(a->normal, b->normal) > SAME_COSINE && fabs(away(a, b->middle)) < SAME_M &&
-	       fabs(away(b, a->middle)) < SAME_M;
+	double same_m = fmax(SAME_M, SAME_NOISES * noise_m);
+	return dot(a->normal, b->normal) > SAME_COSINE && fabs(away(a, b->middle)) < same_m &&
+	       fabs(away(b, a->middle)) < same_m;
 }
 
 /* The larger takes what lies on its plane. becomes: of each number, the place of its region. */
-static uint32_t merge(struct grown *r, uint32_t count, uint32_t *becomes)
+static uint32_t merge(struct grown *r, uint32_t count, double noise_m, uint32_t *becomes)
 {
 	uint32_t left = 0;
 	for (uint32_t n = 0; n < count; n++) {
 		uint32_t into = 0;
-		while (into < left && !is_same(&r[into].fit, &r[n].fit))
+		while (into < left && !is_same(&r[into].fit, &r[n].fit, noise_m))
 			into++;
 		becomes[r[n].number] = into;
 		if (into == left) {
@@ -315,13 +323,18 @@ static void turn_axes(struct plane_region *r, const double normal[3])
 	}
 }
 
-static struct plane_draft draft_of(const struct grown *g, const double origin_m[3])
+static float near_m(double noise_m)
+{
+	return fmaxf(NEAR_M, NEAR_NOISES * (float)noise_m);
+}
+
+static struct plane_draft draft_of(const struct grown *g, const double origin_m[3], double noise_m)
 {
 	struct plane_draft d = { .box_m = { { INFINITY, INFINITY }, { -INFINITY, -INFINITY } } };
 	set_axes(&d.r, g->fit.normal);
 	for (int k = 0; k < 3; k++)
 		d.r.origin_m[k] = g->fit.middle[k] + origin_m[k];
-	d.r.thickness_m = NEAR_M;
+	d.r.thickness_m = near_m(noise_m);
 	return d;
 }
 
@@ -360,8 +373,9 @@ struct plane_draft *plane_nearest(struct plane_draft *from, uint32_t count, cons
 
 /* By its own points, once with those that are near, once with those within the noise. */
 static void refine(const model *m, const struct plane_leaf *leaf, const double origin_m[3],
-	struct plane_draft *d, uint32_t count)
+	double noise_m, struct plane_draft *d, uint32_t count)
 {
+	const float thick_most_m = fmaxf(THICK_MOST_M, NEAR_NOISES * (float)noise_m);
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
 	g_autofree struct moments *sum = g_new0(struct moments, count);
@@ -375,7 +389,7 @@ static void refine(const model *m, const struct plane_leaf *leaf, const double o
 				at_m[k] = chunk[c].centre_m[k] + (double)p[i].position_m[k];
 			model_unpack_normal(p[i].normal, normal);
 			struct plane_draft *of =
-				plane_nearest(d, count, at_m, normal, NEAR_M, &away_m);
+				plane_nearest(d, count, at_m, normal, near_m(noise_m), &away_m);
 			if (!of)
 				continue;
 			for (int k = 0; k < 3; k++)
@@ -402,7 +416,7 @@ static void refine(const model *m, const struct plane_leaf *leaf, const double o
 			r->origin_m[k] += shift * f.normal[k];
 		turn_axes(r, f.normal);
 		r->noise_m = (float)sqrt(square[n] / sum[n].weight);
-		r->thickness_m = CLAMP(NOISES * r->noise_m, THICK_LEAST_M, THICK_MOST_M);
+		r->thickness_m = CLAMP(NOISES * r->noise_m, THICK_LEAST_M, thick_most_m);
 	}
 }
 
@@ -414,24 +428,38 @@ static int by_spacing(const void *a, const void *b)
 	return (*x > *y) - (*x < *y);
 }
 
-/* By the median spacing of one point in sixteen. */
-static double median_spacing_m(const model *m, const struct plane_leaf *leaf)
+/* In metres, of these or, where there are none, 0: what so much of them are below. */
+static double quantile_m(GArray *of, double part)
+{
+	g_array_sort(of, by_spacing);
+	return of->len ? g_array_index(of, uint16_t, (guint)(part * of->len)) * 1e-4 : 0;
+}
+
+/* By one point in sixteen, how far apart they are, and how far they waver about the planes around them: a quarter of these lie in
+ * places that are no plane. */
+static void look_at_leaf(
+	const model *m, const struct plane_leaf *leaf, double *ret_spacing_m, double *ret_noise_m)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
-	g_autoptr(GArray) spacing = g_array_new(FALSE, FALSE, sizeof(uint16_t));
+	g_autoptr(GArray) spacing = g_array_new(FALSE, FALSE, sizeof(uint16_t)),
+			  error = g_array_new(FALSE, FALSE, sizeof(uint16_t));
 	for (uint64_t c = leaf->first_chunk; c < leaf->end_chunk; c++)
-		for (uint32_t i = 0; i < chunk[c].points; i += 16)
-			g_array_append_val(spacing, model_points(m)[chunk[c].first + i].spacing);
-	g_array_sort(spacing, by_spacing);
-	return g_array_index(spacing, uint16_t, spacing->len / 2) * 1e-4;
+		for (uint32_t i = 0; i < chunk[c].points; i += 16) {
+			const struct model_point *p = &model_points(m)[chunk[c].first + i];
+			g_array_append_val(spacing, p->spacing);
+			if (p->plane_error != MODEL_ERROR_NONE)
+				g_array_append_val(error, p->plane_error);
+		}
+	*ret_spacing_m = quantile_m(spacing, 0.5);
+	*ret_noise_m = quantile_m(error, 0.25);
 }
 
 static voxels *voxels_of(const model *m, const struct plane_leaf *leaf, double median_m)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
-	voxels *v = voxels_new(CLAMP(VOXEL_SPACINGS * median_m, VOXEL_LEAST_M, VOXEL_MOST_M));
+	voxels *v = voxels_new(fmax(VOXEL_SPACINGS * median_m, VOXEL_LEAST_M));
 	for (uint64_t c = leaf->first_chunk; c < leaf->end_chunk; c++) {
 		const struct model_point *p = model_points(m) + chunk[c].first;
 		for (uint32_t i = 0; i < chunk[c].points; i++) {
@@ -469,23 +497,26 @@ static void make_drafts(const struct growing *g, const struct grown *r, uint32_t
 	const uint32_t *becomes, struct plane_draft *to)
 {
 	for (uint32_t n = 0; n < count; n++)
-		to[n] = draft_of(&r[n], g->origin_m);
+		to[n] = draft_of(&r[n], g->origin_m, g->noise_m);
 	for (uint32_t i = 0; i < g->v->count; i++) {
 		double at_m[3];
 		voxel_point_m(g->v, i, at_m);
 		if (g->of[i] != FREE)
-			widen(&to[becomes[g->of[i]]], at_m, BOX_MARGIN_M);
+			widen(&to[becomes[g->of[i]]], at_m,
+				fmaxf(BOX_MARGIN_M, BOX_MARGIN_CUBES * (float)g->v->size_m));
 	}
 }
 
 void plane_grow(const model *m, const struct plane_leaf *leaf, float area_least_m2, GArray *ret)
 {
 	uint64_t chunks;
-	double spacing_m = median_spacing_m(m, leaf);
+	double spacing_m, noise_m;
+	look_at_leaf(m, leaf, &spacing_m, &noise_m);
 	g_autoptr(voxels) v = voxels_of(m, leaf, spacing_m);
-	struct growing g = {
-		.v = v, .of = g_new(uint32_t, v->count + 1), .queue = g_new(uint32_t, v->count + 1)
-	};
+	struct growing g = { .v = v,
+		.of = g_new(uint32_t, v->count + 1),
+		.queue = g_new(uint32_t, v->count + 1),
+		.noise_m = noise_m };
 	memcpy(g.origin_m, model_chunks(m, &chunks)[leaf->first_chunk].centre_m, sizeof g.origin_m);
 	for (uint32_t i = 0; i < v->count; i++)
 		g.of[i] = FREE;
@@ -494,11 +525,11 @@ void plane_grow(const model *m, const struct plane_leaf *leaf, float area_least_
 	struct grown *r = (struct grown *)(void *)all->data;
 	g_autofree uint32_t *becomes = g_new(uint32_t, all->len + 1);
 	g_array_sort(all, by_area);
-	uint32_t count = merge(r, all->len, becomes);
+	uint32_t count = merge(r, all->len, noise_m, becomes);
 	g_autofree struct plane_draft *d = g_new(struct plane_draft, count + 1);
 	make_drafts(&g, r, count, becomes, d);
 	for (int pass = 0; pass < 2 && count; pass++)
-		refine(m, leaf, g.origin_m, d, count);
+		refine(m, leaf, g.origin_m, noise_m, d, count);
 	for (uint32_t n = 0; n < count; n++)
 		d[n].r.leaf = leaf->leaf;
 	g_array_append_vals(ret, d, count);

@@ -11,7 +11,7 @@ struct side {
 };
 
 struct plane_inside {
-	float low, stripe_m;
+	float low, stripe_m, within_m;
 	uint32_t stripes;
 	uint32_t *first; /* of each stripe, and of the end */
 	struct side *side;
@@ -55,8 +55,8 @@ static uint32_t stripe_of(const plane_inside *i, float v)
 /* Those stripes that it may be near to. */
 static void span(const plane_inside *i, const struct side *s, uint32_t *ret_from, uint32_t *ret_to)
 {
-	*ret_from = stripe_of(i, fminf(s->a[1], s->b[1]) - PLANE_INSIDE_WITHIN_M);
-	*ret_to = stripe_of(i, fmaxf(s->a[1], s->b[1]) + PLANE_INSIDE_WITHIN_M);
+	*ret_from = stripe_of(i, fminf(s->a[1], s->b[1]) - i->within_m);
+	*ret_to = stripe_of(i, fmaxf(s->a[1], s->b[1]) + i->within_m);
 }
 
 static void count_side(plane_inside *i, const struct side *s)
@@ -87,10 +87,10 @@ plane_inside *plane_inside_new(const struct plane_draft *d)
 	}
 	if (!d->vertex->len)
 		low = high = 0;
-	i->low = low - PLANE_INSIDE_WITHIN_M;
-	i->stripe_m =
-		fmaxf(STRIPE_M, (high - low + 2 * PLANE_INSIDE_WITHIN_M) / (STRIPES_MOST - 1));
-	i->stripes = (uint32_t)((high - low + 2 * PLANE_INSIDE_WITHIN_M) / i->stripe_m) + 1;
+	i->within_m = fmaxf(PLANE_INSIDE_WITHIN_M, PLANE_INSIDE_SPACINGS * d->spacing_m);
+	i->low = low - i->within_m;
+	i->stripe_m = fmaxf(STRIPE_M, (high - low + 2 * i->within_m) / (STRIPES_MOST - 1));
+	i->stripes = (uint32_t)((high - low + 2 * i->within_m) / i->stripe_m) + 1;
 	i->first = g_new0(uint32_t, i->stripes + 2);
 	each_side(d, count_side, i);
 	uint32_t sum = 0;
@@ -127,6 +127,7 @@ bool plane_inside_near(const plane_inside *i, const float at[2], float within_m)
 {
 	float n = (at[1] - i->low) / i->stripe_m;
 	bool is_inside = false;
+	within_m = fminf(within_m, i->within_m);
 	if (!(n >= 0 && n < (float)i->stripes))
 		return false;
 	uint32_t stripe = (uint32_t)n;
@@ -146,6 +147,7 @@ bool plane_inside_near(const plane_inside *i, const float at[2], float within_m)
 bool plane_inside_is_border(const plane_inside *i, const float at[2], float within_m)
 {
 	float n = (at[1] - i->low) / i->stripe_m;
+	within_m = fminf(within_m, i->within_m);
 	if (!(n >= 0 && n < (float)i->stripes))
 		return false;
 	uint32_t stripe = (uint32_t)n;

@@ -2,11 +2,14 @@
 extern "C" {
 #include "process/plane-outline.h"
 }
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 static const float cell_least_m = 0.02f;
+static const float cell_spacing =
+	0.08f; /* of the mean: where points are sparse cells need not be small */
 static const int cells_most = 4000; /* a side */
 static const int slit_cells = 4;    /* half of the widest */
 
@@ -21,7 +24,9 @@ struct raster {
 static raster raster_of(const plane_spot *spot, uint32_t count)
 {
 	float low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY }, reach = 0;
+	double spacing = 0;
 	for (uint32_t n = 0; n < count; n++) {
+		spacing += (double)spot[n].spacing_m / count;
 		reach = std::max(reach, spot[n].reach_m);
 		for (int k = 0; k < 2; k++) {
 			low[k] = std::min(low[k], spot[n].at[k]);
@@ -30,7 +35,8 @@ static raster raster_of(const plane_spot *spot, uint32_t count)
 	}
 	raster r;
 	float longest = std::max(high[0] - low[0], high[1] - low[1]) + 2 * reach;
-	r.cell_m = std::max(cell_least_m, longest / (float)(cells_most - 8));
+	r.cell_m = std::max(
+		{ cell_least_m, cell_spacing * (float)spacing, longest / (float)(cells_most - 8) });
 	for (int k = 0; k < 2; k++)
 		r.low[k] = low[k] - reach - 3 * r.cell_m;
 	r.width = (int)((high[0] + reach - r.low[0]) / r.cell_m) + 4;

@@ -14,7 +14,7 @@
 #include "process/segment-class.h"
 
 #define PLANE_REGIONS_KIND    "plane-regions"
-#define PLANE_REGIONS_VERSION 2
+#define PLANE_REGIONS_VERSION 3
 
 struct plane_region {
 	double origin_m[3]; /* in the site, where u = v = 0 */

@@ -5,8 +5,10 @@
 #include <string.h>
 
 /* Edges that are turned into a main direction: longer than this, and no farther from it. */
-#define MAIN_LEAST_M 0.25f
-#define MAIN_SINE    0.07f
+#define MAIN_LEAST_M   0.25f
+#define MAIN_SINE      0.07f
+#define MAIN_SINE_MOST 0.25f
+#define MAIN_OFF       0.6f /* spacings that one end may be turned by */
 /* Edges that meet at less than this have no corner that could be reckoned. */
 #define CORNER_SINE 0.25f
 /* How far a corner may move, in widths of what is of an edge. */
@@ -14,10 +16,14 @@
 /* A vertex lies between those beside it. */
 #define PRUNE_M 0.003f
 /* Of the line where two planes meet. */
-#define MEET_M    0.12f
-#define MEET_SINE 0.3
-#define BESIDE_M  0.15f
-#define CORNER_M  0.25f
+/* In metres, and in spacings of points, whichever is more. */
+#define MEET_M          0.12f
+#define MEET_SPACINGS   1.f
+#define MEET_SINE       0.3
+#define BESIDE_M        0.15f
+#define BESIDE_SPACINGS 1.5f
+#define CORNER_M        0.25f
+#define CORNER_SPACINGS 2.f
 
 typedef float place[2];
 
@@ -136,7 +142,7 @@ static void add_ways(const GArray *edges, double sum[2])
 	}
 }
 
-static void turn_to_main(GArray *edges, const float main_way[2])
+static void turn_to_main(GArray *edges, const float main_way[2], float spacing_m)
 {
 	for (guint n = 0; n < edges->len; n++) {
 		struct edge *e = &g_array_index(edges, struct edge, n);
@@ -149,7 +155,9 @@ static void turn_to_main(GArray *edges, const float main_way[2])
 				way[0] = -way[0], way[1] = -way[1];
 			float along = way[0] * e->way[0] + way[1] * e->way[1],
 			      sine = way[0] * e->way[1] - way[1] * e->way[0];
-			if (along < 0 || fabsf(sine) > MAIN_SINE)
+			if (along < 0 || fabsf(sine) > fmaxf(MAIN_SINE, fminf(MAIN_OFF * spacing_m /
+											e->length_m,
+										MAIN_SINE_MOST)))
 				continue;
 			memcpy(e->way, way, sizeof way);
 			e->is_main = true;
@@ -310,7 +318,7 @@ void plane_straighten(
 	find_main_way(d, borders);
 	for (guint n = 0; n < borders->len; n++) {
 		const struct border *b = &g_array_index(borders, struct border, n);
-		turn_to_main(b->edges, d->main_way);
+		turn_to_main(b->edges, d->main_way, d->spacing_m);
 		join_edges(b->edges, b->p, b->count, within_m);
 		drop_chamfers(b->edges, within_m);
 		put_ring(b->edges, b->p, b->count, within_m, d->ring, d->vertex);
@@ -371,12 +379,13 @@ static bool is_beside(const struct plane_draft *q, const plane_inside *inside,
 	float there[2];
 	plane_point(p, at, at_m);
 	plane_place(&q->r, at_m, there);
-	return plane_inside_near(inside, there, BESIDE_M);
+	return plane_inside_near(inside, there, fmaxf(BESIDE_M, BESIDE_SPACINGS * q->spacing_m));
 }
 
 /* Onto the nearest line, or where both cross; else the second one is none of its. */
-static void move_vertex(struct met *m, const float at[2], float ret[2])
+static void move_vertex(struct met *m, float spacing_m, const float at[2], float ret[2])
 {
+	float corner_m = fmaxf(CORNER_M, CORNER_SPACINGS * spacing_m);
 	double to[2] = { (double)at[0] - m->off[0] * m->line[0].a,
 		(double)at[1] - m->off[0] * m->line[0].b };
 	double sine = m->count < 2 ? 0 : m->line[0].a * m->line[1].b - m->line[0].b * m->line[1].a;
@@ -384,7 +393,7 @@ static void move_vertex(struct met *m, const float at[2], float ret[2])
 	if (fabs(sine) > MEET_SINE) {
 		double u = (m->line[0].c * m->line[1].b - m->line[0].b * m->line[1].c) / sine,
 		       v = (m->line[0].a * m->line[1].c - m->line[0].c * m->line[1].a) / sine;
-		crosses = hypot(u - (double)at[0], v - (double)at[1]) < (double)CORNER_M;
+		crosses = hypot(u - (double)at[0], v - (double)at[1]) < (double)corner_m;
 		if (crosses) {
 			to[0] = u;
 			to[1] = v;
@@ -403,11 +412,12 @@ static void find_met(
 	struct meeting line;
 	if (other == number || !all[other].ring->len || !meeting_of(&d->r, &all[other].r, &line))
 		return;
+	const float meet_m = fmaxf(MEET_M, MEET_SPACINGS * d->spacing_m);
 	g_autoptr(plane_inside) inside = NULL;
 	for (guint k = 0; k < d->vertex->len; k++) {
 		const float *at = g_array_index(d->vertex, place, k);
 		double off = line.a * (double)at[0] + line.b * (double)at[1] - line.c;
-		if (fabs(off) > (double)MEET_M)
+		if (fabs(off) > (double)meet_m)
 			continue;
 		if (!inside)
 			inside = plane_inside_new(&all[other]);
@@ -427,7 +437,7 @@ GArray *plane_meet(const struct plane_draft *all, uint32_t count, uint32_t numbe
 		place at;
 		memcpy(at, g_array_index(d->vertex, place, k), sizeof at);
 		if (met[k].count)
-			move_vertex(&met[k], at, at);
+			move_vertex(&met[k], d->spacing_m, at, at);
 		g_array_append_vals(to, at, 1);
 		g_array_append_val(ret_met, met[k].planes);
 	}
