@@ -223,7 +223,7 @@ static void report_stations(const char *scene, struct station *stations, JsonArr
 	for (int i = 0; i < BENCH_STATIONS; i++) {
 		struct feature_score score;
 		feature_score_make(stations[i].features, stations[i].grid, stations[i].truth,
-			normals_range_noise_m(stations[i].grid), NULL, &score);
+			normals_range_noise_m(stations[i].grid, NULL), NULL, &score);
 		if (json)
 			json_array_add_object_element(json, score_to_json(scene, i + 1, &score));
 		else

@@ -25,7 +25,8 @@ typedef struct cloud_geometry cloud_geometry;
 struct cloud_geometry {
 	uint64_t count;
 	/* Unit; 0 0 0 where all neighbours are at one place. Towards the viewpoint where there is one. Else up; where the
-	 * surface is upright, to the side where things are lower: out of a house, from above a bank. */
+	 * surface is upright, to the side where things are lower: out of a house, from above a bank. Next to a crease it is of the
+	 * point's own face, where a plane beside it tells which. */
 	float (*normal)[3];
 	float *plane_error_m; /* root mean square distance of the neighbours from the plane; NAN: no normal */
 	float *curvature; /* smallest eigenvalue over the sum of all three, 0..1/3; NAN: no normal */

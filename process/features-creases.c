@@ -105,7 +105,8 @@ static float tilt2_of(const struct creases *c, size_t i)
 	const float spacing_m = g->range_m[i] * (float)sqrt(g->row_rad * g->column_rad);
 	const float cosine = fminf(fabsf(c->planes->offset_m[i]) / g->range_m[i], 1);
 	const float cells = fmaxf(c->planes->count[i], 4);
-	const float tilt = 3.5f * c->options->range_noise_m * cosine / (cells * spacing_m);
+	const float noise_m = feature_range_noise_m(c->options, g->range_m[i]);
+	const float tilt = 3.5f * noise_m * cosine / (cells * spacing_m);
 	return tilt * tilt * cosine;
 }
 

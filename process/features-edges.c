@@ -33,9 +33,9 @@ static float off_plane(const range_grid *g, const struct feature_planes *p,
 	if (!(there_m > 0))
 		return INFINITY;
 	float cosine = fabsf(p->offset_m[i]) / there_m, spacing_m = there_m * (float)g->row_rad;
-	float noisy_m = fmaxf(NOISIER * o->range_noise_m, CREASED * spacing_m);
-	float noise_m =
-		DIFFERENCE * CLAMP(p->error_m[i] / fmaxf(cosine, 0.05f), o->range_noise_m, noisy_m);
+	float least_m = feature_range_noise_m(o, g->range_m[k]);
+	float noisy_m = fmaxf(NOISIER * least_m, CREASED * spacing_m);
+	float noise_m = DIFFERENCE * CLAMP(p->error_m[i] / fmaxf(cosine, 0.05f), least_m, noisy_m);
 	float slope_m = TILT_RAD * spacing_m / fmaxf(cosine * cosine, 1e-4f);
 	return fabsf(g->range_m[k] - there_m) / sqrtf(noise_m * noise_m + slope_m * slope_m);
 }
@@ -46,10 +46,11 @@ static float jump_between(const struct features_input *of, const struct feature_
 	const range_grid *g = of->grid;
 	if (of->leaf && of->leaf[i] && of->leaf[k] && of->leaf[i] != of->leaf[k])
 		return fabsf(g->range_m[i] - g->range_m[k]) /
-		       (JUMP_SIGMAS * DIFFERENCE * o->range_noise_m);
+		       (JUMP_SIGMAS * DIFFERENCE * feature_range_noise_m(o, g->range_m[i]));
 	float off = fminf(off_plane(g, p, o, i, k), off_plane(g, p, o, k, i));
 	if (isinf(off))
-		off = fabsf(g->range_m[i] - g->range_m[k]) / (DIFFERENCE * o->range_noise_m);
+		off = fabsf(g->range_m[i] - g->range_m[k]) /
+		      (DIFFERENCE * feature_range_noise_m(o, g->range_m[i]));
 	return fminf(off / JUMP_SIGMAS, ANSWER_MOST);
 }
 

@@ -381,7 +381,7 @@ enum feature_faces feature_faces_at(const range_grid *g, size_t cell, const floa
 {
 	struct surroundings s = { .grid = g,
 		.cell = cell,
-		.noise_m = o->range_noise_m,
+		.noise_m = feature_range_noise_m(o, g->range_m[cell]),
 		.explained_m = explained_m,
 		.radius_m = radius_m,
 		.is_cut_only = is_cut_only,

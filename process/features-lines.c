@@ -106,11 +106,11 @@ static void fit_cell(const struct fitter *t, size_t i)
 	if (ridges_count(t->own, row, column) > CROWDED)
 		return;
 	const float spacing_m = range_grid_point_size_m(g, i);
-	const float window_m = sqrtf(62 * t->o->range_noise_m * spacing_m);
+	const float noise_m = feature_range_noise_m(t->o, g->range_m[i]);
+	const float window_m = sqrtf(62 * noise_m * spacing_m);
 	const float radius_m =
 		fmaxf(t->o->line_radius_m, fmaxf(BEAMS_WIDE * spacing_m, WINDOWS_WIDE * window_m));
-	const float explained_m =
-		t->o->line_error * hypotf(t->o->range_noise_m, SPACING_SHARE * spacing_m);
+	const float explained_m = t->o->line_error * hypotf(noise_m, SPACING_SHARE * spacing_m);
 	const struct ridge_point *here = ridges_at(t->own, row, column);
 	const float point[3] = { here->x, here->y, here->z };
 	look_around(t, i, here, radius_m, &a);
@@ -227,7 +227,7 @@ void features_fit_lines(features *f, const struct features_input *of,
 	struct features_options o = features_defaults(options);
 	const range_grid *g = of->grid;
 	if (!(o.range_noise_m > 0))
-		o.range_noise_m = normals_range_noise_m(g);
+		o.range_noise_m = normals_range_noise_m(g, &o.noise_at_m);
 	g_autofree struct pose *to_view = g_new0(struct pose, count + 1);
 	g_autofree struct pose *to_own = g_new0(struct pose, count + 1);
 	const features_ridges *own = NULL;

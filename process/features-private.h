@@ -83,6 +83,12 @@ static inline float feature_darkness(float tone, float exponent)
 	return exponent == 1 ? dark : powf(dark, exponent);
 }
 
+static inline float feature_range_noise_m(const struct features_options *o, float range_m)
+{
+	float farther = o->noise_at_m > 0 ? range_m / o->noise_at_m : 1;
+	return o->range_noise_m * farther * farther;
+}
+
 /* Edges of the geometry: answers, 1 at the threshold. Sets FEATURE_SILHOUETTE, _BEHIND and _CREASE. */
 void feature_depth_edges(const struct features_input *of, const struct feature_planes *p,
 	const struct features_options *o, float *answer, uint8_t *flags);

@@ -160,7 +160,7 @@ features *features_estimate(const struct features_input *of, const struct featur
 	g_autofree uint32_t *segments = segments_of(of);
 	struct feature_planes p;
 	if (!(o.range_noise_m > 0))
-		o.range_noise_m = normals_range_noise_m(g);
+		o.range_noise_m = normals_range_noise_m(g, &o.noise_at_m);
 	struct normals_options normals = { .radius_m = o.radius_m,
 		.range_noise_m = o.range_noise_m,
 		.segment = segments,

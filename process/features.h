@@ -63,7 +63,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(features, features_free)
 /* Zero is the default of each. */
 struct features_options {
 	float range_noise_m; /* found in the scan */
-	float radius_m; /* 0.06: of windows, wider where beams are sparse, as geometry.h has it */
+	float noise_at_m; /* 0: noise is the same everywhere; else, of cameras of depth, where it is so much, and it grows with the range squared */
+	float radius_m;   /* 0.06: of windows, wider where beams are sparse, as geometry.h has it */
 	/* Weights of the edges in the degree: 1, 0.7, 0.3. What the scan does not have (colour, intensity) leaves its weight to the
 	 * other one. Negative: none. */
 	float geometry_weight, colour_weight, intensity_weight;

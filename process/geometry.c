@@ -50,8 +50,9 @@ struct normals_options geometry_normals_options(
 	return (struct normals_options){
 		.radius_m =
 			options && options->radius_m > 0 ? options->radius_m : GEOMETRY_RADIUS_M,
-		.range_noise_m = options && options->range_noise_m > 0 ? options->range_noise_m
-								       : normals_range_noise_m(g),
+		.range_noise_m = options && options->range_noise_m > 0
+					 ? options->range_noise_m
+					 : normals_range_noise_m(g, NULL),
 		.single_thread = options && options->single_thread,
 	};
 }

@@ -246,6 +246,46 @@ static float noise_at_most_m(const range_grid *g)
 		NOISE_MOST_M);
 }
 
+/* A camera of depth tells it in steps, far apart where it is far away: neighbours are equal, or differ by a step, and hardly by less. Bends
+ * along rows are nothing, steps, or between these, as shares of the range. */
+#define STEP_NOTHING 1e-4f
+#define STEP_LEAST   2e-3f
+#define STEP_MOST    5e-2f
+/* Where so many are nothing and steps, and no more between. */
+#define STEPS_SHARE   0.2f
+#define BETWEEN_SHARE 0.15f
+/* 1 sigma of what is told in steps, which waver by one themselves. */
+#define STEP_SIGMA 1.f
+
+/* 0: ranges do not come in steps. *ret_at_m: how far away it is so much. */
+static float step_noise_m(const range_grid *g, float *ret_at_m)
+{
+	size_t n = range_grid_cells(g), stride = n / NOISE_SAMPLES + 1, steps = 0, all = 0,
+	       nothing = 0;
+	g_autofree float *step = g_new(float, NOISE_SAMPLES + 1),
+			 *growth = g_new(float, NOISE_SAMPLES + 1);
+	for (size_t i = 1; i + 1 < n && steps < NOISE_SAMPLES; i += stride) {
+		const float *r = g->range_m + i;
+		size_t column = i % g->columns;
+		if (column == 0 || column + 1 == g->columns || !(r[-1] > 0 && r[0] > 0 && r[1] > 0))
+			continue;
+		float bend = fabsf(r[-1] - 2 * r[0] + r[1]);
+		nothing += bend < STEP_NOTHING * r[0];
+		if (bend >= STEP_LEAST * r[0] && bend < STEP_MOST * r[0]) {
+			growth[steps] = bend / (r[0] * r[0]);
+			step[steps++] = bend;
+		}
+		all += bend < STEP_MOST * r[0];
+	}
+	float some = STEPS_SHARE * (float)all, between = (float)(all - nothing - steps);
+	if (!steps || (float)nothing < some || (float)steps < some ||
+		between > BETWEEN_SHARE * (float)all)
+		return 0;
+	float farther = value_at(step, steps, steps * 3 / 4);
+	*ret_at_m = sqrtf(farther / value_at(growth, steps, steps / 2));
+	return STEP_SIGMA * farther;
+}
+
 /* What fits leave along the rays in a few small tiles. Windows on smooth surfaces leave noise and nothing else, all about the
  * same; curved and cluttered ones leave more. */
 static float noise_left_m(const range_grid *g, const struct normals_options *o,
@@ -274,7 +314,7 @@ static float noise_left_m(const range_grid *g, const struct normals_options *o,
 	return low_quantile(left_m, count, 8, o->range_noise_m);
 }
 
-float normals_range_noise_m(const range_grid *g)
+float normals_range_noise_m(const range_grid *g, float *ret_at_m)
 {
 	float error_m[NOISE_TILE * NOISE_TILE], offset_m[NOISE_TILE * NOISE_TILE];
 	struct normals_options options = { .radius_m = NOISE_RADIUS_M,
@@ -286,5 +326,8 @@ float normals_range_noise_m(const range_grid *g)
 		options.range_noise_m = CLAMP(
 			noise_left_m(g, &options, &planes, t, stride), NOISE_LEAST_M, NOISE_MOST_M);
 	tile_free(t);
-	return options.range_noise_m;
+	float at_m = 0, steps_m = step_noise_m(g, &at_m);
+	if (ret_at_m)
+		*ret_at_m = at_m;
+	return fminf(fmaxf(options.range_noise_m, steps_m), NOISE_MOST_M);
 }

@@ -47,7 +47,8 @@ void normals_mend(const range_grid *g, const struct normals_options *options,
 /* Both: the same planes, sooner. Needs no offset_m, and fills none. */
 void normals_estimate(const range_grid *g, const struct normals_options *options,
 	const struct normals_planes *ret);
-/* 1 sigma of the ranges, from how they vary over smooth runs. */
-float normals_range_noise_m(const range_grid *g);
+/* 1 sigma of the ranges, from how they vary over smooth runs. Of a camera of depth, which tells it in steps that grow with its square, that of
+ * the farther part of the scan. ret_at_m (may be NULL): how far away it is so much; 0: it is the same everywhere. */
+float normals_range_noise_m(const range_grid *g, float *ret_at_m);
 
 #endif

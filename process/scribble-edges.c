@@ -219,7 +219,7 @@ void scribble_edges_find(const range_grid *g, const geometry *normals, const uin
 		.leaf = leaf,
 		.weight = options,
 		.source = ret->source,
-		.noise_m = normals_range_noise_m(g) };
+		.noise_m = normals_range_noise_m(g, NULL) };
 	if (g->intensity)
 		l.intensity_usual = usual_difference(g, intensity_difference, 0.01f);
 	if (g->rgb)

@@ -562,8 +562,8 @@ static void test_simulated(void)
 		g_autoptr(features) f = features_of_scans(in, 2, 0, NULL);
 		g_autofree struct feature_truth *really = truth_of(first, in[0].grid);
 		struct feature_score score;
-		feature_score_make(
-			f, in[0].grid, really, normals_range_noise_m(in[0].grid), NULL, &score);
+		feature_score_make(f, in[0].grid, really, normals_range_noise_m(in[0].grid, NULL),
+			NULL, &score);
 		double recall = (double)score.edges_found / (double)score.edges;
 		double wrong = (double)score.false_points / (double)score.points;
 		double leaves = (double)score.leaves_directed / (double)MAX(score.leaves, 1);

@@ -182,7 +182,7 @@ static void test_noise_is_found(void)
 	static const double eye[3] = { 0, 0, 0 }, noise_m[] = { 0.002, 0.012, 0.03 };
 	for (size_t i = 0; i < G_N_ELEMENTS(noise_m); i++) {
 		struct seen s = look(&hall, eye, 0, 750, 198, noise_m[i]);
-		double found_m = normals_range_noise_m(s.grid);
+		double found_m = normals_range_noise_m(s.grid, NULL);
 		g_test_message("%g m: %g m", noise_m[i], found_m);
 		g_assert_cmpfloat(found_m, >, 0.8 * noise_m[i]);
 		g_assert_cmpfloat(found_m, <, 1.2 * noise_m[i]);
@@ -468,7 +468,7 @@ static void test_real(gconstpointer data)
 	for (size_t i = 0; i < range_grid_cells(d->grid); i++)
 		had += has_normal(g, i);
 	g_test_message("%ux%u, noise %.4f m: %.2f %% of %zu have a normal", d->grid->columns,
-		d->grid->rows, normals_range_noise_m(d->grid),
+		d->grid->rows, normals_range_noise_m(d->grid, NULL),
 		100.0 * (double)had / (double)measured, measured);
 	g_assert_cmpfloat((double)had, >=, 0.95 * (double)measured);
 }
