@@ -35,7 +35,9 @@ static char *key_of(const struct model_input *input)
 	return g_compute_checksum_for_string(G_CHECKSUM_SHA256, text->str, -1);
 }
 
-static bool geometry_checksum(const site *s, uint32_t number, char **ret, GError **error)
+/* *ret_rings: of a cloud that was seen from one place. */
+static bool geometry_checksum(
+	const site *s, uint32_t number, char **ret, uint32_t *ret_rings, GError **error)
 {
 	g_autoptr(GError) missing = NULL;
 	g_autoptr(scan_geometry) g = scan_geometry_open(s, number, &missing);
@@ -44,6 +46,7 @@ static bool geometry_checksum(const site *s, uint32_t number, char **ret, GError
 		return false;
 	}
 	*ret = g ? g_strdup_printf("%08x", product_checksum(g->file)) : g_strdup("");
+	*ret_rings = g ? g->rings : 0;
 	return true;
 }
 
@@ -84,15 +87,17 @@ static bool read_input(const site *s, const struct placed_scan *placed, struct m
 	g_autoptr(scan_data) d = scan_data_peek(s, placed->number, error);
 	if (!d)
 		return false;
+	uint32_t rings;
 	*ret_given = d->has_given_pose;
 	*ret = (struct model_input){ .number = placed->number,
 		.kind = d->kind,
 		.pose = placed->pose,
 		.fingerprint = g_strdup(d->fingerprint) };
-	if (!geometry_checksum(s, placed->number, &ret->geometry, error) ||
+	if (!geometry_checksum(s, placed->number, &ret->geometry, &rings, error) ||
 		!segments_checksum(s, placed->number, &ret->segments, error) ||
 		!features_checksum(s, placed->number, &ret->features, error))
 		return clear_input(ret), false;
+	ret->is_station = ret->kind != SCAN_CLOUD || rings;
 	ret->key = key_of(ret);
 	ret->part_key = part_key_of(ret);
 	return true;
@@ -263,6 +268,7 @@ JsonNode *model_inputs_to_json(const model_inputs *m)
 		json_object_set_string_member(o, "segments", input->segments);
 		json_object_set_string_member(o, "features", input->features);
 		json_object_set_array_member(o, "pose", pose_to_json(&input->pose));
+		json_object_set_boolean_member(o, "is_station", input->is_station);
 		json_object_set_string_member(o, "key", input->part_key);
 		json_array_add_object_element(scans, o);
 	}

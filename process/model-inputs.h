@@ -7,12 +7,13 @@
 #include "process/scan-segments.h"
 
 /* Rises when the same inputs give another model. */
-#define MODEL_METHOD 4
+#define MODEL_METHOD 5
 
 struct model_input {
 	uint32_t number;
 	enum scan_kind kind;
-	struct pose pose;          /* scan to site */
+	struct pose pose; /* scan to site */
+	bool is_station; /* all of it was seen from its origin; of other clouds nobody knows from where */
 	char *fingerprint;         /* of the points (scan-data.h) */
 	char *geometry;            /* checksum of the geometry's file; "" without one */
 	char *key;                 /* SHA-256 over all these */

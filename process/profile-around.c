@@ -11,11 +11,15 @@
 #define BEAMS         2048
 #define BEAM_POINTS   50u
 #define FACING_COS    0.5
+/* The closest quarter, of one point in so many, may be so far apart. */
+#define UNIT_SPACING_M 0.04
+#define UNIT_SHARE     0.25
+#define UNIT_STEP      7u
 
 struct stored {
 	float at_m[3];
 	int16_t normal[2];
-	uint16_t spacing, scan;
+	uint16_t spacing, error, scan;
 	uint8_t flags, is_feature;
 };
 
@@ -103,28 +107,39 @@ static void place_cells(profile_around *a)
 		}
 }
 
+/* What a copy is made from. */
+struct source {
+	const model *m;
+	const double *origin_m;
+	double unit_m;
+};
+
 static struct stored stored_of(
-	const struct model_chunk *c, const struct model_point *p, const double origin_m[3])
+	const struct source *of, const struct model_chunk *c, const struct model_point *p)
 {
-	struct stored s = { .spacing = p->spacing,
+	struct stored s = { .spacing = (uint16_t)lrint(p->spacing / of->unit_m),
+		.error = p->plane_error == MODEL_ERROR_NONE
+				 ? MODEL_ERROR_NONE
+				 : (uint16_t)lrint(p->plane_error / of->unit_m),
 		.scan = p->scan,
 		.flags = p->flags,
 		.is_feature = p->kind >= FEATURE_UNDIRECTED };
 	for (int k = 0; k < 3; k++)
-		s.at_m[k] = (float)(c->centre_m[k] - origin_m[k] + (double)p->position_m[k]);
+		s.at_m[k] = (float)((c->centre_m[k] - of->origin_m[k] + (double)p->position_m[k]) /
+				    of->unit_m);
 	memcpy(s.normal, p->normal, sizeof s.normal);
 	return s;
 }
 
 /* Counts first, then puts each in its place. */
-static void fill(profile_around *a, const model *m, const double origin_m[3], bool is_count)
+static void fill(profile_around *a, const struct source *of, bool is_count)
 {
 	uint64_t chunks;
-	const struct model_chunk *chunk = model_chunks(m, &chunks);
+	const struct model_chunk *chunk = model_chunks(of->m, &chunks);
 	for (uint64_t n = 0; n < chunks; n++) {
-		const struct model_point *p = model_points(m) + chunk[n].first;
+		const struct model_point *p = model_points(of->m) + chunk[n].first;
 		for (uint32_t i = 0; i < chunk[n].points; i++) {
-			struct stored s = stored_of(&chunk[n], &p[i], origin_m);
+			struct stored s = stored_of(of, &chunk[n], &p[i]);
 			uint64_t key =
 				key_of(cell_of(s.at_m[0]), cell_of(s.at_m[1]), cell_of(s.at_m[2]));
 			if (is_count) {
@@ -134,7 +149,7 @@ static void fill(profile_around *a, const model *m, const double origin_m[3], bo
 				a->stored[c->first + c->count++] = s;
 			}
 		}
-		product_forget(model_file(m), p, chunk[n].points * sizeof *p);
+		product_forget(model_file(of->m), p, chunk[n].points * sizeof *p);
 	}
 }
 
@@ -147,21 +162,24 @@ static JsonArray *array_in(JsonObject *o, const char *key)
 }
 
 /* As the model's manifest has the poses of what it was made from: nine numbers of a rotation, three of the place. */
-static void read_stations(profile_around *a, const model *m, const double origin_m[3])
+static void read_stations(profile_around *a, const struct source *of)
 {
-	JsonArray *scans = array_in(product_manifest(model_file(m)), "made_from");
+	JsonArray *scans = array_in(product_manifest(model_file(of->m)), "made_from");
 	a->stations = g_array_new(FALSE, FALSE, sizeof(struct profile_station));
 	for (guint n = 0; scans && n < json_array_get_length(scans); n++) {
 		JsonNode *node = json_array_get_element(scans, n);
 		JsonObject *scan = JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : NULL;
 		JsonArray *pose = scan ? array_in(scan, "pose") : NULL;
-		if (!pose || json_array_get_length(pose) != 12)
+		if (!pose || json_array_get_length(pose) != 12 ||
+			!json_object_get_boolean_member_with_default(scan, "is_station", true))
 			continue;
 		struct profile_station station = {
 			.scan = (uint16_t)json_object_get_int_member_with_default(scan, "scan", 0)
 		};
 		for (guint k = 0; k < 3; k++) {
-			station.at_m[k] = json_array_get_double_element(pose, 9 + k) - origin_m[k];
+			station.at_m[k] =
+				(json_array_get_double_element(pose, 9 + k) - of->origin_m[k]) /
+				of->unit_m;
 			station.up[k] = json_array_get_double_element(pose, 3 * k + 2);
 		}
 		g_array_append_val(a->stations, station);
@@ -216,15 +234,27 @@ bool profile_around_station(const profile_around *a, uint16_t scan, struct profi
 	return false;
 }
 
-profile_around *profile_around_new(const model *m, const double origin_m[3])
+double profile_unit_m(const model *m)
 {
+	g_autofree uint32_t *count = g_new0(uint32_t, UINT16_MAX + 1);
+	uint32_t all = 0, sum = 0, closest = 0;
+	for (uint64_t i = 0; i < model_count(m); i += UNIT_STEP, all++)
+		count[model_points(m)[i].spacing]++;
+	while (closest < UINT16_MAX && (sum += count[closest]) < UNIT_SHARE * all)
+		closest++;
+	return fmax(1e-4 * closest / UNIT_SPACING_M, 1);
+}
+
+profile_around *profile_around_new(const model *m, const double origin_m[3], double unit_m)
+{
+	const struct source of = { m, origin_m, unit_m };
 	profile_around *a = g_new0(profile_around, 1);
-	read_stations(a, m, origin_m);
+	read_stations(a, &of);
 	set_table(a, (1u << 16) - 1);
 	a->stored = g_new(struct stored, model_count(m) + 1);
-	fill(a, m, origin_m, true);
+	fill(a, &of, true);
 	place_cells(a);
-	fill(a, m, origin_m, false);
+	fill(a, &of, false);
 	for (guint n = 0; n < a->stations->len; n++)
 		find_beams(a, &g_array_index(a->stations, struct profile_station, n),
 			(uint32_t)model_count(m));
@@ -266,6 +296,7 @@ static void look_at(const struct query *q, const struct stored *s)
 	for (int k = 0; k < 3; k++)
 		near.normal[k] = vector3_dot(normal, f->axis[k]);
 	near.spacing_m = (float)s->spacing * 1e-4f;
+	near.error_m = s->error == MODEL_ERROR_NONE ? NAN : (float)s->error * 1e-4f;
 	near.flags = s->flags;
 	near.is_feature = s->is_feature;
 	near.scan = s->scan;

@@ -38,8 +38,11 @@
 #define BESIDE_M        0.04f
 #define BESIDE_SPACINGS 1.0f
 #define AHEAD_M         0.3f
-/* Beyond the end of a face there are at most so many points as inside. */
-#define BEYOND_SHARE 0.3f
+/* Beyond the end of a face there are at most so many points as inside. Of the face are those on it; where nobody knows where it was seen from
+ * also those so near to it, in spacings, for there a face seems to end wherever a surface bends. */
+#define BEYOND_SHARE    0.3f
+#define BEYOND_GUESSED  0.1f
+#define BEYOND_SPACINGS 2.5f
 /* Of the steps of an edge that are borne out. */
 #define SUPPORT_LEAST 0.75f
 /* And at least so long, in spacings. */
@@ -115,6 +118,16 @@ struct walk {
 	struct step *step; /* of number 0; before it those of less */
 };
 
+/* Whether the face may go on in the point, which lies beyond its end. */
+static bool is_near_face(
+	const struct profile_piece *p, const struct profile_near *n, const struct profile_face *f)
+{
+	const float at[3] = { n->u, n->v, n->t };
+	return profile_is_of(n, f) ||
+	       (p->is_guessed && fabsf(vector3_dot(at, f->normal) - f->off_m) <
+					 BEYOND_SPACINGS * p->spacing_m);
+}
+
 /* What is next to the edge in each step. */
 static void count_steps(const struct settler *s, const struct profile_piece *p,
 	const struct walk *w, int from, int to)
@@ -128,14 +141,14 @@ static void count_steps(const struct settler *s, const struct profile_piece *p,
 		struct step *step = &w->step[CLAMP((int)floorf(n->t / w->step_m), from, to - 1)];
 		bool is_of = false;
 		for (int f = 0; f < w->faces; f++) {
-			if (!profile_is_of(n, &w->face[f]))
-				continue;
-			is_of = true;
-			if (w->faces == 1 && profile_beside(n, &w->face[f]) * (float)w->side >
-						     1.2f * p->spacing_m)
-				step->beyond++;
+			bool is_beyond =
+				w->faces == 1 && profile_beside(n, &w->face[f]) * (float)w->side >
+							 1.2f * p->spacing_m;
+			is_of |= profile_is_of(n, &w->face[f]);
+			if (is_beyond)
+				step->beyond += is_near_face(p, n, &w->face[f]);
 			else
-				step->of[f]++;
+				step->of[f] += profile_is_of(n, &w->face[f]);
 		}
 		if (n->u * n->u + n->v * n->v <= by_m * by_m) {
 			step->other += !is_of;
@@ -149,7 +162,8 @@ static bool is_good(const struct profile_piece *p, const struct step *s)
 {
 	if (p->kind == PROFILE_CREASE)
 		return s->of[0] && s->of[1] && s->other <= s->of[0] + s->of[1];
-	return s->of[0] && (float)s->beyond <= BEYOND_SHARE * (float)s->of[0] &&
+	float share = p->is_guessed ? BEYOND_GUESSED : BEYOND_SHARE;
+	return s->of[0] && (float)s->beyond <= share * (float)s->of[0] &&
 	       s->shadows * 2 <= s->of[0];
 }
 
@@ -256,6 +270,7 @@ static struct profile_piece piece_between(
 	p.seen_m = 2 * section->half_m;
 	memcpy(p.seen_at, section->frame.at, sizeof p.seen_at);
 	p.spacing_m = section->spacing_m;
+	p.is_guessed = section->is_guessed;
 	double from[3], to[3], length = 0;
 	to_site(&section->frame, (float[3]){ low[0], low[1], -section->half_m }, from);
 	to_site(&section->frame, (float[3]){ high[0], high[1], section->half_m }, to);

@@ -193,6 +193,7 @@ static void find_faces(const profile_around *all, struct profile_section *s)
 	g_autofree uint32_t *which = g_new(uint32_t, s->near->len + 1);
 	g_autofree uint8_t *part_of = g_malloc(s->near->len + 1);
 	s->faces = s->joints = 0;
+	s->is_guessed = false;
 	memset(s->face_of, PROFILE_NO_FACE, s->near->len + 1);
 	for (int scan = -1;;) {
 		int next = INT32_MAX;
@@ -209,6 +210,7 @@ static void find_faces(const profile_around *all, struct profile_section *s)
 		double from[3];
 		struct profile_view view;
 		bool is_known = find_station(all, s, which, count, from);
+		s->is_guessed |= !is_known;
 		memset(part_of, PROFILE_NO_FACE, s->near->len + 1);
 		profile_view_look(s->near, which, count, from, !is_known, s->radius_m, s->spacing_m,
 			part_of, &view);

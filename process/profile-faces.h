@@ -41,6 +41,7 @@ struct profile_section {
 	uint8_t *face_of; /* of each of these */
 	float half_m;     /* of the piece's length: along goes from -half_m to half_m */
 	float spacing_m, radius_m;
+	bool is_guessed; /* nobody knows where some of it was seen from */
 	struct profile_face face[PROFILE_FACES];
 	uint32_t faces;
 	struct profile_span span[PROFILE_SPANS];

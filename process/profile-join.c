@@ -6,6 +6,7 @@
 /* Pieces side by side are one when they are so near, and half a spacing; those longer than LONG_M when their directions agree the better. */
 #define BESIDE_M        0.012
 #define BESIDE_SPACINGS 0.5
+#define BESIDE_GUESSED  1.2 /* spacings, where beams do not tell ends any better */
 #define LONG_M          0.5
 #define SAME_LONG_COS   0.9945 /* 6 degrees */
 #define SAME_SHORT_COS  0.978  /* 12 */
@@ -123,7 +124,8 @@ static void fit_anew(profile_joiner *j, uint32_t number, const struct profile_pi
 static bool absorb(profile_joiner *j, uint32_t number, struct profile_piece *p)
 {
 	struct profile_piece *q = piece_at(j->pieces, number);
-	double beside_m = BESIDE_M + BESIDE_SPACINGS * (double)fmaxf(p->spacing_m, q->spacing_m);
+	double spacings = p->is_guessed && q->is_guessed ? BESIDE_GUESSED : BESIDE_SPACINGS,
+	       beside_m = BESIDE_M + spacings * (double)fmaxf(p->spacing_m, q->spacing_m);
 	double end[2][3], at[2], off[2];
 	if (!is_parallel(p, q))
 		return false;

@@ -98,12 +98,23 @@ static bool settle(const profile_around *around, GArray *pieces, bool is_again,
 	return true;
 }
 
-static struct profile_options defaults(const struct profile_options *options)
+/* Lengths as those of points are from here on, in units. */
+static struct profile_options defaults(const struct profile_options *options, double unit_m)
 {
 	struct profile_options o = options ? *options : (struct profile_options){ 0 };
+	o.length_least_m /= (float)unit_m;
 	if (!(o.length_least_m > 0))
 		o.length_least_m = LENGTH_LEAST_M;
 	return o;
+}
+
+static void to_metres(profile_lines *p, double unit_m)
+{
+	for (guint n = 0; n < p->line->len; n++)
+		g_array_index(p->line, struct profile_line, n).length_m *= (float)unit_m;
+	for (guint n = 0; n < p->vertex->len; n++)
+		for (int k = 0; k < 3; k++)
+			g_array_index(p->vertex, struct profile_vertex, n).at_m[k] *= (float)unit_m;
 }
 
 /* Ends of faces, by the beams along all of their length; what lies on one line now is one. */
@@ -122,11 +133,12 @@ static profile_joiner *fit_rims(
 
 profile_lines *profile_lines_find(const model *m, const struct profile_options *options)
 {
-	const struct profile_options o = defaults(options);
+	const double unit_m = profile_unit_m(m);
+	const struct profile_options o = defaults(options, unit_m);
 	double origin_m[3];
 	find_origin(m, origin_m);
-	g_autoptr(profile_around) around = profile_around_new(m, origin_m);
-	g_autoptr(GArray) pieces = profile_pieces_grow(m, origin_m, &o);
+	g_autoptr(profile_around) around = profile_around_new(m, origin_m, unit_m);
+	g_autoptr(GArray) pieces = profile_pieces_grow(m, origin_m, unit_m, &o);
 	for (int pass = 0; pieces && pass < PASSES; pass++) {
 		g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
 		if (!settle(around, pieces, pass > 0, joiner, &o))
@@ -137,5 +149,7 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 	if (!pieces)
 		return NULL;
 	g_autoptr(profile_joiner) joiner = fit_rims(around, pieces, &o);
-	return profile_joiner_finish(joiner, origin_m);
+	profile_lines *lines = profile_joiner_finish(joiner, origin_m);
+	to_metres(lines, unit_m);
+	return lines;
 }

@@ -57,7 +57,7 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(profile_lines, profile_lines_free)
 
 /* Zero is the default of each. */
 struct profile_options {
-	float length_least_m; /* 0.2: shorter lines are left out */
+	float length_least_m; /* 0.2, more where points are sparse: shorter lines are left out */
 	const uint8_t
 		*leaf_class; /* enum segment_class of every number of a leaf; NULL: not known */
 	bool single_thread;

@@ -28,9 +28,9 @@ struct edge_point {
 };
 
 static struct edge_point edge_point_of(const struct model_chunk *c, const struct model_point *p,
-	const double origin_m[3], const struct profile_options *o)
+	const double origin_m[3], double unit_m, const struct profile_options *o)
 {
-	struct edge_point e = { .spacing_m = (float)p->spacing * 1e-4f,
+	struct edge_point e = { .spacing_m = (float)p->spacing * 1e-4f / (float)unit_m,
 		.leaf = p->leaf,
 		.degree = p->feature,
 		.kind = p->kind };
@@ -38,7 +38,7 @@ static struct edge_point edge_point_of(const struct model_chunk *c, const struct
 	     is_plant = o->leaf_class && o->leaf_class[p->leaf] == CLASS_VEGETATION;
 	e.is_seed = is_directed || (!is_plant && p->normal[0] != MODEL_NORMAL_NONE);
 	for (int k = 0; k < 3; k++)
-		e.on.at[k] = c->centre_m[k] - origin_m[k] + (double)p->position_m[k];
+		e.on.at[k] = (c->centre_m[k] - origin_m[k] + (double)p->position_m[k]) / unit_m;
 	e.on.within_m = fmaxf(WITHIN_M, WITHIN_SPACINGS * e.spacing_m);
 	e.on.weight = 1;
 	if (is_directed)
@@ -50,8 +50,8 @@ static struct edge_point edge_point_of(const struct model_chunk *c, const struct
 	return e;
 }
 
-static GArray *gather(
-	const model *m, const double origin_m[3], const struct profile_options *options)
+static GArray *gather(const model *m, const double origin_m[3], double unit_m,
+	const struct profile_options *options)
 {
 	GArray *all = g_array_new(FALSE, FALSE, sizeof(struct edge_point));
 	uint64_t chunks;
@@ -61,7 +61,8 @@ static GArray *gather(
 		for (uint32_t i = 0; i < chunk[n].points; i++) {
 			if (p[i].kind < FEATURE_UNDIRECTED || (p[i].flags & FEATURE_BEHIND))
 				continue;
-			struct edge_point e = edge_point_of(&chunk[n], &p[i], origin_m, options);
+			struct edge_point e =
+				edge_point_of(&chunk[n], &p[i], origin_m, unit_m, options);
 			g_array_append_val(all, e);
 		}
 		product_forget(model_file(m), p, chunk[n].points * sizeof *p);
@@ -166,10 +167,10 @@ static double seed_m(const GArray *all, uint32_t seed)
 	return fmax(SEED_M, SEED_SPACINGS * (double)edge_point_at(all, seed)->spacing_m);
 }
 
-GArray *profile_pieces_grow(
-	const model *m, const double origin_m[3], const struct profile_options *options)
+GArray *profile_pieces_grow(const model *m, const double origin_m[3], double unit_m,
+	const struct profile_options *options)
 {
-	g_autoptr(GArray) all = gather(m, origin_m, options);
+	g_autoptr(GArray) all = gather(m, origin_m, unit_m, options);
 	uint32_t count;
 	g_autofree uint32_t *seed = seeds_of(all, &count);
 	g_autoptr(line_grower) g =

@@ -14,6 +14,7 @@ struct profile_piece {
 	float support;        /* 0..1: part of its length that feature points are on */
 	float degree;         /* 0..1: of these, the mean */
 	bool is_directed;     /* of directional points */
+	bool is_guessed;      /* of an edge: nobody knows where its faces were seen from */
 	uint16_t leaf;
 	uint8_t kind;     /* enum profile_kind */
 	float face[2][3]; /* unit normals of the faces beside it; 0 0 0: none */
@@ -23,10 +24,10 @@ static inline double profile_piece_length(const struct profile_piece *p)
 	return p->to_m - p->from_m;
 }
 
-/* All that grow in the feature points of a model, in the order in which they were found: the surest first. Array of struct profile_piece;
- * NULL: progress stopped it. */
-GArray *profile_pieces_grow(
-	const model *m, const double origin_m[3], const struct profile_options *options);
+/* All that grow in the feature points of a model, in the order in which they were found: the surest first. Lengths are divided by unit_m
+ * (profile-around.h). Array of struct profile_piece; NULL: progress stopped it. */
+GArray *profile_pieces_grow(const model *m, const double origin_m[3], double unit_m,
+	const struct profile_options *options);
 
 /* Looks at the faces around a piece that grew, and adds the edges that they make: where two cut each other, and where one ends; the piece
  * itself where there are none and its points are directional. What is_known (may be NULL) says of the part beside the piece is left out. Any

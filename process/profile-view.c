@@ -10,6 +10,8 @@
 #define NOISE_M       0.008
 #define NOISE_MOST_M  0.016
 #define NOISE_SHARE   0.3 /* of windows, the calmest, which no border runs through */
+/* Where even the best of the plane fits around, one in so many, leaves more, they waver as it says: what is told in steps is calm between two. */
+#define ERROR_SHARE   4
 #define WINDOW_POINTS 12
 #define OUT_NOISES    3.5f
 /* What a part costs, in squares of noises: its plane and its border, by the logarithm of the points; what a beam costs that is of none. */
@@ -149,9 +151,25 @@ static int by_number(const void *a, const void *b)
 	return (*x > *y) - (*x < *y);
 }
 
+/* Of what plane fits leave, how far off the plane it is known to waver. */
+static double least_noise_m(const struct sweep *s)
+{
+	g_autofree double *error = g_new(double, s->beams + 1);
+	size_t some = 0;
+	for (uint32_t i = 0; i < s->beams; i++) {
+		float m = g_array_index(s->near, struct profile_near, s->beam[i].point).error_m;
+		if (isfinite(m))
+			error[some++] = (double)m;
+	}
+	qsort(error, some, sizeof *error, by_number);
+	return some ? error[some / ERROR_SHARE] : 0;
+}
+
 /* What is left in the calmest of windows some beams wide. */
 static double find_noise(const struct sweep *s)
 {
+	const double left_m = least_noise_m(s),
+		     least_m = left_m > NOISE_MOST_M ? left_m : NOISE_LEAST_M;
 	double left[BINS];
 	int some = 0;
 	for (int n = 0; n + BINS_PER_SPACING + 1 <= s->bins; n++) {
@@ -160,9 +178,9 @@ static double find_noise(const struct sweep *s)
 			left[some++] = sqrt(fit(&sums, NOISE_M, NULL) / (sums.n - 3));
 	}
 	if (!some)
-		return NOISE_M;
+		return fmax(NOISE_M, least_m);
 	qsort(left, (size_t)some, sizeof *left, by_number);
-	return CLAMP(left[(int)(NOISE_SHARE * some)], NOISE_LEAST_M, NOISE_MOST_M);
+	return fmax(fmin(left[(int)(NOISE_SHARE * some)], NOISE_MOST_M), least_m);
 }
 
 /* ---- all parts ---- */

@@ -452,7 +452,7 @@ static void test_rim(void)
 	for (int scan = 0; scan < 2; scan++)
 		add_wall(all, scans, r, scan);
 	g_autoptr(model) m = write_model(all, scans);
-	g_autoptr(profile_around) around = profile_around_new(m, origin_m);
+	g_autoptr(profile_around) around = profile_around_new(m, origin_m, 1);
 	struct profile_station station;
 	g_assert_false(profile_around_station(around, 3, &station));
 	g_assert_true(profile_around_station(around, 2, &station));
