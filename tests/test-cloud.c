@@ -391,6 +391,37 @@ static void test_real_rings(void)
 	made_clear(&town);
 }
 
+/* A roof from above, half a metre between points that waver by 4 cm: next to its ridge each normal is of the slope that its point is on. */
+static void test_ridge(void)
+{
+	g_autoptr(GError) error = NULL;
+	struct made roof = made_new(21);
+	const double slope = 0.75;
+	double near = 0, right = 0;
+	for (int i = 0; i < 3200; i++) {
+		double x = g_rand_double_range(roof.rand, -10, 10),
+		       y = g_rand_double_range(roof.rand, -20, 20);
+		made_add(&roof, x, y, 8 - slope * fabs(x) + made_normal(&roof, 0.04));
+	}
+	struct cloud_view v = made_view(&roof);
+	g_autoptr(cloud_geometry) g = cloud_geometry_estimate(&v, NULL, &error);
+	g_assert_no_error(error);
+	for (size_t i = 0; i < v.count; i++) {
+		const double *at = cloud_view_at(&v, i);
+		if (fabs(at[0]) < 0.15 || fabs(at[0]) > 1 || fabs(at[1]) > 18)
+			continue;
+		double side = at[0] > 0 ? 1 : -1,
+		       cosine = ((double)g->normal[i][2] + side * slope * (double)g->normal[i][0]) /
+				hypot(1, slope);
+		near++;
+		right += cosine > cos(10 * G_PI / 180);
+	}
+	g_test_message("%.0f points beside the ridge, %.0f %% look as their slope does", near,
+		100 * right / near);
+	g_assert_cmpfloat(right, >, 0.85 * near);
+	made_clear(&roof);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -407,5 +438,6 @@ int main(int argc, char **argv)
 	g_test_add_func("/cloud/rings", test_rings);
 	g_test_add_func("/cloud/no-rings", test_no_rings);
 	g_test_add_func("/cloud/real-rings", test_real_rings);
+	g_test_add_func("/cloud/ridge", test_ridge);
 	return g_test_run();
 }
