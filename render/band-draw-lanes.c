@@ -16,6 +16,8 @@
 #define TEXTURE_UNIT (1.f / (255 * ((1 << TEXEL_BITS) - 1)))
 /* Pixels, for what floats are rounded by. */
 #define ROUNDING 1e-3f
+/* And places in a picture of 16,384. */
+#define ROUNDING_PICTURE 0.01f
 
 /* KERNEL_TEXTURE of few texels. */
 #define KERNEL_FEW_TEXELS (KERNEL_TEXTURE + 1)
@@ -435,7 +437,7 @@ INLINE uint32_t find_spots(const struct pen *p, const struct band *b, enum kerne
 			for (int n = 0; n < vectors; n++)
 				ret[count + (uint32_t)n] =
 					(struct spot){ y + k, left[k] + (n << shift), right[k] };
-			count += (uint32_t)MAX(vector[k], 0);
+			count += (uint32_t)CLAMP(vector[k], 0, vectors);
 		}
 	}
 	return count;
@@ -483,8 +485,9 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 	float down = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
 	int y = MAX(pixel_from(s->y_px - down - ROUNDING), (int)b->from),
 	    end = MIN(pixel_from(s->y_px + down + ROUNDING), (int)(b->from + b->rows));
-	/* A row has a pixel more than it is long at most. */
-	float across = fminf(2 * MIN(p->reach[0], p->reach[1]), (float)b->width) + 1;
+	/* A row has a pixel more than it is long at most, rounded as its ends are in the picture. */
+	float across =
+		fminf(2 * MIN(p->reach[0], p->reach[1]) + ROUNDING_PICTURE, (float)b->width) + 1;
 	int vectors = ((int)across + (1 << spot_bits(kernel)) - 1) >> spot_bits(kernel);
 	if (vectors > SPOTS_ROW) {
 		draw_wide_rows(p, b, m, ink, kernel, blend, y, end);
