@@ -1,6 +1,7 @@
 #include "process/build-model.h"
 #include "firmware-io/files.h"
 #include "process/model-inputs.h"
+#include "process/model-look.h"
 #include "process/model-merge.h"
 #include "process/model-overlaps.h"
 #include "process/model.h"
@@ -176,7 +177,8 @@ bool build_model(site *s, const scan_graph *g, const struct build_options *optio
 		return false;
 	ret->scans = inputs->scans->len;
 	ret->scans_left_out = inputs->left_out;
-	bool ok = build(s, inputs, options ? options : &defaults, ret, error);
+	bool ok = build(s, inputs, options ? options : &defaults, ret, error) &&
+		  model_look_remove(site_path(s), error);
 	ret->seconds = 1e-6 * (double)(g_get_monotonic_time() - began_us);
 	return ok;
 }

@@ -220,6 +220,22 @@ bool model_writer_take(model_writer *w, const model *from, const struct model_pi
 	return true;
 }
 
+bool model_writer_put(model_writer *w, const struct model_chunk *like,
+	const struct model_point *point, uint32_t count, GError **error)
+{
+	struct model_chunk c = *like;
+	c.points = count;
+	c.crc32c = crc32c(0, point, count * sizeof *point);
+	if (!write_batch(w, error) || !product_writer_append(w->file, point, count, error) ||
+		!model_coarse_add(w->coarse, &c, point, error))
+		return false;
+	c.first = w->count;
+	w->count += count;
+	g_array_append_val(w->chunks, c);
+	w->is_cut = true;
+	return true;
+}
+
 uint64_t model_writer_count(const model_writer *w)
 {
 	uint64_t count = w->count;

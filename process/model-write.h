@@ -12,6 +12,10 @@ bool model_writer_add(model_writer *w, const struct part_point *p, uint16_t scan
  * nothing was written. What is added next begins a piece. */
 bool model_writer_take(model_writer *w, const model *from, const struct model_piece *piece,
 	uint64_t end_chunk, bool *ret_taken, GError **error);
+/* Points as a chunk of their own, as they stand: of the box and leaf of another one, in an order of ranks. What is added next is not
+ * in it. */
+bool model_writer_put(model_writer *w, const struct model_chunk *like,
+	const struct model_point *point, uint32_t count, GError **error);
 uint64_t model_writer_count(const model_writer *w);
 /* With the words of what each part lost to its neighbours, and where those of each part end. Takes the manifest. The writer
  * can only be freed then. */

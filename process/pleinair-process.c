@@ -89,10 +89,12 @@ static bool do_stages(site *s, JsonArray *report, GError **error)
 {
 	bool due_before = false;
 	for (const struct stage *stage = stages; stage->name; stage++) {
-		if (!do_stage(s, stage, report, &due_before, error))
+		const bool is_last = to && strcmp(to, stage->name) == 0;
+		if ((is_last || !stage->only_asked) &&
+			!do_stage(s, stage, report, &due_before, error))
 			return false;
 		fflush(stdout);
-		if (to && strcmp(to, stage->name) == 0)
+		if (is_last)
 			break;
 	}
 	return true;

@@ -127,6 +127,48 @@ range_grid *range_grid_from_panorama(const panorama *p)
 	return g;
 }
 
+/* ---- from another grid ---- */
+
+/* Where beams are sparser than cells whole rows have none. */
+static size_t first_of_block(const range_grid *g, uint32_t every, uint32_t row, uint32_t column)
+{
+	for (uint32_t r = row; r < MIN(row + every, g->rows); r++)
+		for (uint32_t c = column; c < MIN(column + every, g->columns); c++)
+			if (g->range_m[(size_t)r * g->columns + c] > 0)
+				return (size_t)r * g->columns + c;
+	return (size_t)row * g->columns + column;
+}
+
+static void thin_row(const range_grid *from, uint32_t every, uint32_t row, range_grid *to)
+{
+	for (uint32_t column = 0; column < to->columns; column++) {
+		size_t i = first_of_block(from, every, row * every, column * every);
+		size_t at = (size_t)row * to->columns + column;
+		to->x_m[at] = from->x_m[i];
+		to->y_m[at] = from->y_m[i];
+		to->z_m[at] = from->z_m[i];
+		to->range_m[at] = from->range_m[i];
+		to->cell[at] = from->cell[i];
+		if (from->intensity)
+			to->intensity[at] = from->intensity[i];
+		if (from->rgb)
+			memcpy(to->rgb + 3 * at, from->rgb + 3 * i, 3);
+	}
+}
+
+range_grid *range_grid_thin(const range_grid *g, uint32_t every)
+{
+	range_grid *ret = grid_of_size((g->columns + every - 1) / every,
+		(g->rows + every - 1) / every, g->intensity, g->rgb);
+#pragma omp parallel for schedule(static)
+	for (uint32_t row = 0; row < ret->rows; row++)
+		thin_row(g, every, row, ret);
+	ret->wraps = g->wraps;
+	ret->column_rad = g->column_rad * every;
+	ret->row_rad = g->row_rad * every;
+	return ret;
+}
+
 /* ---- from points ---- */
 
 static double wrap(double angle) /* 0..2 pi */

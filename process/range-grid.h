@@ -55,6 +55,8 @@ struct range_grid_desc {
 range_grid *range_grid_from_panorama(const panorama *p);
 /* Refuses a grid without a point, and points that are not finite. */
 range_grid *range_grid_new(const struct range_grid_desc *desc, GError **error);
+/* One cell for each block of so many rows and columns of another grid: the first that has a point. Its lattice finds nothing. */
+range_grid *range_grid_thin(const range_grid *g, uint32_t every);
 void range_grid_free(range_grid *g); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(range_grid, range_grid_free)
 

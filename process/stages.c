@@ -1,5 +1,6 @@
 #include "process/stages.h"
 #include "process/build-model.h"
+#include "process/model-look.h"
 #include "process/plane-site.h"
 #include "process/register-site.h"
 #include "process/scan-features.h"
@@ -54,6 +55,32 @@ static bool run_register(site *s, const struct stage_progress *progress, char **
 	if (stopped)
 		return set_stopped(error);
 	*ret_summary = placed_summary(g, figures);
+	return true;
+}
+
+/* ---- the first look ---- */
+
+static bool look_is_due(const site *s, bool *ret_due, char **ret_why, GError **error)
+{
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	return g && model_look_is_due(s, g, ret_due, ret_why, error);
+}
+
+static bool run_look(site *s, const struct stage_progress *progress, char **ret_summary,
+	JsonObject *figures, GError **error)
+{
+	struct build_options options = { .progress = progress->update,
+		.user_data = progress->user_data };
+	struct look_result result = { 0 };
+	g_autoptr(scan_graph) g = scan_graph_load(s, error);
+	if (!g || !model_look_make(s, g, &options, &result, error))
+		return false;
+	json_object_set_int_member(figures, "points", (gint64)result.points);
+	json_object_set_int_member(figures, "points_new", (gint64)result.points_new);
+	json_object_set_int_member(figures, "scans", result.scans);
+	json_object_set_int_member(figures, "scans_new", result.scans_new);
+	*ret_summary = g_strdup_printf("%.2f million points of %u scans, %.2f million of them new",
+		(double)result.points / 1e6, result.scans, (double)result.points_new / 1e6);
 	return true;
 }
 
@@ -205,13 +232,14 @@ static bool run_planes(site *s, const struct stage_progress *progress, char **re
 }
 
 const struct stage stages[] = {
-	{ "register", "registration", register_site_is_due, run_register },
-	{ "geometry", "geometry", geometry_is_due, run_geometry },
-	{ "segments", "segments", segments_are_due, run_segments },
-	{ "features", "features", features_are_due, run_features },
-	{ "model", "model", model_is_due, run_model },
-	{ "lines", "profile lines", site_lines_is_due, run_lines },
-	{ "planes", "planes", plane_site_is_due, run_planes },
+	{ "register", "registration", false, register_site_is_due, run_register },
+	{ "look", "a first look", true, look_is_due, run_look },
+	{ "geometry", "geometry", false, geometry_is_due, run_geometry },
+	{ "segments", "segments", false, segments_are_due, run_segments },
+	{ "features", "features", false, features_are_due, run_features },
+	{ "model", "model", false, model_is_due, run_model },
+	{ "lines", "profile lines", false, site_lines_is_due, run_lines },
+	{ "planes", "planes", false, plane_site_is_due, run_planes },
 	{ NULL },
 };
 

@@ -14,6 +14,7 @@ struct stage_progress {
 struct stage {
 	const char *name;  /* "register" */
 	const char *title; /* "registration" */
+	bool only_asked;   /* done where it is the last one only: the others do without it */
 	/* *ret_why: a few words when it is due, "scan 3 is new"; caller frees. */
 	bool (*is_due)(const site *s, bool *ret_due, char **ret_why, GError **error);
 	/* *ret_summary: a sentence; figures is filled. G_IO_ERROR_CANCELLED when it was stopped. */

@@ -4,13 +4,15 @@
 #include "process/bench-run.h"
 #include "process/bench-sites.h"
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 
 #define SIZE "1280x800"
 
 struct figures {
-	double develop_s, process_s, render_s;
-	JsonArray *stages; /* of pleinair process */
+	double develop_s, look_s, draw_s; /* up to the first picture */
+	double process_s;                 /* all else */
+	JsonArray *stages;                /* of pleinair process, both times */
 };
 
 /* ---- the site before ---- */
@@ -38,13 +40,14 @@ static bool copy_scans(const char *from, const char *to, GError **error)
 	return true;
 }
 
-/* pleinair process as far as a picture needs it, and what it said. */
-static bool process(const char *path, double *ret_s, JsonNode **ret_said, GError **error)
+/* pleinair process up to a stage, the last one, and what it said. */
+static bool process(
+	const char *path, const char *last, double *ret_s, JsonNode **ret_said, GError **error)
 {
 	g_autofree char *program = bench_program("process");
 	struct bench_run run = { 0 };
-	if (!bench_run((const char *[]){ program, path, "--to", "model", "--json", NULL }, &run,
-		    error))
+	if (!bench_run(
+		    (const char *[]){ program, path, "--to", last, "--json", NULL }, &run, error))
 		return false;
 	g_autofree char *output = run.output;
 	*ret_s = run.seconds;
@@ -64,7 +67,7 @@ static bool make_site(
 	double took_s;
 	return (!o->keep || files_make_folder(o->keep, error)) &&
 	       bench_scene_scan(&court, from, preset, error) && copy_scans(from, to, error) &&
-	       process(to, &took_s, &said, error);
+	       process(to, "model", &took_s, &said, error);
 }
 
 /* ---- one more ---- */
@@ -102,27 +105,27 @@ static bool is_placed(JsonArray *stages)
 	return false;
 }
 
-static bool take_stages(JsonNode *said, struct figures *f, GError **error)
+static JsonArray *stages_of(JsonNode *said)
 {
-	JsonArray *stages = JSON_NODE_HOLDS_ARRAY(said) ? json_node_get_array(said) : NULL;
-	if (JSON_NODE_HOLDS_OBJECT(said) &&
-		json_object_has_member(json_node_get_object(said), "stages"))
-		stages = json_object_get_array_member(json_node_get_object(said), "stages");
-	if (!stages || !is_placed(stages)) {
-		g_set_error(error, G_IO_ERROR, G_IO_ERROR_FAILED,
-			"the scan from the last place was not placed");
-		return false;
-	}
-	f->stages = json_array_new();
-	for (guint n = 0; n < json_array_get_length(stages); n++) {
-		JsonObject *done = json_array_get_object_element(stages, n), *o = json_object_new();
+	return JSON_NODE_HOLDS_OBJECT(said) &&
+			       json_object_has_member(json_node_get_object(said), "stages")
+		       ? json_object_get_array_member(json_node_get_object(said), "stages")
+		       : NULL;
+}
+
+static void take_stages(JsonArray *stages, JsonArray *to)
+{
+	for (guint n = 0; stages && n < json_array_get_length(stages); n++) {
+		JsonObject *done = json_array_get_object_element(stages, n), *o;
+		if (!json_object_has_member(done, "seconds")) /* it was up to date */
+			continue;
+		o = json_object_new();
 		json_object_set_string_member(
 			o, "stage", json_object_get_string_member(done, "stage"));
-		json_object_set_double_member(o, "seconds",
-			json_object_get_double_member_with_default(done, "seconds", 0));
-		json_array_add_object_element(f->stages, o);
+		json_object_set_double_member(
+			o, "seconds", json_object_get_double_member(done, "seconds"));
+		json_array_add_object_element(to, o);
 	}
-	return true;
 }
 
 static bool draw(const char *path, const char *to, double *ret_s, GError **error)
@@ -142,36 +145,64 @@ static bool measure(
 {
 	g_autofree char *path = g_build_filename(work, "site", NULL),
 			*picture = g_build_filename(work, "picture.png", NULL);
-	g_autoptr(JsonNode) said = NULL;
-	return make_site(o, work, path, error) && scan(o, path, &f->develop_s, error) &&
-	       process(path, &f->process_s, &said, error) && take_stages(said, f, error) &&
-	       draw(path, picture, &f->render_s, error);
+	g_autoptr(JsonNode) look = NULL, all = NULL;
+	if (!make_site(o, work, path, error) || !scan(o, path, &f->develop_s, error) ||
+		!process(path, "look", &f->look_s, &look, error))
+		return false;
+	JsonArray *stages = stages_of(look);
+	if (!stages || !is_placed(stages)) {
+		g_set_error(error, G_IO_ERROR, G_IO_ERROR_FAILED,
+			"the scan from the last place was not placed");
+		return false;
+	}
+	if (!draw(path, picture, &f->draw_s, error) ||
+		!process(path, "model", &f->process_s, &all, error))
+		return false;
+	f->stages = json_array_new();
+	take_stages(stages, f->stages);
+	take_stages(stages_of(all), f->stages);
+	return true;
 }
 
 /* ---- what comes out ---- */
 
+static void print_stages(const struct figures *f, bool before)
+{
+	bool is_before = true;
+	for (guint n = 0; n < json_array_get_length(f->stages); n++) {
+		JsonObject *s = json_array_get_object_element(f->stages, n);
+		const char *name = json_object_get_string_member(s, "stage");
+		if (is_before == before)
+			printf("    %-26s %10.2f s\n", name,
+				json_object_get_double_member(s, "seconds"));
+		is_before &= strcmp(name, "look") != 0;
+	}
+}
+
 static void print(const struct bench_station_options *o, const struct figures *f)
 {
-	double all_s = f->develop_s + f->process_s + f->render_s;
+	double first_s = f->develop_s + f->look_s + f->draw_s, all_s = first_s + f->process_s;
 	if (!o->json) {
 		printf("station: from the last beam of scan %d to a picture of " SIZE "\n"
 		       "  %-28s %10.2f s\n  %-28s %10.2f s\n",
-			BENCH_STATIONS, "developed", f->develop_s, "processed", f->process_s);
-		for (guint n = 0; n < json_array_get_length(f->stages); n++) {
-			JsonObject *s = json_array_get_object_element(f->stages, n);
-			printf("    %-26s %10.2f s\n", json_object_get_string_member(s, "stage"),
-				json_object_get_double_member(s, "seconds"));
-		}
-		printf("  %-28s %10.2f s\n  %-28s %10.2f s  (reach: <= 5)\n", "drawn", f->render_s,
-			"all", all_s);
+			BENCH_STATIONS, "developed", f->develop_s, "placed and looked at",
+			f->look_s);
+		print_stages(f, true);
+		printf("  %-28s %10.2f s\n  %-28s %10.2f s  (reach: <= 5)\n", "drawn", f->draw_s,
+			"first picture", first_s);
+		printf("  %-28s %10.2f s\n", "processed to the model", f->process_s);
+		print_stages(f, false);
+		printf("  %-28s %10.2f s\n", "all", all_s);
 		return;
 	}
 	JsonObject *j = json_object_new();
 	json_object_set_string_member(j, "preset", o->preset ? o->preset : "fine");
 	json_object_set_int_member(j, "scans", BENCH_STATIONS);
 	json_object_set_double_member(j, "develop_s", f->develop_s);
+	json_object_set_double_member(j, "look_s", f->look_s);
+	json_object_set_double_member(j, "render_s", f->draw_s);
+	json_object_set_double_member(j, "first_s", first_s);
 	json_object_set_double_member(j, "process_s", f->process_s);
-	json_object_set_double_member(j, "render_s", f->render_s);
 	json_object_set_double_member(j, "all_s", all_s);
 	json_object_set_array_member(j, "stages", json_array_ref(f->stages));
 	cli_print_json(j);

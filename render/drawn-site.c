@@ -1,4 +1,5 @@
 #include "render/drawn-site.h"
+#include "process/model-look.h"
 #include "process/site-lines.h"
 #include <math.h>
 #include <string.h>
@@ -8,7 +9,7 @@ drawn_site *drawn_site_new(const char *folder, double aspect, GError **error)
 	g_autoptr(drawn_site) d = g_new0(drawn_site, 1);
 	d->folder = g_strdup(folder);
 	d->site = site_open(folder, error);
-	d->model = d->site ? model_open(folder, error) : NULL;
+	d->model = d->site ? model_look_open(d->site, &d->is_look, error) : NULL;
 	d->stations = d->model ? view_stations(d->site, d->model, error) : NULL;
 	if (!d->stations)
 		return NULL;

@@ -10,6 +10,7 @@ struct drawn_site {
 	char *folder;
 	site *site;
 	model *model;
+	bool is_look; /* a first look (process/model-look.h): 'pleinair process' has yet to make the model */
 	GArray *stations; /* of struct view_station */
 	view_boxes *boxes;
 	struct view_sources sources; /* for view_find */

@@ -186,6 +186,11 @@ static bool open_all(
 	w->painter = painter_new(wish, error);
 	if (!w->painter || !drawn_site_load(w->site, error))
 		return false;
+	if (w->site->is_look)
+		g_printerr(
+			"pleinair render: this is a first look at new scans: 'pleinair process %s' "
+			"makes the model of them\n",
+			w->site->folder);
 	w->drawing = drawn_site_style(w->site, w->style, error);
 	if (w->drawing && drawn_site_lacks_lines(w->site, w->drawing))
 		g_printerr("pleinair render: the site has no profile lines yet, which %s draws: "

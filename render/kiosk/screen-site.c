@@ -20,6 +20,7 @@ struct site_screen {
 	easel *easel;
 	job_watch *job;
 	bool asked; /* what is out of date was asked for already */
+	bool looks; /* the job is for a first look only */
 	/* A scan comes before all else: the computing is stopped for it, and begins again after. */
 	bool scan_waits, scan_starts;
 };
@@ -45,12 +46,19 @@ static void work_goes_on(
 	gtk_progress_bar_set_fraction(GTK_PROGRESS_BAR(s->work_bar), CLAMP(fraction, 0, 1));
 }
 
+static void compute(struct site_screen *s, bool looks);
+
 static void work_ended(
 	const char *state, const char *result, const char *sentence, gpointer user_data)
 {
 	struct site_screen *s = user_data;
 	(void)result;
 	s->job = NULL;
+	if (s->looks && !s->scan_waits && !g_strcmp0(state, "done")) {
+		compute(s, false);
+		reload(s);
+		return;
+	}
 	show_work(s, false);
 	if (s->scan_waits) {
 		s->asked = false;
@@ -60,6 +68,17 @@ static void work_ended(
 	if (!g_strcmp0(state, "failed"))
 		kiosk_complain(s->kiosk, sentence, NULL);
 	reload(s);
+}
+
+/* A first look is there while one still stands on the spot; all else takes its time. */
+static void compute(struct site_screen *s, bool looks)
+{
+	g_auto(GVariantDict) options = G_VARIANT_DICT_INIT(NULL);
+	if (looks)
+		g_variant_dict_insert(&options, "to", "s", "look");
+	s->looks = looks;
+	s->job = services_start_job(kiosk_services(s->kiosk), "process", s->folder,
+		g_variant_dict_end(&options), work_goes_on, work_ended, s);
 }
 
 /* Then nobody else can write to the site. */
@@ -78,8 +97,7 @@ static void start_work(struct site_screen *s)
 	s->asked = true;
 	work_goes_on(0, NULL, -1, s);
 	show_work(s, true);
-	s->job = services_start_job(
-		kiosk_services(s->kiosk), "process", s->folder, NULL, work_goes_on, work_ended, s);
+	compute(s, true);
 }
 
 static void cancel_pressed(GtkButton *b, gpointer user_data)

@@ -142,7 +142,7 @@ static bool model_has_all(const site_state *s)
 {
 	if (!s->drawn)
 		return false;
-	return s->drawn->stations->len >= s->placed;
+	return !s->drawn->is_look && s->drawn->stations->len >= s->placed;
 }
 
 static void open_drawn(site_state *s)

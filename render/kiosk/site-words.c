@@ -52,6 +52,7 @@ const char *words_doing(const char *doing)
 		const char *begin, *plain;
 	} all[] = {
 		{ "register:", N_("The scans are put together") },
+		{ "look:", N_("A first look is taken") },
 		{ "geometry:", N_("Surfaces are measured") },
 		{ "segments:", N_("Things are told apart") },
 		{ "features:", N_("Edges are found") },
