@@ -1,5 +1,8 @@
 #include "process/align-store.h"
 
+/* So many scans at a time are in memory as a whole; a fine one takes 70 MB. */
+#define READ_AT_ONCE 2
+
 struct entry {
 	align_scan *scan; /* NULL: a thread is making it */
 	uint32_t number, users;
@@ -9,8 +12,9 @@ struct entry {
 struct align_store {
 	const site *site;
 	uint64_t bytes_max, bytes, clock;
-	GMutex mutex, reading; /* reading: one scan at a time is in memory as a whole */
-	GCond made;
+	uint32_t reading; /* scans that are in memory as a whole */
+	GMutex mutex;
+	GCond made, read;
 	GHashTable *entries; /* number -> struct entry */
 };
 
@@ -27,8 +31,8 @@ align_store *align_store_new(const site *s, uint64_t bytes_max)
 	store->site = s;
 	store->bytes_max = bytes_max;
 	g_mutex_init(&store->mutex);
-	g_mutex_init(&store->reading);
 	g_cond_init(&store->made);
+	g_cond_init(&store->read);
 	store->entries = g_hash_table_new_full(NULL, NULL, NULL, free_entry);
 	return store;
 }
@@ -39,18 +43,15 @@ void align_store_free(align_store *store)
 		return;
 	g_hash_table_unref(store->entries);
 	g_mutex_clear(&store->mutex);
-	g_mutex_clear(&store->reading);
 	g_cond_clear(&store->made);
+	g_cond_clear(&store->read);
 	g_free(store);
 }
 
-static align_scan *read_scan(align_store *store, uint32_t number, GError **error)
+static align_scan *read_scan(const site *s, uint32_t number, GError **error)
 {
-	g_mutex_lock(&store->reading);
-	g_autoptr(scan_data) d = scan_data_load(store->site, number, error);
-	align_scan *scan = d ? align_scan_new(d, error) : NULL;
-	g_mutex_unlock(&store->reading);
-	return scan;
+	g_autoptr(scan_data) d = scan_data_load(s, number, error);
+	return d ? align_scan_new(d, error) : NULL;
 }
 
 static struct entry *least_used(align_store *store)
@@ -82,9 +83,14 @@ static struct entry *make_entry(align_store *store, uint32_t number, GError **er
 	struct entry *e = g_new0(struct entry, 1);
 	e->number = number;
 	g_hash_table_insert(store->entries, GUINT_TO_POINTER(number), e);
+	while (store->reading == READ_AT_ONCE)
+		g_cond_wait(&store->read, &store->mutex);
+	store->reading++;
 	g_mutex_unlock(&store->mutex);
-	align_scan *scan = read_scan(store, number, error);
+	align_scan *scan = read_scan(store->site, number, error);
 	g_mutex_lock(&store->mutex);
+	store->reading--;
+	g_cond_signal(&store->read);
 	e->scan = scan;
 	if (scan)
 		store->bytes += align_scan_bytes(scan);

@@ -1,7 +1,7 @@
 #ifndef PROCESS_ALIGN_STORE_H
 #define PROCESS_ALIGN_STORE_H
 /* The scans of a site ready for aligning, each made when it is first asked for and kept as long as memory allows, for any
- * number of threads. */
+ * number of threads; two scans at a time are in memory with all their points. */
 #include "acquire/site.h"
 #include "process/align-scans.h"
 

@@ -8,6 +8,7 @@
 /* Scans that nobody uses just now; a scan of any size takes some 20 MB. */
 #define STORE_BYTES  ((uint64_t)1 << 30)
 #define THREADS_MAX  8
+#define AHEAD_MOST   8 /* scans */
 #define SAVE_EACH_US (2 * G_USEC_PER_SEC)
 #define WAIT_US      100000
 
@@ -198,15 +199,19 @@ static bool align_pair(
 	return good;
 }
 
-static void run_pair(gpointer data, gpointer user_data)
+static bool is_over(struct work *w)
 {
-	const struct scan_pair *pair = data;
-	struct work *w = user_data;
+	g_mutex_lock(&w->mutex);
+	bool is = w->stop || w->error;
+	g_mutex_unlock(&w->mutex);
+	return is;
+}
+
+static void run_pair(const struct scan_pair *pair, struct work *w)
+{
 	struct edge e = { 0 };
 	GError *error = NULL;
-	g_mutex_lock(&w->mutex);
-	bool skip = w->stop || w->error;
-	g_mutex_unlock(&w->mutex);
+	bool skip = is_over(w);
 	bool good = !skip && align_pair(w, pair, &e, &error);
 	g_mutex_lock(&w->mutex);
 	if (good) {
@@ -219,6 +224,52 @@ static void run_pair(gpointer data, gpointer user_data)
 	w->ended++;
 	g_cond_signal(&w->changed);
 	g_mutex_unlock(&w->mutex);
+}
+
+/* ---- ahead of the pairs ---- */
+
+/* Whatever is wrong with it is told by the pair that needs it. */
+static void prepare(uint32_t number, struct work *w)
+{
+	if (!is_over(w))
+		align_store_give_back(w->store, align_store_get(w->store, number, NULL));
+}
+
+/* A pair, or with the same number twice a scan that one will need. */
+static void run_task(gpointer data, gpointer user_data)
+{
+	const struct scan_pair *task = data;
+	if (task->a == task->b)
+		prepare(task->a, user_data);
+	else
+		run_pair(task, user_data);
+}
+
+static void add_scan(GArray *scans, uint32_t number)
+{
+	struct scan_pair task = { number, number };
+	for (guint i = 0; i < scans->len; i++)
+		if (g_array_index(scans, struct scan_pair, i).a == number)
+			return;
+	g_array_append_val(scans, task);
+}
+
+/* Where there are more threads than pairs: the scans of these, and those that one of them may be tried with next, the last scanned first.
+ * To prepare a scan takes longer than to align a pair. */
+static GArray *scans_ahead(const struct work *w, const GArray *pairs, int threads)
+{
+	GArray *scans = g_array_new(FALSE, FALSE, sizeof(struct scan_pair));
+	for (guint i = 0; (int)pairs->len < threads && i < pairs->len; i++) {
+		const struct scan_pair *pair = &g_array_index(pairs, struct scan_pair, i);
+		add_scan(scans, pair->b);
+		add_scan(scans, pair->a);
+		for (guint k = w->given->len; k-- > 0 && scans->len < AHEAD_MOST;) {
+			uint32_t other = g_array_index(w->given, struct scan_given, k).number;
+			if (other != pair->b && !scan_graph_edge(w->graph, other, pair->b))
+				add_scan(scans, other);
+		}
+	}
+	return scans;
 }
 
 /* ---- rounds ---- */
@@ -255,12 +306,15 @@ static void watch(struct work *w)
 static void run_round(struct work *w, GArray *pairs)
 {
 	int threads = (int)MIN(g_get_num_processors(), THREADS_MAX);
-	GThreadPool *pool = g_thread_pool_new(run_pair, w, threads, FALSE, NULL);
+	GThreadPool *pool = g_thread_pool_new(run_task, w, threads, FALSE, NULL);
+	g_autoptr(GArray) ahead = scans_ahead(w, pairs, threads);
 	w->pairs = pairs->len;
 	w->ended = 0;
 	g_mutex_lock(&w->mutex);
 	for (guint i = 0; i < pairs->len; i++)
 		g_thread_pool_push(pool, &g_array_index(pairs, struct scan_pair, i), NULL);
+	for (guint i = 0; i < ahead->len; i++)
+		g_thread_pool_push(pool, &g_array_index(ahead, struct scan_pair, i), NULL);
 	watch(w);
 	g_mutex_unlock(&w->mutex);
 	g_thread_pool_free(pool, FALSE, TRUE);
