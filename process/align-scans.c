@@ -88,6 +88,12 @@ static void find_middle(align_scan *s)
 
 align_scan *align_scan_new(const scan_data *d, GError **error)
 {
+	return align_scan_new_known(d, NULL, error);
+}
+
+align_scan *align_scan_new_known(
+	const scan_data *d, const struct pair_alikes *known, GError **error)
+{
 	if (!d->grid && !d->points) {
 		g_set_error(error, G_IO_ERROR, G_IO_ERROR_INVALID_ARGUMENT,
 			"scan %04u was loaded without its points", d->number);
@@ -98,7 +104,7 @@ align_scan *align_scan_new(const scan_data *d, GError **error)
 	s->kind = d->kind;
 	s->fingerprint = g_strdup(d->fingerprint);
 	if (d->grid) {
-		s->pair = pair_scan_new(d->grid);
+		s->pair = pair_scan_new_known(d->grid, known);
 		take_of_grid(s, d->grid);
 	} else {
 		take_of_points(s, d->points);
@@ -125,6 +131,13 @@ uint32_t align_scan_number(const align_scan *s)
 const char *align_scan_fingerprint(const align_scan *s)
 {
 	return s->fingerprint;
+}
+
+bool align_scan_alikes(const align_scan *s, struct pair_alikes *ret)
+{
+	if (s->pair)
+		*ret = pair_scan_alikes(s->pair);
+	return s->pair;
 }
 
 bool align_scan_is_cloud(const align_scan *s)

@@ -9,6 +9,11 @@
 typedef struct align_scan align_scan;
 /* NULL and an error: the scan was loaded without its points. */
 align_scan *align_scan_new(const scan_data *d, GError **error);
+/* known: what pair.h found of it before; NULL: nothing. */
+align_scan *align_scan_new_known(
+	const scan_data *d, const struct pair_alikes *known, GError **error);
+/* Of a grid; false: it is a cloud. */
+bool align_scan_alikes(const align_scan *s, struct pair_alikes *ret);
 void align_scan_free(align_scan *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(align_scan, align_scan_free)
 uint32_t align_scan_number(const align_scan *s);

@@ -11,6 +11,7 @@ struct entry {
 
 struct align_store {
 	const site *site;
+	alikes *known; /* under the mutex */
 	uint64_t bytes_max, bytes, clock;
 	uint32_t reading; /* scans that are in memory as a whole */
 	GMutex mutex;
@@ -25,10 +26,11 @@ static void free_entry(gpointer data)
 	g_free(e);
 }
 
-align_store *align_store_new(const site *s, uint64_t bytes_max)
+align_store *align_store_new(const site *s, uint64_t bytes_max, alikes *known)
 {
 	align_store *store = g_new0(align_store, 1);
 	store->site = s;
+	store->known = known;
 	store->bytes_max = bytes_max;
 	g_mutex_init(&store->mutex);
 	g_cond_init(&store->made);
@@ -48,10 +50,31 @@ void align_store_free(align_store *store)
 	g_free(store);
 }
 
-static align_scan *read_scan(const site *s, uint32_t number, GError **error)
+static bool find_known(align_store *store, const char *fingerprint, struct pair_alikes *ret)
 {
-	g_autoptr(scan_data) d = scan_data_load(s, number, error);
-	return d ? align_scan_new(d, error) : NULL;
+	g_mutex_lock(&store->mutex);
+	const struct pair_alikes *is = alikes_get(store->known, fingerprint);
+	if (is)
+		*ret = *is;
+	g_mutex_unlock(&store->mutex);
+	return is;
+}
+
+static align_scan *read_scan(align_store *store, uint32_t number, GError **error)
+{
+	struct pair_alikes known;
+	g_autoptr(scan_data) d = scan_data_load(store->site, number, error);
+	bool is_known = d && find_known(store, d->fingerprint, &known);
+	return d ? align_scan_new_known(d, is_known ? &known : NULL, error) : NULL;
+}
+
+/* With the mutex held. */
+static void learn(align_store *store, const align_scan *scan)
+{
+	struct pair_alikes is;
+	const char *fingerprint = align_scan_fingerprint(scan);
+	if (align_scan_alikes(scan, &is) && !alikes_get(store->known, fingerprint))
+		alikes_set(store->known, fingerprint, &is);
 }
 
 static struct entry *least_used(align_store *store)
@@ -87,14 +110,15 @@ static struct entry *make_entry(align_store *store, uint32_t number, GError **er
 		g_cond_wait(&store->read, &store->mutex);
 	store->reading++;
 	g_mutex_unlock(&store->mutex);
-	align_scan *scan = read_scan(store->site, number, error);
+	align_scan *scan = read_scan(store, number, error);
 	g_mutex_lock(&store->mutex);
 	store->reading--;
 	g_cond_signal(&store->read);
 	e->scan = scan;
-	if (scan)
+	if (scan) {
 		store->bytes += align_scan_bytes(scan);
-	else
+		learn(store, scan);
+	} else
 		g_hash_table_remove(store->entries, GUINT_TO_POINTER(number));
 	g_cond_broadcast(&store->made);
 	return scan ? e : NULL;

@@ -8,10 +8,9 @@
 #define SCORE_SHARE 0.45
 /* Poses of a scan to itself: how a place repeats. */
 #define ALIKE_LOOKED_AT    8
-#define ALIKE_MAX          4
 #define ALIKE_MIN_SR       1.0
 #define ALIKE_CONFLICT_MAX 0.15
-#define SOLUTIONS_MAX      (CANDIDATES + 1 + 4 * ALIKE_MAX + 2)
+#define SOLUTIONS_MAX      (CANDIDATES + 1 + 4 * PAIR_ALIKES_MOST + 2)
 /* Poses nearer than this are one solution, found twice. */
 #define APART_M   0.15
 #define APART_RAD (0.7 * G_PI / 180)
@@ -28,8 +27,7 @@ struct pair_scan {
 	coarse_scan *coarse;
 	fine_scan *fine, *narrow;
 	struct verify_view *view;
-	struct pose alike[ALIKE_MAX];
-	size_t alikes;
+	struct pair_alikes alikes;
 };
 
 static double cpu_seconds(void)
@@ -119,23 +117,36 @@ static void find_alikes(pair_scan *s)
 	for (size_t i = 0; i < count; i++)
 		try_start(self, &c[i].pose);
 	qsort(self->solution, self->count, sizeof *self->solution, by_doubt);
-	for (size_t i = 0; i < self->count && s->alikes < ALIKE_MAX; i++) {
+	for (size_t i = 0; i < self->count && s->alikes.count < PAIR_ALIKES_MOST; i++) {
 		const struct verification *v = &self->solution[i].verification;
 		if (v->agree_sr >= ALIKE_MIN_SR && verify_contradiction(v) <= ALIKE_CONFLICT_MAX &&
 			!is_same(&self->solution[i].fine.pose, &POSE_IDENTITY))
-			s->alike[s->alikes++] = self->solution[i].fine.pose;
+			s->alikes.pose[s->alikes.count++] = self->solution[i].fine.pose;
 	}
 }
 
-pair_scan *pair_scan_new(const range_grid *g)
+pair_scan *pair_scan_new_known(const range_grid *g, const struct pair_alikes *known)
 {
 	pair_scan *s = g_new0(pair_scan, 1);
 	s->coarse = coarse_scan_new(g);
 	s->fine = fine_scan_new(g);
 	s->narrow = fine_scan_new_narrow(g);
 	s->view = verify_view_new(g, fine_scan_pyramid(s->fine));
-	find_alikes(s);
+	if (known)
+		s->alikes = *known;
+	else
+		find_alikes(s);
 	return s;
+}
+
+pair_scan *pair_scan_new(const range_grid *g)
+{
+	return pair_scan_new_known(g, NULL);
+}
+
+struct pair_alikes pair_scan_alikes(const pair_scan *s)
+{
+	return s->alikes;
 }
 
 void pair_scan_free(pair_scan *s)
@@ -193,10 +204,10 @@ static void try_rivals(struct search *s)
 	struct pose best = s->solution[0].fine.pose;
 	for (int side = 0; side < 2; side++) {
 		const pair_scan *scan = side ? s->b : s->a;
-		for (size_t i = 0; i < scan->alikes; i++) {
-			struct pose back = pose_inverse(&scan->alike[i]);
-			struct pose one = side ? pose_compose(&best, &scan->alike[i])
-					       : pose_compose(&scan->alike[i], &best);
+		for (size_t i = 0; i < scan->alikes.count; i++) {
+			struct pose back = pose_inverse(&scan->alikes.pose[i]);
+			struct pose one = side ? pose_compose(&best, &scan->alikes.pose[i])
+					       : pose_compose(&scan->alikes.pose[i], &best);
 			struct pose other =
 				side ? pose_compose(&best, &back) : pose_compose(&back, &best);
 			try_start(s, &one);

@@ -9,6 +9,14 @@
  * after, for any number of threads. Keeps nothing of the grid. */
 typedef struct pair_scan pair_scan;
 pair_scan *pair_scan_new(const range_grid *g);
+/* Poses to itself: what was found of a scan once may be given the next time. */
+#define PAIR_ALIKES_MOST 4
+struct pair_alikes {
+	uint32_t count;
+	struct pose pose[PAIR_ALIKES_MOST];
+};
+pair_scan *pair_scan_new_known(const range_grid *g, const struct pair_alikes *known);
+struct pair_alikes pair_scan_alikes(const pair_scan *s);
 void pair_scan_free(pair_scan *s); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(pair_scan, pair_scan_free)
 uint64_t pair_scan_bytes(const pair_scan *s); /* memory, about */

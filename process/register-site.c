@@ -18,6 +18,7 @@ struct work {
 	GArray *given;             /* of struct scan_given */
 	GPtrArray *prints;         /* fingerprints, in the order of given */
 	char *inputs, *unfinished; /* path of what was done so far */
+	alikes *known;
 	align_store *store;
 	const struct register_options *options;
 	/* Under the mutex while pairs are being aligned: */
@@ -363,7 +364,8 @@ static bool finish(struct work *w, GError **error)
 		!scan_graph_save(w->graph, w->site, change, error))
 		return false;
 	g_remove(w->unfinished);
-	return true;
+	return !w->tried ||
+	       alikes_save(w->known, (char *const *)w->prints->pdata, w->prints->len, error);
 }
 
 static bool begin(struct work *w, GError **error)
@@ -373,7 +375,9 @@ static bool begin(struct work *w, GError **error)
 		return false;
 	w->inputs = describe_inputs(w->given, w->prints);
 	w->unfinished = g_build_filename(site_path(w->site), "poses", ".unfinished.json", NULL);
-	w->store = align_store_new(w->site, STORE_BYTES);
+	g_autofree char *method = align_inputs("", "", EDGE_AUTOMATIC);
+	w->known = alikes_load(w->site, method);
+	w->store = align_store_new(w->site, STORE_BYTES, w->known);
 	drop_stale(w);
 	take_unfinished(w);
 	return true;
@@ -383,6 +387,7 @@ static void clear(struct work *w)
 {
 	scan_graph_free(w->graph);
 	align_store_free(w->store);
+	alikes_free(w->known);
 	g_clear_pointer(&w->given, g_array_unref);
 	g_clear_pointer(&w->prints, g_ptr_array_unref);
 	g_free(w->inputs);
