@@ -15,7 +15,7 @@
 /* More scans are not seen in a second. */
 #define SCANS_MOST 3
 /* So many points of the model, about, are enough for a screen. */
-#define POINTS_ENOUGH 2000000.0
+#define POINTS_ENOUGH 1500000.0
 /* Scans of the model that stand elsewhere by more than this do not fit the new ones any more. */
 #define MOVED_M       0.05
 #define MOVED_RAD     0.002
