@@ -101,7 +101,8 @@ static void take_block(struct town *t)
 	t->point = g_new(struct part_point, model_count(t->from) + 1);
 	for (uint64_t n = 0; n < chunks; n++)
 		take_chunk(t, &c[n]);
-	part_points_sort(t->point, NULL, t->count);
+	g_autofree struct part_point *before = t->point;
+	t->point = part_points_sorted(before, t->count);
 	/* Of the block's own cube; that of all blocks is added again. */
 	for (size_t i = 0; i < t->count; i++)
 		t->point[i].code &= ((uint64_t)1 << 3 * BLOCK_BITS) - 1;

@@ -277,7 +277,7 @@ const struct part_point *look_scan_points(look_scan *l, size_t *ret_count)
 		l->point[kept] = l->point[k];
 		l->point[kept++].leaf = (uint16_t)l->leaf[i];
 	}
-	part_points_sort(l->point, NULL, kept);
+	g_autofree struct part_point *before = l->point;
 	*ret_count = kept;
-	return l->point;
+	return l->point = part_points_sorted(before, kept);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #define RUN_MIN 65536u
+#define AT_ONCE 65536u /* points that threads share */
 #define BYTES_A_POINT                                                                              \
 	(sizeof(struct part_point) + sizeof(uint32_t) + PART_SORT_BYTES) /* with its cell */
 
@@ -31,45 +32,93 @@ struct maker {
 	uint64_t count;
 };
 
-static void sum_points(struct maker *m)
+/* Points of a run in their order; cell NULL: they are of a cloud. */
+static void sum_points(
+	struct maker *m, const struct part_point *point, const uint32_t *cell, size_t count)
 {
-	for (size_t i = 0, n; i < m->run_points; i += n) {
+	for (size_t i = 0, n; i < count; i += n) {
 		uint32_t at = (uint32_t)((m->count + i) % MODEL_PART_SUM_POINTS);
-		n = MIN(MODEL_PART_SUM_POINTS - at, m->run_points - i);
+		n = MIN(MODEL_PART_SUM_POINTS - at, count - i);
 		if (at == 0)
 			g_array_set_size(m->sum, m->sum->len + 1);
 		struct part_sum *s = &g_array_index(m->sum, struct part_sum, m->sum->len - 1);
-		s->points = crc32c(s->points, &m->run[i], n * sizeof *m->run);
-		if (m->run_cell)
-			s->cells = crc32c(s->cells, &m->run_cell[i], n * sizeof *m->run_cell);
+		s->points = crc32c(s->points, &point[i], n * sizeof *point);
+		if (cell)
+			s->cells = crc32c(s->cells, &cell[i], n * sizeof *cell);
 	}
+}
+
+static bool write_some(struct maker *m, product_writer *w, const uint32_t *order, size_t count,
+	struct part_point *room, GError **error)
+{
+	part_points_gather(m->run, order, count, room);
+	guint from = m->cell->len;
+	for (size_t i = 0; m->run_cell && i < count; i++)
+		g_array_append_val(m->cell, m->run_cell[order[i]]);
+	sum_points(m, room, m->run_cell ? &g_array_index(m->cell, uint32_t, from) : NULL, count);
+	m->count += count;
+	return product_writer_append(w, room, count, error);
 }
 
 static bool write_run(struct maker *m, product_writer *w, GError **error)
 {
 	if (!m->run_points)
 		return true;
-	part_points_sort(m->run, m->run_cell, m->run_points);
-	sum_points(m);
-	if (m->run_cell)
-		g_array_append_vals(m->cell, m->run_cell, (guint)m->run_points);
-	m->count += m->run_points;
+	g_autofree uint32_t *order = part_points_order(m->run, m->run_points);
+	g_autofree struct part_point *room = g_new(struct part_point, AT_ONCE);
+	for (size_t i = 0; i < m->run_points; i += AT_ONCE)
+		if (!write_some(m, w, order + i, MIN(AT_ONCE, m->run_points - i), room, error))
+			return false;
 	g_array_append_val(m->run_end, m->count);
-	bool ok = product_writer_append(w, m->run, m->run_points, error);
 	m->run_points = 0;
-	return ok;
+	return true;
+}
+
+/* Of the next points of the scan, from *at on, as many as there is room for in the run, and all threads are busy with: where they are. */
+static size_t list_next(const struct maker *m, uint64_t *at, uint64_t *ret)
+{
+	const size_t most = MIN(AT_ONCE, m->run_max - m->run_points);
+	size_t count = 0;
+	for (; *at < m->source.points.count && count < most; ++*at)
+		if (scan_points_has(&m->source.points, *at))
+			ret[count++] = *at;
+	return count;
+}
+
+/* Puts those that the lattice holds together. */
+static void close_up(struct maker *m, const uint64_t *listed, const bool *is_taken, size_t count)
+{
+	size_t to = m->run_points;
+	for (size_t i = 0; i < count; i++) {
+		if (!is_taken[i])
+			continue;
+		if (to != m->run_points + i)
+			m->run[to] = m->run[m->run_points + i];
+		if (m->run_cell)
+			m->run_cell[to] = (uint32_t)listed[i];
+		to++;
+	}
+	m->run_points = to;
+}
+
+static void take_listed(struct maker *m, const uint64_t *listed, bool *is_taken, size_t count)
+{
+	double reach_m = m->reach_m;
+#pragma omp parallel for schedule(dynamic, 1024) reduction(max : reach_m)
+	for (size_t i = 0; i < count; i++)
+		is_taken[i] = part_point_take(
+			&m->source, listed[i], m->cell_m, &m->run[m->run_points + i], &reach_m);
+	m->reach_m = reach_m;
+	close_up(m, listed, is_taken, count);
 }
 
 static bool write_points(struct maker *m, product_writer *w, GError **error)
 {
-	for (uint64_t i = 0; i < m->source.points.count; i++) {
-		if (!scan_points_has(&m->source.points, i))
-			continue;
-		if (!part_point_take(&m->source, i, m->cell_m, &m->run[m->run_points], &m->reach_m))
-			continue;
-		if (m->run_cell)
-			m->run_cell[m->run_points] = (uint32_t)i;
-		m->run_points++;
+	g_autofree uint64_t *listed = g_new(uint64_t, AT_ONCE);
+	g_autofree bool *is_taken = g_new(bool, AT_ONCE);
+	size_t count;
+	for (uint64_t at = 0; (count = list_next(m, &at, listed)) > 0;) {
+		take_listed(m, listed, is_taken, count);
 		if (m->run_points == m->run_max && !write_run(m, w, error))
 			return false;
 	}

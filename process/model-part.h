@@ -79,8 +79,12 @@ void model_part_forget(const model_part *p, const struct part_point *from, size_
 bool model_part_update(const site *s, const struct model_input *input, unsigned level,
 	bool is_doubtful, uint64_t memory_bytes, bool *ret_made, GError **error);
 
-/* Sorts by part_point_compare, equal ones as they stood, and the cells with them (NULL: none). Uses PART_SORT_BYTES a
- * point beside them. */
-void part_points_sort(struct part_point *point, uint32_t *cell, size_t count);
+/* Their indices in the order of part_point_compare, equal ones as they stand; caller frees. Uses PART_SORT_BYTES a point. */
+uint32_t *part_points_order(const struct part_point *point, size_t count);
+/* Those of so many indices, one after another, on all threads. */
+void part_points_gather(
+	const struct part_point *from, const uint32_t *order, size_t count, struct part_point *to);
+/* A copy of all, in their order; caller frees. */
+struct part_point *part_points_sorted(const struct part_point *point, size_t count);
 
 #endif

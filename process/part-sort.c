@@ -33,42 +33,43 @@ static bool sort_by_digit(
 	return true;
 }
 
-/* Puts the points in order by following the cycles of the permutation. */
-static void permute(struct part_point *point, uint32_t *cell, struct sort_key *keys, size_t count)
-{
-	for (size_t i = 0; i < count; i++) {
-		struct part_point first = point[i];
-		uint32_t first_cell = cell ? cell[i] : 0;
-		size_t at = i;
-		while (keys[at].index != i) {
-			size_t next = keys[at].index;
-			point[at] = point[next];
-			if (cell)
-				cell[at] = cell[next];
-			keys[at].index = (uint32_t)at;
-			at = next;
-		}
-		point[at] = first;
-		if (cell)
-			cell[at] = first_cell;
-		keys[at].index = (uint32_t)at;
-	}
-}
-
-void part_points_sort(struct part_point *point, uint32_t *cell, size_t count)
+uint32_t *part_points_order(const struct part_point *point, size_t count)
 {
 	g_assert(count <= UINT32_MAX);
-	if (count < 2)
-		return;
-	g_autofree struct sort_key *keys = g_new(struct sort_key, count);
-	g_autofree struct sort_key *other = g_new(struct sort_key, count);
+	g_autofree struct sort_key *keys = g_new(struct sort_key, count + 1);
+	g_autofree struct sort_key *other = g_new(struct sort_key, count + 1);
 	for (size_t i = 0; i < count; i++)
 		keys[i] = (struct sort_key){ point[i].code, (uint32_t)i, point[i].leaf };
-	for (unsigned pass = 0; pass < 8; pass++)
+	for (unsigned pass = 0; pass < 8 && count > 1; pass++)
 		if (sort_by_digit(keys, other, count, pass)) {
 			struct sort_key *swap = keys;
 			keys = other;
 			other = swap;
 		}
-	permute(point, cell, keys, count);
+	g_clear_pointer(&other, g_free);
+	uint32_t *order = g_new(uint32_t, count + 1);
+	for (size_t i = 0; i < count; i++)
+		order[i] = keys[i].index;
+	return order;
+}
+
+/* They lie anywhere in memory, so those that come soon are asked for. */
+#define AHEAD 16
+
+void part_points_gather(
+	const struct part_point *from, const uint32_t *order, size_t count, struct part_point *to)
+{
+#pragma omp parallel for schedule(static)
+	for (size_t i = 0; i < count; i++) {
+		__builtin_prefetch(&from[order[MIN(i + AHEAD, count - 1)]]);
+		to[i] = from[order[i]];
+	}
+}
+
+struct part_point *part_points_sorted(const struct part_point *point, size_t count)
+{
+	g_autofree uint32_t *order = part_points_order(point, count);
+	struct part_point *ret = g_new(struct part_point, count + 1);
+	part_points_gather(point, order, count, ret);
+	return ret;
 }
