@@ -1,10 +1,16 @@
 /* pleinair process SITE: what is out of date between the scans and the model. */
 #include "acquire/cli.h"
+#include "process/scan-data.h"
 #include "process/stages.h"
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #define COMMAND "process"
+
+/* Each stage goes through the scans. Some ten fine ones, but of a small machine's memory no more than this part. */
+#define KEPT_BYTES ((uint64_t)512 << 20)
+#define KEPT_PART  16
 
 static char *to;
 static gboolean dry_run, json;
@@ -143,6 +149,8 @@ int main(int argc, char **argv)
 	if (!s)
 		return cli_fail(COMMAND, error);
 	cli_catch_interrupts();
+	uint64_t memory_bytes = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE);
+	scan_data_keep(MIN(KEPT_BYTES, memory_bytes / KEPT_PART));
 	g_autoptr(JsonArray) report = json_array_new();
 	if (!do_stages(s, report, &error))
 		return fail(error);

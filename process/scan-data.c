@@ -3,15 +3,95 @@
 #include "process/pose-json.h"
 #include <string.h>
 
-void scan_data_free(scan_data *d)
+/* ---- scans that are kept ---- */
+
+static struct {
+	uint64_t bytes_most, bytes;
+	GMutex mutex;
+	GQueue scans; /* of scan_data, the last used last; the queue is one of the users of each */
+} kept = { .scans = G_QUEUE_INIT };
+
+void scan_data_keep(uint64_t bytes)
 {
-	if (!d)
-		return;
+	kept.bytes_most = bytes;
+}
+
+static void free_it(scan_data *d)
+{
 	range_grid_free(d->grid);
 	points_free(d->points);
 	g_free(d->fingerprint);
+	g_free(d->kept_of);
 	g_free(d);
 }
+
+/* With the mutex held. */
+static void let_go(scan_data *d)
+{
+	if (--d->users == 0)
+		free_it(d);
+}
+
+void scan_data_free(scan_data *d)
+{
+	if (!d || !d->kept_of) {
+		if (d)
+			free_it(d);
+		return;
+	}
+	g_mutex_lock(&kept.mutex);
+	let_go(d);
+	g_mutex_unlock(&kept.mutex);
+}
+
+static bool is_same(const scan_data *a, const scan_data *b, const char *of)
+{
+	return a->number == b->number && strcmp(a->fingerprint, b->fingerprint) == 0 &&
+	       strcmp(a->kept_of, of) == 0;
+}
+
+/* The one that was peeked at; NULL: it is not there. */
+static scan_data *find_kept(const site *s, const scan_data *like)
+{
+	scan_data *found = NULL;
+	g_mutex_lock(&kept.mutex);
+	for (GList *l = kept.scans.head; l && !found; l = l->next)
+		if (is_same(l->data, like, site_path(s))) {
+			found = l->data;
+			found->users++;
+			g_queue_unlink(&kept.scans, l);
+			g_queue_push_tail_link(&kept.scans, l);
+		}
+	g_mutex_unlock(&kept.mutex);
+	return found;
+}
+
+static uint64_t bytes_of(const scan_data *d)
+{
+	uint64_t cells = d->grid ? range_grid_cells(d->grid) : 0;
+	return cells * (4 * sizeof(float) + 6) +
+	       (d->points ? d->points->count * sizeof *d->points->record : 0);
+}
+
+static void keep(const site *s, scan_data *d)
+{
+	d->kept_bytes = bytes_of(d);
+	if (d->kept_bytes > kept.bytes_most)
+		return;
+	g_mutex_lock(&kept.mutex);
+	d->kept_of = g_strdup(site_path(s));
+	d->users = 2; /* who asked, and the queue */
+	g_queue_push_tail(&kept.scans, d);
+	kept.bytes += d->kept_bytes;
+	while (kept.bytes > kept.bytes_most) {
+		scan_data *first = g_queue_pop_head(&kept.scans);
+		kept.bytes -= first->kept_bytes;
+		let_go(first);
+	}
+	g_mutex_unlock(&kept.mutex);
+}
+
+/* ---- manifests ---- */
 
 static manifest *load_manifest(const char *folder, GError **error)
 {
@@ -209,8 +289,13 @@ scan_data *scan_data_load(const site *s, uint32_t number, GError **error)
 	g_autoptr(manifest) m = NULL;
 	g_autoptr(scan_data) d = peek(s, number, &m, error);
 	g_autofree char *folder = site_scan_path(s, number);
+	scan_data *there = d && kept.bytes_most ? find_kept(s, d) : NULL;
+	if (there)
+		return there;
 	if (!d || !(d->kind == SCAN_RECORDED ? load_panorama(d, s, error)
 					     : load_points(d, folder, m, error)))
 		return NULL;
+	if (kept.bytes_most)
+		keep(s, d);
 	return g_steal_pointer(&d);
 }

@@ -32,9 +32,16 @@ struct scan_data {
 	bool has_given_pose;
 	struct pose given_pose; /* scan to site */
 	char *fingerprint; /* SHA-256 over the hashes of its data files: changes when the points do */
+	/* Of scan_data_keep alone: */
+	char *kept_of; /* path of its site; NULL: it is not kept */
+	uint64_t kept_bytes;
+	uint32_t users;
 };
 /* Loads and checks the files by size and, for recorded scans, by SHA-256. */
 scan_data *scan_data_load(const site *s, uint32_t number, GError **error);
+/* From then on what was loaded is kept, the last used up to so many bytes, and who asks for it again has the same one without a look at
+ * its files: for programs that go through a site several times, and then end. Const for all. Before there are threads. */
+void scan_data_keep(uint64_t bytes);
 /* Without the points: kind, pose and fingerprint alone. */
 scan_data *scan_data_peek(const site *s, uint32_t number, GError **error);
 void scan_data_free(scan_data *d); /* NULL is fine */
