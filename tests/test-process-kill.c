@@ -3,6 +3,7 @@
  * undisturbed run makes. */
 #include "acquire/scan.h"
 #include "process/build-model.h"
+#include "process/model-look.h"
 #include "process/model.h"
 #include "process/scan-geometry.h"
 #include "tests/commands.h"
@@ -25,7 +26,7 @@ struct field {
 	char *folder, *fresh, *undisturbed,
 		*site; /* sites: scans only; processed in one go; the one that is cut */
 	GRand *random;
-	uint32_t kills, finished, went_on;
+	uint32_t kills, finished, looks;
 };
 
 static void scan_stations(const struct field *f)
@@ -43,10 +44,11 @@ static void scan_stations(const struct field *f)
 	}
 }
 
-static GPid start_process(const char *path)
+/* to: the last stage; NULL: all. */
+static GPid start_process(const char *path, const char *to)
 {
 	g_autofree char *program = commands_program("pleinair-process");
-	char *argv[] = { program, (char *)path, NULL };
+	char *argv[] = { program, (char *)path, to ? "--to" : NULL, (char *)to, NULL };
 	GPid pid;
 	g_autoptr(GError) error = NULL;
 	g_spawn_async(NULL, argv, NULL, G_SPAWN_DO_NOT_REAP_CHILD | G_SPAWN_STDOUT_TO_DEV_NULL,
@@ -59,7 +61,7 @@ static double process_whole(const char *path)
 {
 	int64_t start_us = g_get_monotonic_time();
 	int status;
-	waitpid(start_process(path), &status, 0);
+	waitpid(start_process(path, NULL), &status, 0);
 	g_assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 	return (double)(g_get_monotonic_time() - start_us) * 1e-6;
 }
@@ -128,7 +130,7 @@ static void start_over(struct field *f)
 static void process_and_kill(struct field *f, double longest_s)
 {
 	g_autofree char *before = snapshot_of(f->site, "scans");
-	GPid pid = start_process(f->site);
+	GPid pid = start_process(f->site, NULL);
 	g_usleep((gulong)(g_rand_double_range(f->random, 0, longest_s) * G_USEC_PER_SEC));
 	kill(pid, SIGKILL);
 	int status;
@@ -146,6 +148,27 @@ static void process_and_kill(struct field *f, double longest_s)
 	start_over(f);
 }
 
+/* A first look is whole or not there, and what is computed after it is the same. */
+static void look_and_kill(struct field *f, double longest_s)
+{
+	g_autoptr(GError) error = NULL;
+	GPid pid = start_process(f->site, "look");
+	g_usleep((gulong)(g_rand_double_range(f->random, 0, longest_s) * G_USEC_PER_SEC));
+	kill(pid, SIGKILL);
+	int status;
+	bool is_look;
+	waitpid(pid, &status, 0);
+	g_assert_true(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+	check_graph(f);
+	check_products(f);
+	g_autoptr(site) s = site_open(f->site, NULL);
+	g_autoptr(model) m = model_look_open(s, &is_look, &error);
+	if (!m)
+		g_assert_error(error, G_IO_ERROR, G_IO_ERROR_NOT_FOUND);
+	g_assert_true(!m || model_verify(m, NULL));
+	f->looks += is_look;
+}
+
 static void test_kills(void)
 {
 	struct field f = { .folder = simulated_folder(), .random = g_rand_new_with_seed(20261121) };
@@ -159,13 +182,15 @@ static void test_kills(void)
 	/* Moments anywhere in a run; other tests beside this one change its pace. */
 	for (double longest_s = 1.1 * whole_s; f.kills < kills_wanted();) {
 		uint32_t finished = f.finished;
+		if (g_rand_boolean(f.random))
+			look_and_kill(&f, longest_s);
 		process_and_kill(&f, longest_s);
 		longest_s *= f.finished > finished ? 0.9 : 1.01;
 	}
 	process_whole(f.site);
 	check_same(&f);
-	g_test_message("a run takes %.2f s; %u kills, %u runs ended in between", whole_s, f.kills,
-		f.finished);
+	g_test_message("a run takes %.2f s; %u kills, %u runs ended in between; %u first looks",
+		whole_s, f.kills, f.finished, f.looks);
 	commands_shell("rm -rf '%s'", f.folder);
 	g_rand_free(f.random);
 	g_free(f.folder);
