@@ -270,7 +270,8 @@ INLINE void wide_blend(const struct pen *p, enum band_blend blend, wf alpha,
 INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum band_blend blend,
 	const int32_t *keys, ptrdiff_t at, const struct spot *spot)
 {
-	__mmask16 drawn = (__mmask16)_bzhi_u32(0xffff, (uint32_t)(spot->stop - spot->left));
+	__mmask16 drawn =
+		(__mmask16)_bzhi_u32(0xffff, (uint32_t)MIN(spot->stop - spot->left, FEW_WIDE));
 	wf alpha = wide_few(&p->few, spot->left, spot->y) * p->alpha;
 	if (keys) {
 		float dy = (float)spot->y + 0.5f - p->s->y_px;

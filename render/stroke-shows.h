@@ -18,7 +18,7 @@ INLINE vf shows(const struct brush *b, vi key, vf depth_m)
 	return clamp01(1 - behind * (1 / HIDDEN_BEHIND));
 }
 
-/* Of two pixels side by side at whole places, between them by u; above and below the picture those at its edge count. */
+/* Of two pixels side by side, between them by u; at whole places, or the nearest that the mask has. */
 INLINE vf shows_beside(const struct brush *b, vi column, vf y, vf u, vf depth_m)
 {
 	const visibility_mask *m = b->mask;
@@ -28,15 +28,16 @@ INLINE vf shows_beside(const struct brush *b, vi column, vf y, vf u, vf depth_m)
 	return (1 - u) * shows(b, left, depth_m) + u * shows(b, right, depth_m);
 }
 
-/* How far it is not hidden in the four pixels around. Beside the picture nothing hides. */
+/* How far it is not hidden in the four pixels around. */
 INLINE vf visibility(const struct brush *b, const struct lane_candidates *c)
 {
 	if (!b->mask)
 		return all(1);
 	vf x = c->x_px - 0.5f, y = c->y_px - 0.5f, x0 = floor_of(x), y0 = floor_of(y);
-	vf u = x - x0, v = y - y0;
-	vi column =
-		__builtin_convertvector(least(most(x0, all(-2)), all((float)b->mask->width)), vi);
+	/* Beside the picture both are its last one: there is nothing to read beyond it. */
+	float last = (float)b->mask->width - 2;
+	vf u = choose(x0 > last, all(last < 0 ? 0 : 1), where(x0 >= 0, x - x0)), v = y - y0;
+	vi column = __builtin_convertvector(most(least(x0, all(last)), all(0)), vi);
 	return (1 - v) * shows_beside(b, column, y0, u, c->depth_m) +
 	       v * shows_beside(b, column, y0 + 1, u, c->depth_m);
 }

@@ -60,15 +60,17 @@ static void test_moved(void)
 	picture_buffer_clear(&b);
 }
 
-static void test_threads(void)
+/* fov_deg: how much of the court the picture's edges cut off. */
+static void assert_same_by_all_threads(const char *nodes, double fov_deg)
 {
 	static const int threads[] = { 1, 2, 5 };
 	int before = omp_get_max_threads();
-	g_autoptr(drawing) d = NULL;
-	g_autoptr(frame) f = frame_with(made_shared_court(), EVERYTHING, &d);
+	struct camera c = camera_look_at(eye, target, fov_deg, WIDTH, HEIGHT);
+	g_autoptr(drawing) d = made_drawing(nodes);
+	g_autoptr(frame) f = made_frame(made_shared_court(), d, &c);
 	struct picture_buffer a = made_picture(f);
-	for (size_t n = 0; n < G_N_ELEMENTS(threads); n++) {
-		omp_set_num_threads(threads[n]);
+	for (size_t n = 0; n < 3 * G_N_ELEMENTS(threads); n++) {
+		omp_set_num_threads(threads[n % G_N_ELEMENTS(threads)]);
 		struct picture_buffer b = made_picture(f);
 		made_assert_same(&a, &b);
 		picture_buffer_clear(&b);
@@ -79,6 +81,21 @@ static void test_threads(void)
 	made_assert_same(&a, &b);
 	picture_buffer_clear(&a);
 	picture_buffer_clear(&b);
+}
+
+static void test_threads(void)
+{
+	assert_same_by_all_threads(EVERYTHING, 60);
+}
+
+/* Strokes beyond the edges of the picture, where threads leave discs. */
+static void test_threads_at_edges(void)
+{
+	for (double fov_deg = 8; fov_deg < 60; fov_deg *= 2)
+		assert_same_by_all_threads(
+			MADE_SITE("{\"step\":\"strokes\",\"points\":\"all\",\"length_px\":90,"
+				  "\"width_px\":20,\"spacing_px\":6}"),
+			fov_deg);
 }
 
 /* With whatever vectors. */
@@ -391,6 +408,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/draw/twice", test_twice);
 	g_test_add_func("/draw/moved", test_moved);
 	g_test_add_func("/draw/threads", test_threads);
+	g_test_add_func("/draw/threads-at-edges", test_threads_at_edges);
 	g_test_add_func("/draw/lanes", test_lanes);
 	g_test_add_func("/draw/lanes-of-strokes", test_lanes_of_strokes);
 	g_test_add_func("/draw/order", test_order);

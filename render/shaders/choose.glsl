@@ -259,12 +259,9 @@ float fade_of(float rank, float need, float octaves)
 
 const float HIDDEN_BEHIND = 0.03;
 
-/* Beside the picture nothing hides; above and below it what is at its edge. */
 float shows(ivec2 at, float depth_m)
 {
-	if (at.x < 0 || at.x >= int(size.x))
-		return 1.0;
-	at.y = clamp(at.y, 0, int(size.y) - 1);
+	at = clamp(at, ivec2(0), ivec2(size.xy) - 1);
 	float behind = (depth_m / mask_depth(texelFetch(mask_keys, at, 0).r) - 1.0) * stretch(depth_m);
 	return clamp(1.0 - behind * (1.0 / HIDDEN_BEHIND), 0.0, 1.0);
 }
