@@ -39,10 +39,13 @@ house_cxxflags = -std=c++17 -I. -D_GNU_SOURCE -DG_LOG_DOMAIN='"pleinair"' -Wall 
 sanitize_flags := $(if $(SANITIZE),-fsanitize=$(SANITIZE) -fno-omit-frame-pointer -fno-sanitize-recover=all)
 link_libs := $(PKG_LIBS) $(CXX_PKG_LIBS) $(cxx_libs) -lembree3 -lm -pthread -lstdc++
 
-# Every .c and .cpp of a folder is in its library but for the programs' mains, which are listed in module.mk.
+# Every .c and .cpp of a folder is in its library but for the programs' mains, which are listed in module.mk, and what measures
+# (bench-*), which has one of its own: only pleinair-bench and tests need it.
 sources = $(sort $(wildcard $(1)/*.c $(1)/*.cpp))
 mains := $(foreach p,$(programs),$(p).c)
-objects = $(patsubst %,$(BUILD)/%.o,$(basename $(filter-out $(mains),$(call sources,$(1)))))
+object_of = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
+bench_sources := $(wildcard $(foreach m,$(modules),$(m)/bench-*.c $(m)/bench-*.cpp))
+objects = $(call object_of,$(filter-out $(mains) $(bench_sources),$(call sources,$(1))))
 lib_of = $(if $(call objects,$(1)),$(BUILD)/lib$(subst /,-,$(1)).a)
 # A program links its own folder and what stands left of it; the simulator stands alone.
 libs_of_sim := $(call lib_of,sim)
@@ -52,14 +55,16 @@ libs_of_process := $(call lib_of,process) $(libs_of_acquire)
 libs_of_render := $(call lib_of,render) $(libs_of_process)
 libs_of_render/kiosk := $(call lib_of,render/kiosk) $(libs_of_render)
 folder_of = $(patsubst %/,%,$(dir $(1)))
-libs := $(libs_of_render) $(libs_of_sim)
+lib_of_bench := $(BUILD)/libbench.a
+libs := $(lib_of_bench) $(libs_of_render) $(libs_of_sim)
 bins := $(foreach p,$(programs),$(BUILD)/bin/$(notdir $(p)))
 tests := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/test-*.c)))
 fuzzers := $(patsubst tests/%.c,$(BUILD)/tests/%,$(sort $(wildcard tests/fuzz-*.c)))
 # Files that programs read: beside the programs here as where they are installed.
 shared_files := $(patsubst render/%,$(BUILD)/share/pleinair/%,$(shared)) $(catalogues)
 
-all: $(bins) $(shared_files)
+all: all-but-bench $(BUILD)/bin/pleinair-bench
+all-but-bench: $(filter-out $(BUILD)/bin/pleinair-bench,$(bins)) $(shared_files)
 
 $(BUILD)/share/pleinair/%: render/%
 	$(call say,COPY)
@@ -98,31 +103,36 @@ $(call lib_of,$(1)): $(call objects,$(1))
 	@rm -f $$@; $(AR) rcs $$@ $$^
 endef
 $(foreach m,$(modules),$(eval $(call library,$(m))))
+$(lib_of_bench): $(call object_of,$(bench_sources))
+	@rm -f $@; $(AR) rcs $@ $^
 
+# What measures and what it measures by ask for each other.
+in_any_order = -Wl,--start-group $(1) -Wl,--end-group -Wl,--as-needed
 define program
 $(BUILD)/bin/$(notdir $(1)): $(BUILD)/$(1).o $(libs_of_$(call folder_of,$(1)))
 	@mkdir -p $$(@D)
 	$$(call say,LD)
-	$$(q)$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $$^ -Wl,--as-needed $$(link_libs) $(link_libs_of_$(call folder_of,$(1)))
+	$$(q)$$(CC) $$(CFLAGS) $$(sanitize_flags) -fopenmp -o $$@ $(call in_any_order,$$^) $$(link_libs) $(link_libs_of_$(call folder_of,$(1)))
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
+$(BUILD)/bin/pleinair-bench: $(lib_of_bench)
 
 $(BUILD)/tests/%: $(BUILD)/tests/%.o $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o $(libs) | $(shared_files)
 	$(call say,LD)
-	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $(call in_any_order,$^) $(link_libs)
 # What tests of the kiosk have besides: its widgets, a compositor with a touch screen, and fingers (kiosk-rig.h).
 rig_objects := $(patsubst %.c,$(BUILD)/%.o,$(wildcard tests/kiosk-rig*.c))
 $(BUILD)/tests/test-kiosk-%: $(BUILD)/tests/test-kiosk-%.o $(rig_objects) $(BUILD)/tests/support.o $(BUILD)/tests/simulated.o \
 	$(libs_of_render/kiosk) $(libs_of_sim) | $(shared_files) $(touch_module) $(BUILD)/tests/rig-app
 	$(call say,LD)
-	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs) $(link_libs_of_render/kiosk)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $(call in_any_order,$^) $(link_libs) $(link_libs_of_render/kiosk)
 $(BUILD)/tests/rig-app: $(BUILD)/tests/rig-app.o $(libs_of_render/kiosk)
 	$(call say,LD)
-	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs) $(link_libs_of_render/kiosk)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $(call in_any_order,$^) $(link_libs) $(link_libs_of_render/kiosk)
 # A fuzz target is plain C with LLVMFuzzerTestOneInput; here it is linked to a driver that replays its corpus.
 $(BUILD)/tests/fuzz-%: $(BUILD)/tests/fuzz-%.o $(BUILD)/tests/replay-corpus.o $(libs)
 	$(call say,LD)
-	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $^ -Wl,--as-needed $(link_libs)
+	$(q)$(CC) $(CFLAGS) $(sanitize_flags) -fopenmp -o $@ $(call in_any_order,$^) $(link_libs)
 .SECONDARY:
 -include $(shell find $(BUILD) -name '*.d' -type f 2>/dev/null)
 

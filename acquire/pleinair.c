@@ -45,6 +45,14 @@ static char *find_program(const char *command)
 	return g_find_program_in_path(name);
 }
 
+static bool is_known(const char *command)
+{
+	for (size_t i = 0; i < G_N_ELEMENTS(commands); i++)
+		if (g_str_equal(commands[i].name, command))
+			return true;
+	return false;
+}
+
 static void print_help(FILE *out)
 {
 	fputs("Usage: pleinair COMMAND ...\n\n"
@@ -77,6 +85,12 @@ int main(int argc, char **argv)
 	if (program) {
 		execv(program, argv + 1);
 		g_printerr("pleinair: %s: %s\n", program, g_strerror(errno));
+		return CLI_FAILED;
+	}
+	if (is_known(argv[1])) {
+		g_printerr("pleinair: pleinair-%s is not there, neither beside this program nor "
+			   "among those installed; 'make' builds it\n",
+			argv[1]);
 		return CLI_FAILED;
 	}
 	g_printerr("pleinair: there is no command '%s'; pleinair --help lists them\n", argv[1]);

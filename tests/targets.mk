@@ -6,15 +6,16 @@ gallery ?= gallery
 # A whole build takes all cores, unless make was told how many.
 side_by_side = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,--jobs=$(shell nproc))
 
-.PHONY: all help deps demo gallery real check check-house check-layers check-format check-translations check-docs pot check-tests check-sanitized check-asan check-ubsan \
+.PHONY: all all-but-bench help deps demo gallery real check check-house check-layers check-format check-translations check-docs pot check-tests check-sanitized check-asan check-ubsan \
 	check-tsan fuzz bench format install clean tests
 
 help:
 	@sed -n 's/^#: //p' tests/targets.mk
 
 #: make demo            set up, build, scan a simulated courtyard four times, register it, show panoramas and report
+# All that it needs: the programs that measure are half as much to build again.
 demo: deps
-	$(MAKE) $(side_by_side) all
+	$(MAKE) $(side_by_side) all-but-bench
 	@sh tests/demo.sh $(BUILD)/bin $(demo_site)
 
 #: make gallery         set up, build, draw what each parameter of hatching does: a contact sheet of each, on one page
