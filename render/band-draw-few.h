@@ -50,9 +50,12 @@ INLINE struct few few_of(const stroke_texture *t, const uint8_t *texel, const fl
 	return f;
 }
 
+/* What is beyond 2^16 does not matter. */
 INLINE int32_t few_place(const struct few *f, int k, int x, int y)
 {
-	return f->first[k] + (x - f->ref[0]) * f->right[k] + (y - f->ref[1]) * f->down[k];
+	uint32_t aside = (uint32_t)(x - f->ref[0]) * (uint32_t)f->right[k],
+		 deep = (uint32_t)(y - f->ref[1]) * (uint32_t)f->down[k];
+	return (int32_t)((uint32_t)f->first[k] + aside + deep);
 }
 
 #if defined __AVX512VBMI__
@@ -125,13 +128,12 @@ INLINE void wide_store(float *at, wf x)
 
 #endif
 
-typedef int16_t vh __attribute__((vector_size(32)));
 typedef uint16_t vhu __attribute__((vector_size(32)));
 
 /* Halves of the lanes each by themselves. */
 INLINE vi halves_product(vi a, vi b)
 {
-	return (vi)((vh)a * (vh)b);
+	return (vi)((vhu)a * (vhu)b);
 }
 
 /* Bytes by bytes below 2^7, two and two together. */
