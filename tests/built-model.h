@@ -63,13 +63,6 @@ static inline scan_graph *graph_of(uint32_t scans)
 	return g;
 }
 
-static inline void free_graph(scan_graph *g)
-{
-	g_array_unref(g->scans);
-	g_array_unref(g->edges);
-	g_free(g);
-}
-
 static inline struct placed_scan *placed(scan_graph *g, guint i)
 {
 	return &g_array_index(g->scans, struct placed_scan, i);
@@ -90,7 +83,7 @@ static inline struct build_result build_some(const char *path, uint32_t scans)
 {
 	scan_graph *g = graph_of(scans);
 	struct build_result r = build(path, g, NULL);
-	free_graph(g);
+	scan_graph_free(g);
 	return r;
 }
 

@@ -98,7 +98,7 @@ static void test_moved_and_back(void)
 	build(path, g, NULL);
 	g_autofree char *moved = sum_of(path);
 	g_assert_cmpstr(moved, !=, whole_sum());
-	free_graph(g);
+	scan_graph_free(g);
 	build_some(path, SCANS);
 	assert_same(path, whole_sum());
 }
@@ -116,7 +116,7 @@ static void test_far_apart(void)
 	build_some(other, 2);
 	build(other, g, NULL);
 	assert_same(other, sum);
-	free_graph(g);
+	scan_graph_free(g);
 	g_autoptr(model) m = model_open(path, NULL);
 	g_assert_cmpfloat(
 		json_object_get_double_member(product_manifest(model_file(m)), "lattice_m"), ==,
@@ -143,8 +143,8 @@ static void test_taken_over(void)
 	g_assert_cmpuint(build(other, apart, NULL).points_taken_over, ==, 0);
 	g_autofree char *sum = sum_of(path);
 	assert_same(other, sum);
-	free_graph(apart);
-	free_graph(two);
+	scan_graph_free(apart);
+	scan_graph_free(two);
 }
 
 static void test_threads_and_memory(void)
@@ -158,7 +158,7 @@ static void test_threads_and_memory(void)
 		omp_set_num_threads(threads[i]);
 		build(path, g, i ? &little : NULL);
 		omp_set_num_threads(before);
-		free_graph(g);
+		scan_graph_free(g);
 		assert_same(path, whole_sum());
 	}
 }
@@ -200,7 +200,7 @@ static void test_stopped_anywhere(void)
 		}
 		g_assert_cmpint(stops, <, 100);
 	}
-	free_graph(g);
+	scan_graph_free(g);
 	g_assert_cmpint(stops, >, 2 * SCANS);
 	assert_same(path, whole_sum());
 }
@@ -233,7 +233,7 @@ static void test_damaged(void)
 		build(path, g, NULL);
 		assert_same(path, whole_sum());
 	}
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* As versions 1 and 2 were: points end after the leaf. */
@@ -265,7 +265,7 @@ static void test_earlier(void)
 		g_assert_cmpuint(build(path, g, NULL).points_taken_over, ==, 0);
 		assert_same(path, whole_sum());
 	}
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* The second scan's part as if an earlier version had made it. */
@@ -304,7 +304,7 @@ static void test_earlier_part(void)
 	g_assert_cmpint(g_unlink(file), ==, 0);
 	g_assert_cmpuint(build(path, g, NULL).scans_rebuilt, ==, 1);
 	assert_same(path, whole_sum());
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* ---- which scans ---- */
@@ -321,9 +321,9 @@ static void test_due(void)
 	expect_why(path, none, "a scan is not in it any more");
 	g_assert_cmpuint(build(path, none, NULL).points, ==, 0);
 	expect_why(path, none, NULL);
-	free_graph(none);
-	free_graph(two);
-	free_graph(all);
+	scan_graph_free(none);
+	scan_graph_free(two);
+	scan_graph_free(all);
 }
 
 /* What nothing ties together does not stand in one frame. */
@@ -340,7 +340,7 @@ static void test_groups(void)
 		g_assert_cmpuint(model_points(m)[i].scan, !=, 1);
 	placed(g, 1)->group = 0;
 	g_assert_cmpuint(build(path, g, NULL).scans, ==, 1);
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* ---- clouds ---- */

@@ -180,12 +180,12 @@ static void test_features(void)
 		g_array_set_size(g->scans, 0);
 		scan_graph *all = tilted_graph();
 		g_array_append_vals(g->scans, all->scans->data, k);
-		free_graph(all);
+		scan_graph_free(all);
 		build(other, g, NULL);
 	}
 	omp_set_num_threads(before);
 	assert_same(other, sum);
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 int main(int argc, char **argv)

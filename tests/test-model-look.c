@@ -84,11 +84,11 @@ static void test_when(void)
 	expect_due(path, g, "scan 3 is new");
 	placed(g, 0)->pose.translation_m[0] += 0.5; /* the model has it elsewhere */
 	expect_due(path, g, NULL);
-	free_graph(g);
+	scan_graph_free(g);
 	build_some(path, SCANS);
 	g = graph_of(SCANS);
 	expect_due(path, g, NULL);
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* A scan that is placed no more is not looked at any longer. */
@@ -107,7 +107,7 @@ static void test_taken_back(void)
 	place(path, g);
 	g_assert_false(is_look(path));
 	expect_due(path, g, "scan 3 is new");
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 static void test_damaged(void)
@@ -118,7 +118,7 @@ static void test_damaged(void)
 	g_assert_true(g_file_set_contents(file, "PLPRODUC", 8, NULL));
 	g_assert_false(is_look(path));
 	expect_due(path, g, "scan 3 is new");
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* ---- what ---- */
@@ -182,7 +182,7 @@ static void test_what(void)
 	g_assert_cmpuint(r.points_new, <, range_grid_count(d->grid));
 	g_assert_cmpuint(r.points, <, model_count(whole) + r.points_new);
 	check_whole(m, d);
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 static char *look_sum(const char *path)
@@ -205,7 +205,7 @@ static void test_threads(void)
 		g_assert_cmpstr(again, ==, sum);
 	}
 	omp_set_num_threads(omp_get_num_procs());
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* Of the first scan there is no model yet. */
@@ -220,7 +220,7 @@ static void test_first(void)
 	g_assert_true(is_look(path));
 	build(path, g, NULL);
 	g_assert_false(is_look(path));
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* ---- what comes after ---- */
@@ -235,7 +235,7 @@ static void test_after(void)
 	assert_same(path, whole_sum());
 	g_assert_false(g_file_test(file, G_FILE_TEST_EXISTS));
 	g_assert_false(is_look(path));
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 /* Killed between the two, the look is of a model that is no more. */
@@ -249,7 +249,7 @@ static void test_killed(void)
 	build(path, g, NULL);
 	g_assert_true(g_file_set_contents(file, bytes, (gssize)length, NULL));
 	g_assert_false(is_look(path));
-	free_graph(g);
+	scan_graph_free(g);
 }
 
 int main(int argc, char **argv)

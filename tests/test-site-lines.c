@@ -18,7 +18,7 @@ static const char *hall(void)
 	uint32_t count;
 	g_assert_true(geometry_site(s, g, NULL, &count, &error));
 	g_assert_true(features_site(s, g, NULL, &count, &error));
-	free_graph(g);
+	scan_graph_free(g);
 	build_some(path, SCANS);
 	return path;
 }
