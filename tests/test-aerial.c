@@ -7,6 +7,7 @@
 #include "process/segment-site.h"
 #include "process/site-lines.h"
 #include "tests/import-made.h"
+#include "tests/line-places.h"
 
 static double gauss(GRand *r)
 {
@@ -125,26 +126,6 @@ static void test_roofs(void)
 		g_assert_cmpfloat(area_m2, >, 0.6 * slope * h->long_m);
 		g_assert_cmpfloat(area_m2, <, 1.2 * slope * h->long_m);
 	}
-}
-
-static double off_segment(const double at[3], const double a[3], const double b[3])
-{
-	double along = 0, length2 = 0, square = 0;
-	for (int k = 0; k < 3; k++) {
-		along += (at[k] - a[k]) * (b[k] - a[k]);
-		length2 += (b[k] - a[k]) * (b[k] - a[k]);
-	}
-	along = CLAMP(along / length2, 0, 1);
-	for (int k = 0; k < 3; k++)
-		square += pow(at[k] - a[k] - along * (b[k] - a[k]), 2);
-	return sqrt(square);
-}
-
-static void vertex_at(const profile_lines *lines, uint32_t n, double ret[3])
-{
-	for (int k = 0; k < 3; k++)
-		ret[k] = lines->origin_m[k] +
-			 (double)g_array_index(lines->vertex, struct profile_vertex, n).at_m[k];
 }
 
 static double nearest_line(const profile_lines *lines, const double at[3], bool is_plan)

@@ -4,6 +4,7 @@
 #include "process/profile-lines.h"
 #include "process/profile-rim.h"
 #include "process/vector3.h"
+#include "tests/line-places.h"
 #include "tests/simulated.h"
 #include <math.h>
 #include <string.h>
@@ -178,28 +179,6 @@ static model *make_block(void)
 				g_array_append_val(all, p);
 			}
 	return write_model(all, NULL);
-}
-
-static void vertex_at(const profile_lines *lines, uint32_t v, double ret[3])
-{
-	for (int k = 0; k < 3; k++)
-		ret[k] = lines->origin_m[k] +
-			 (double)g_array_index(lines->vertex, struct profile_vertex, v).at_m[k];
-}
-
-static double off_segment(const double at[3], const double a[3], const double b[3])
-{
-	double along = 0, length2 = 0, square = 0;
-	for (int k = 0; k < 3; k++) {
-		along += (at[k] - a[k]) * (b[k] - a[k]);
-		length2 += (b[k] - a[k]) * (b[k] - a[k]);
-	}
-	along = CLAMP(along / length2, 0, 1);
-	for (int k = 0; k < 3; k++) {
-		double off = at[k] - a[k] - along * (b[k] - a[k]);
-		square += off * off;
-	}
-	return sqrt(square);
 }
 
 /* The nine edges that the faces have: those at which two meet, and those at which one ends. */
