@@ -29,6 +29,28 @@ static struct align_pick *at(const align_picks *p, guint pair)
 	return &g_array_index(p->pairs, struct align_pick, pair);
 }
 
+bool align_picks_find(const range_grid *g, uint32_t *column, uint32_t *row)
+{
+	int best = G_MAXINT, bc = 0, br = 0;
+	for (int r = -3; r <= 3; r++)
+		for (int c = -3; c <= 3; c++) {
+			int y = (int)*row + r, x = (int)*column + c, n = (int)g->columns;
+			x = g->wraps ? (x + n) % n : x;
+			if (y < 0 || y >= (int)g->rows || x < 0 || x >= n ||
+				r * r + c * c >= best ||
+				!(g->range_m[(size_t)y * g->columns + (size_t)x] > 0))
+				continue;
+			best = r * r + c * c;
+			bc = x;
+			br = y;
+		}
+	if (best == G_MAXINT)
+		return false;
+	*column = (uint32_t)bc;
+	*row = (uint32_t)br;
+	return true;
+}
+
 guint align_picks_add(align_picks *p, int side, uint32_t column, uint32_t row)
 {
 	guint pair = 0;

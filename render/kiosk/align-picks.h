@@ -19,6 +19,8 @@ align_picks *align_picks_copy(const align_picks *p);
 void align_picks_free(align_picks *p); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(align_picks, align_picks_free)
 
+/* The nearest cell with a point, within a few: edges of things are often just beside a hole. */
+bool align_picks_find(const range_grid *g, uint32_t *column, uint32_t *row);
 /* A cell on this side: of the first pair that lacks it there, or of a new one. Which pair it became. */
 guint align_picks_add(align_picks *p, int side, uint32_t column, uint32_t row);
 void align_picks_move(align_picks *p, guint pair, int side, uint32_t column, uint32_t row);

@@ -387,7 +387,7 @@ GtkWidget *draw_accents_tools(struct draw_screen *s)
 GtkWidget *draw_accents_bar(struct draw_screen *s)
 {
 	s->tool_hint = kit_named_text("tool-hint", "", NULL);
-	gtk_label_set_max_width_chars(GTK_LABEL(s->tool_hint), 46);
+	kit_narrow(s->tool_hint, -1, 46);
 	s->tool_bar = kit_classed(kit_row(12, kit_grow(s->tool_hint, true, false),
 					  kit_button("tool-without", NULL, _("Without"), NULL, NULL,
 						  G_CALLBACK(without_pressed), s),

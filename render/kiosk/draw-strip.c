@@ -98,7 +98,7 @@ static GtkWidget *style_button(struct draw_screen *s, const char *name, const ch
 	/* As much as two lines hold. */
 	gtk_label_set_wrap(GTK_LABEL(label), TRUE);
 	gtk_label_set_lines(GTK_LABEL(label), 2);
-	gtk_label_set_max_width_chars(GTK_LABEL(label), 16);
+	kit_narrow(label, -1, 16);
 	gtk_label_set_justify(GTK_LABEL(label), GTK_JUSTIFY_CENTER);
 	gtk_widget_set_vexpand(label, TRUE);
 	gtk_label_set_xalign(GTK_LABEL(label), 0.5F);

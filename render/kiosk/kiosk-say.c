@@ -190,7 +190,7 @@ void kiosk_ask(kiosk *k, const char *title, const char *text, const char *yes, G
 	gpointer user_data)
 {
 	GtkWidget *body = kit_text(text, NULL);
-	gtk_label_set_max_width_chars(GTK_LABEL(body), 46);
+	kit_narrow(body, -1, 46);
 	GtkWidget *sure =
 		kit_button("sure", NULL, yes, NULL, "danger great", G_CALLBACK(close_sheet_of), k);
 	/* Closed first: what is done may open the next one. */

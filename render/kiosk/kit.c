@@ -26,6 +26,12 @@ GtkWidget *kit_named_text(const char *name, const char *text, const char *classe
 	return label;
 }
 
+void kit_narrow(GtkWidget *label, int least, int most)
+{
+	gtk_label_set_width_chars(GTK_LABEL(label), least);
+	gtk_label_set_max_width_chars(GTK_LABEL(label), most);
+}
+
 GtkWidget *kit_line(const char *name, const char *text, const char *classes, bool ellipsis)
 {
 	GtkWidget *label = gtk_label_new(text);

@@ -10,6 +10,8 @@ GtkWidget *kit_classed(GtkWidget *w, const char *classes); /* returns w; NULL: n
 /* Aligned left, breaks lines between words. */
 GtkWidget *kit_text(const char *text, const char *classes);
 GtkWidget *kit_named_text(const char *name, const char *text, const char *classes);
+/* So many letters wide at least and at most, so that a long sentence does not push aside what is beside it; least -1: as it comes. */
+void kit_narrow(GtkWidget *label, int least, int most);
 /* Never breaks; what does not fit ends in dots when ellipsis. */
 GtkWidget *kit_line(const char *name, const char *text, const char *classes, bool ellipsis);
 /* icon or text may be NULL; a button without text is told to screen readers by tip. */

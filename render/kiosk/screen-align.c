@@ -299,29 +299,6 @@ static void show_picks(struct align_screen *s)
 	show_buttons(s);
 }
 
-/* The nearest cell with a point, within a few: edges of things are often just beside a hole. */
-static bool find_point(const range_grid *g, uint32_t *column, uint32_t *row)
-{
-	int best = G_MAXINT, bc = 0, br = 0;
-	for (int r = -3; r <= 3; r++)
-		for (int c = -3; c <= 3; c++) {
-			int y = (int)*row + r, x = (int)*column + c, n = (int)g->columns;
-			x = g->wraps ? (x + n) % n : x;
-			if (y < 0 || y >= (int)g->rows || x < 0 || x >= n ||
-				r * r + c * c >= best ||
-				!(g->range_m[(size_t)y * g->columns + (size_t)x] > 0))
-				continue;
-			best = r * r + c * c;
-			bc = x;
-			br = y;
-		}
-	if (best == G_MAXINT)
-		return false;
-	*column = (uint32_t)bc;
-	*row = (uint32_t)br;
-	return true;
-}
-
 struct side {
 	struct align_screen *screen;
 	int side;
@@ -333,7 +310,7 @@ static void pane_tapped(uint32_t column, uint32_t row, gpointer user_data)
 	struct align_screen *s = at->screen;
 	if (!s->pair || !s->pair->pairs)
 		return;
-	if (!find_point(s->pair->data[at->side]->grid, &column, &row)) {
+	if (!align_picks_find(s->pair->data[at->side]->grid, &column, &row)) {
 		kiosk_say(s->kiosk,
 			_("There is nothing there that the scanner measured: tap beside it."));
 		return;
@@ -358,7 +335,7 @@ static void mark_moved(
 	struct align_screen *s = at->screen;
 	if (!last || !s->pair || number > s->picks->pairs->len)
 		return;
-	if (find_point(s->pair->data[at->side]->grid, &column, &row)) {
+	if (align_picks_find(s->pair->data[at->side]->grid, &column, &row)) {
 		remember(s, _("Point moved"));
 		align_picks_move(s->picks, number - 1, at->side, column, row);
 	} else
@@ -508,21 +485,14 @@ static GtkWidget *pane_box(struct align_screen *s, int side)
 	return over;
 }
 
-/* So that a long sentence does not push the panoramas aside. */
-static void narrow(GtkWidget *label)
-{
-	gtk_label_set_width_chars(GTK_LABEL(label), 20);
-	gtk_label_set_max_width_chars(GTK_LABEL(label), 24);
-}
-
 static GtkWidget *verdict_box(struct align_screen *s)
 {
 	s->headline = kit_named_text("align-verdict", _("The scans are being read."), "title");
 	s->advice = kit_named_text("align-advice", "", NULL);
 	s->reason = kit_named_text("align-reason", "", "small soft");
-	narrow(s->headline);
-	narrow(s->advice);
-	narrow(s->reason);
+	kit_narrow(s->headline, 20, 24);
+	kit_narrow(s->advice, 20, 24);
+	kit_narrow(s->reason, 20, 24);
 	return kit_column(4, s->headline, s->advice, s->reason, NULL);
 }
 
@@ -556,7 +526,7 @@ static GtkWidget *work_box(struct align_screen *s)
 static GtkWidget *side_panel(struct align_screen *s)
 {
 	s->hint = kit_named_text("align-hint", "", "small soft");
-	narrow(s->hint);
+	kit_narrow(s->hint, 20, 24);
 	s->list = g_object_ref_sink(kit_column(6, NULL));
 	gtk_widget_set_name(s->list, "picks");
 	g_object_set_data(G_OBJECT(s->list), "align", s);

@@ -195,7 +195,7 @@ static GtkWidget *message_page(GtkWidget *above, GtkWidget *text)
 	GtkWidget *page = kit_column(24, above, text, NULL);
 	gtk_widget_set_halign(page, GTK_ALIGN_CENTER);
 	gtk_widget_set_valign(page, GTK_ALIGN_CENTER);
-	gtk_label_set_max_width_chars(GTK_LABEL(text), 50);
+	kit_narrow(text, -1, 50);
 	return page;
 }
 
