@@ -44,20 +44,29 @@ INLINE void lay_paper(const struct draw_job *j, const struct band *b, struct dra
 
 /* ---- coloured points ---- */
 
-static void show_pixel(const struct points_step *step, const float light[3], float ret[3])
+struct points_look {
+	const struct points_step *step; /* NULL: shows none */
+	float times;                    /* scene_exposed() */
+};
+
+static void show_pixel(const struct points_look *look, const float light[3], float ret[3])
 {
+	const struct points_step *step = look->step;
 	float s[3], grey;
 	for (int k = 0; k < 3; k++)
-		s[k] = ((light_to_srgb(light[k]) - 0.5f) * step->contrast + 0.5f) *
+		s[k] = ((scene_exposed(look->times, light_to_srgb(light[k])) - 0.5f) *
+				       step->contrast +
+			       0.5f) *
 		       step->brightness;
 	grey = 0.299f * s[0] + 0.587f * s[1] + 0.114f * s[2];
 	for (int k = 0; k < 3; k++)
 		ret[k] = light_of_srgb(CLAMP(grey + step->saturation * (s[k] - grey), 0, 1));
 }
 
-static bool is_plain(const struct points_step *s)
+static bool is_plain(const struct points_look *look)
 {
-	return s->brightness == 1 && s->contrast == 1 && s->saturation == 1;
+	const struct points_step *s = look->step;
+	return look->times == 1 && s->brightness == 1 && s->contrast == 1 && s->saturation == 1;
 }
 
 /* Of a pixel, in their planes. */
@@ -91,11 +100,11 @@ static bool light_around(const struct draw_job *j, const struct band *b, const s
 }
 
 static bool light_at(const struct draw_job *j, const struct band *b, const struct draw_desk *d,
-	uint32_t x, uint32_t y, const struct points_step *const *steps, float ret[3])
+	uint32_t x, uint32_t y, const struct points_look looks[256], float ret[3])
 {
 	int32_t key = mask_key(j->mask, (int32_t)x, (int32_t)y);
 	size_t at = points_at(d, x, y);
-	if (key >= MASK_EMPTY || !steps[key & 255])
+	if (key >= MASK_EMPTY || !looks[key & 255].step)
 		return false;
 	if (!(d->weight[at] > 0))
 		return light_around(j, b, d, x, y, ret);
@@ -106,18 +115,22 @@ static bool light_at(const struct draw_job *j, const struct band *b, const struc
 
 static void show_points(const struct draw_job *j, const struct band *b, struct draw_desk *d)
 {
-	const struct points_step *steps[256];
-	for (guint p = 0; p < 256; p++)
-		steps[p] = p < j->f->drawing->pipelines->len ? splat_step(j->f, (uint8_t)p) : NULL;
+	struct points_look looks[256] = { 0 };
+	for (guint p = 0; p < MIN(j->f->drawing->pipelines->len, 256); p++) {
+		const struct points_step *step = splat_step(j->f, (uint8_t)p);
+		if (step)
+			looks[p] = (struct points_look){ step,
+				scene_exposure_of(j->f->scene, step->exposure) };
+	}
 	for (uint32_t y = b->from; y < b->from + b->rows; y++)
 		for (uint32_t x = 0; x < b->width; x++) {
 			float light[3];
-			if (!light_at(j, b, d, x, y, steps, light))
+			if (!light_at(j, b, d, x, y, looks, light))
 				continue;
-			const struct points_step *step =
-				steps[mask_key(j->mask, (int32_t)x, (int32_t)y) & 255];
-			if (!is_plain(step))
-				show_pixel(step, light, light);
+			const struct points_look *look =
+				&looks[mask_key(j->mask, (int32_t)x, (int32_t)y) & 255];
+			if (!is_plain(look))
+				show_pixel(look, light, light);
 			for (int k = 0; k < 3; k++)
 				band_row(b, d->canvas[k], y)[x] = light[k];
 		}

@@ -40,6 +40,7 @@ struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
 	p->step = *step;
 	p->seen = scene_paint_of(s);
 	p->palette = pencil_box_of(step->palette);
+	p->exposure = scene_exposure_of(s, step->exposure);
 	make_levels(p, l, texture);
 	float area_px = l->ink.length_px * l->ink.width_px * covered_part(p->level[0].texture);
 	p->broad = powf(step->fine, 1 / PAINT_POWER);

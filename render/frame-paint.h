@@ -46,6 +46,7 @@ struct frame_paint {
 	struct paint_step step;
 	const scene_paint *seen;
 	pencil_box palette;
+	float exposure; /* scene_exposed() */
 	struct paint_level {
 		stroke_texture *texture;
 		uint32_t *texels, texel_shift; /* as those of frame_layer */

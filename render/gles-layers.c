@@ -90,6 +90,7 @@ static void describe_paint(
 	memcpy(ret->paint_thick, thick, sizeof thick);
 	ret->paint_hole[0] = (float)p->hole_px;
 	ret->paint_hole[1] = p->broad;
+	ret->paint_hole[2] = p->exposure;
 	memcpy(ret->paint_part, p->part, sizeof ret->paint_part);
 	ret->hatch_which[3] = p->palette.count;
 	memcpy(ret->pencils, p->palette.pencil, sizeof ret->pencils);
@@ -152,7 +153,8 @@ static void describe_pipelines(const frame *f, struct pipelines_block *ret, bool
 		if (points)
 			memcpy(ret->points[n],
 				(float[4]){ points->brightness, points->contrast,
-					points->saturation, 1 },
+					points->saturation,
+					scene_exposure_of(f->scene, points->exposure) },
 				sizeof ret->points[n]);
 		if (edl) {
 			ret->edl[n][0] = edl->edl.strength;

@@ -43,6 +43,8 @@ INLINE void paint_colour(const struct brush *b, uint32_t point, const struct str
 	const struct paint_step *step = &paint->step;
 	float rgb[3];
 	evened(b, point, rgb_detail, width_m, rgb);
+	for (int k = 0; k < 3; k++)
+		rgb[k] = 255 * scene_exposed(paint->exposure, rgb[k] * (1 / 255.f));
 	float grey = 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2];
 	float warmth = step->warmth * (2 * (grey * (1 / 255.f) - WARMTH_MIDDLE) +
 					      WARMTH_CHANCE * around_zero(s->point, SALT_WARMTH));

@@ -14,6 +14,8 @@
 #define LEVEL_STEP   MODEL_TONES_STEP
 #define LEVEL_PART   0.05
 #define LEVELS_LEAST 0.1f
+/* How light the lightest become where all are dark. */
+#define EXPOSED_LIGHT 0.62f
 
 void scene_free(scene *s)
 {
@@ -152,6 +154,13 @@ void scene_set_levels(scene *s, const uint32_t count[256])
 		s->darkest = 0;
 		s->lightest = 1;
 	}
+}
+
+float scene_exposure_of(const scene *s, float exposure)
+{
+	float light = fmaxf(s->lightest, LEVELS_LEAST),
+	      times = EXPOSED_LIGHT * (1 - light) / (light * (1 - EXPOSED_LIGHT));
+	return powf(fmaxf(times, 1), exposure);
 }
 
 static void find_levels(scene *s)

@@ -67,6 +67,15 @@ struct scene {
 	float darkest, lightest;
 	float dither_per_m2, tone_exponent; /* that the dithering points were chosen with */
 };
+/* How much longer dark places are exposed, so that their lightest points are about as light as those of others are: 1 with exposure 0,
+ * and where they are light enough; with exposure 1 all of it. */
+float scene_exposure_of(const scene *s, float exposure);
+/* sRGB, 0..1: black stays black and white white, and what is dark becomes so many times as light. */
+static inline float scene_exposed(float times, float srgb)
+{
+	return srgb * times / (1 + (times - 1) * srgb);
+}
+
 /* Reads all of the model once, and gives its memory back behind itself; the model must stay as long as the scene, for what is read of it
  * later (scene-bend.h). G_IO_ERROR_NO_SPACE when it is too large: 2^31 points. */
 scene *scene_new(const model *m, GError **error);

@@ -33,6 +33,7 @@ const struct step_parameter paint_parameters[] = {
 	NUMBER(paint_step, even, PART, 0.9, "",
 		"how much broad strokes take their colours from all that they lie on"),
 	SATURATION,
+	EXPOSURE(paint_step),
 	NUMBER(paint_step, contrast, RANGE(0, 4, 0.5, 2), 1, "",
 		"factor on what differs from middle grey"),
 	NUMBER(paint_step, warmth, RANGE(-1, 1, -1, 1), 0.25, "",

@@ -82,6 +82,9 @@ extern const struct step_parameter kuwahara_parameters[], anisotropic_parameters
 #define SATURATION                                                                                 \
 	NUMBER(ink_step, saturation, RANGE(0, 4, 0, 2), 1, "",                                     \
 		"of points' own colours: 0 is grey, 1 as they are")
+#define EXPOSURE(of)                                                                               \
+	NUMBER(of, exposure, PART, 0, "",                                                          \
+		"how much sites that are all dark are lightened, as if photographed for longer")
 #define INK(start)                                                                                 \
 	INK_CHOICE(colour, step_colour_names, COLOUR_INK, "that of ink, or each point's own"),     \
 		INK_COLOUR(start), BLEND, SATURATION

@@ -147,6 +147,7 @@ static const struct step_parameter point_parameters[] = {
 		"how large points are; 1: as they were measured"),
 	NUMBER(points_step, least_px, RANGE(0, 64, 0.5, 8), 1.6, "px",
 		"diameter that no point is smaller than"),
+	EXPOSURE(points_step),
 	NUMBER(points_step, brightness, RANGE(0, 4, 0.5, 2), 1, "", "factor on lightness"),
 	NUMBER(points_step, contrast, RANGE(0, 4, 0.5, 2), 1, "",
 		"factor on what differs from grey"),

@@ -216,6 +216,7 @@ struct paint_step {
 	float detail; /* 0..1: how far only places with details have fine ones; 0: all places have */
 	float follow; /* 0..1: how far strokes turn along edges that are near, and as surface is bent */
 	float even; /* 0..1: how much of their colours broad strokes take from all around that is as large as they are */
+	float exposure; /* scene_exposure_of() */
 	float contrast;
 	float warmth; /* what is light becomes warmer, what is dark colder; below 0 the other way round */
 	float hue_variation_deg, light_variation; /* by stroke */
@@ -229,6 +230,7 @@ struct paint_step {
 struct points_step {
 	float size;                             /* factor on the diameter of a point's patch */
 	float least_px;                         /* diameter on the screen */
+	float exposure;                         /* scene_exposure_of() */
 	float brightness, contrast, saturation; /* factors: 1 is as it is */
 };
 

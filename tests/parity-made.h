@@ -185,6 +185,8 @@ static inline scene *make_scene(void)
 	s->count = s->chunks = 0; /* they grow */
 	s->origin_m[0] = 1000;
 	s->dither_per_m2 = 400;
+	s->darkest = 0.1f;
+	s->lightest = 0.5f; /* so that there is something to expose for longer */
 	s->tone_exponent = 2;
 	for (int thing = 0; thing < THINGS; thing++)
 		for (uint32_t done = 0; done < things[thing].points; done += CHUNK)

@@ -118,7 +118,8 @@ static const struct look {
 		"{\"step\":\"lines\",\"points\":\"features\",\"ink\":\"#c01010\",\"tooth\":0,"
 		"\"direction\":\"edge\",\"fade_m\":5,\"degree\":0.7,\"opacity_variation\":0.8}" },
 	{ "adjusted",
-		"{\"step\":\"points\",\"brightness\":1.2,\"contrast\":1.4,\"saturation\":0.3,"
+		"{\"step\":\"points\",\"exposure\":0.8,\"brightness\":1.2,\"contrast\":1.4,"
+		"\"saturation\":0.3,"
 		"\"size\":2,\"least_px\":4},{\"step\":\"edl\",\"strength\":2,\"radius_px\":3}" },
 	{ "backs", "{\"step\":\"mask\",\"backs\":\"hidden\"},{\"step\":\"points\"},{\"step\":"
 		   "\"strokes\","
@@ -186,7 +187,8 @@ static const struct look {
 		LIGHT FOCUS },
 	{ "paint-dabs", "{\"step\":\"paint\",\"texture\":\"dab\",\"lies\":\"screen\",\"wet\":0.8,"
 			"\"points\":\"surface\",\"detail\":0,\"follow\":0.4,\"cover\":0.8,"
-			"\"contrast\":1.4,\"even\":0.2,\"tooth\":0.6,\"angle_variation_deg\":90},"
+			"\"exposure\":1,\"contrast\":1.4,\"even\":0.2,\"tooth\":0.6,\"angle_"
+			"variation_deg\":90},"
 			"{\"step\":\"lines\",\"points\":\"features\"}" },
 	{ "profile-hidden",
 		"{\"step\":\"profile\",\"hidden\":0.7,\"overshoot_px\":12,\"wobble_px\":3,"

@@ -26,6 +26,12 @@ layout(std140, binding = 0) uniform Camera {
 	ivec4 window;      /* where in the whole picture this one begins */
 };
 
+/* scene_exposed() */
+vec3 exposed(float times, vec3 srgb)
+{
+	return srgb * times / (1.0 + (times - 1.0) * srgb);
+}
+
 /* LENS_SCALE_M() */
 float scale_m(float depth_m)
 {

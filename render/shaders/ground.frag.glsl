@@ -20,7 +20,8 @@ float of_srgb(float s)
 
 vec3 shown(vec4 rule, vec3 linear)
 {
-	vec3 s = (vec3(to_srgb(linear.r), to_srgb(linear.g), to_srgb(linear.b)) - 0.5) * rule.y + 0.5;
+	vec3 s = exposed(rule.w, vec3(to_srgb(linear.r), to_srgb(linear.g), to_srgb(linear.b)));
+	s = (s - 0.5) * rule.y + 0.5;
 	s *= rule.x;
 	float grey = dot(s, vec3(0.299, 0.587, 0.114));
 	s = clamp(grey + rule.z * (s - grey), 0.0, 1.0);
@@ -64,7 +65,7 @@ void main()
 	}
 	if (sum.w > 0.0) {
 		c = sum.rgb / sum.w;
-		if (rule.xyz != vec3(1.0))
+		if (rule != vec4(1.0))
 			c = shown(rule, c);
 	}
 	if (key < MASK_EMPTY && edl[pipeline].y > 0.0)

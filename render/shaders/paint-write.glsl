@@ -23,7 +23,7 @@ vec3 evened(candidate c, brush p, uint rgba, float width_m)
 uint paint_colour(candidate c, brush p, float width_m, float lit)
 {
 	const vec3 warm = vec3(34.0, 8.0, -40.0);
-	vec3 rgb = evened(c, p, looks[c.index].x, width_m);
+	vec3 rgb = 255.0 * exposed(paint_hole.z, evened(c, p, looks[c.index].x, width_m) * (1.0 / 255.0));
 	float grey = dot(rgb, vec3(0.299, 0.587, 0.114));
 	float warmth = paint_look.z * (2.0 * (grey * (1.0 / 255.0) - WARMTH_MIDDLE) +
 					      WARMTH_CHANCE * (2.0 * chance_by(c, SALT_WARMTH) - 1.0));
