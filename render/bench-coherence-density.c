@@ -61,7 +61,7 @@ static void add_wanted(const struct cells *c, const struct frame_layer *l, const
 
 static float strokes_of(const struct frame_layer *l, const scene *s, uint32_t point)
 {
-	bool is_flat = (l->hatch || s->kind[point] < FEATURE_UNDIRECTED) &&
+	bool is_flat = (l->hatch || frame_layer_has_surface(l, s->kind[point])) &&
 		       s->normal[point][0] != MODEL_NORMAL_NONE;
 	return is_flat ? (float)frame_copies(l) : 1;
 }

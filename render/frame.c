@@ -84,6 +84,16 @@ static void want(struct frame_layer *l, const scene *s)
 	}
 }
 
+/* Edges are drawn along their lines, whatever else there is around. */
+static uint32_t kinds_together(const struct frame_layer *l)
+{
+	const uint32_t leaves = 1u << FEATURE_UNDIRECTED,
+		       surface = 1u << FEATURE_NONE | 1u << FEATURE_DITHER;
+	if (l->is_queue)
+		return l->kinds & ~(1u << FEATURE_DITHER);
+	return l->kinds & leaves && l->kinds & surface ? l->kinds & (leaves | surface) : 0;
+}
+
 /* Of a point that is lit it is what a darker one wants. */
 static void want_at_most(struct frame_layer *l, const scene *s, float lit)
 {
@@ -109,6 +119,11 @@ uint32_t frame_copies(const struct frame_layer *l)
 {
 	bool has_surface = l->hatch || l->kinds & (1 << FEATURE_NONE | 1 << FEATURE_DITHER);
 	return has_surface && l->ink.scatter > 0 ? (uint32_t)l->ink.copies : 1;
+}
+
+float frame_dither_m(const scene *s, const struct frame_layer *l, const struct scene_chunk *c)
+{
+	return l->dithers_alone ? 1 / sqrtf(s->dither_per_m2 * c->part) : 0;
 }
 
 static float area_of(const struct frame_layer *l)
@@ -250,6 +265,8 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 	l->is_cut = step_is_cut(step);
 	l->is_profile = step_is_profile(step);
 	l->is_queue = l->ink.tone == TONE_COLOUR && l->ink.points == INK_DITHERING;
+	l->together = kinds_together(l);
+	l->dithers_alone = l->is_queue || !(l->kinds & 1u << FEATURE_NONE);
 	return true;
 }
 

@@ -60,6 +60,10 @@ struct frame_layer {
 	float stroke_area_px; /* integral of a mean stroke's alpha */
 	enum frame_lit lit;
 	bool is_queue; /* INK_DITHERING and TONE_COLOUR: dithering points, and behind them all others */
+	/* Bits of kinds whose points share the places of strokes, as dense as all points are; those of other kinds are as dense as there are
+	 * points of their own. */
+	uint32_t together;
+	bool dithers_alone; /* or before all others: with the spacing of dithering points */
 	float wanted_most
 		[FEATURE_KINDS]; /* of a kind, at any lightness; where it is a queue, for all dithering points of black surface */
 	float wanted_per_px[256];    /* strokes to a square pixel, by lightness of the points */
@@ -73,6 +77,12 @@ struct frame_layer {
 	/* Directions on the screen, x right and y down: the layer's own, and 256 turns within its variation, as cosine and sine. */
 	float own_way[2], turn[256][2];
 };
+
+/* Whether points of this kind lie on surface, may be moved in it, and give copies; so do all that are drawn together with surface. */
+static inline bool frame_layer_has_surface(const struct frame_layer *l, int kind)
+{
+	return kind < FEATURE_UNDIRECTED || l->together >> kind & 1;
+}
 
 /* All points are surface to it, whatever kind they are of. */
 static inline bool frame_layer_is_whole(const struct frame_layer *l)
@@ -94,6 +104,8 @@ uint8_t *frame_pack_few_texels(const stroke_texture *t);
 
 /* Strokes that a point of surface with a normal gives at most: itself and its copies. */
 uint32_t frame_copies(const struct frame_layer *l);
+/* How far apart dithering points of black surface are, where a layer draws them alone; else 0. */
+float frame_dither_m(const scene *s, const struct frame_layer *l, const struct scene_chunk *c);
 
 typedef struct frame frame;
 struct frame {

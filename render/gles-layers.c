@@ -116,12 +116,14 @@ static void describe(const struct frame_layer *l, const struct gles_about *about
 		.look = { ink->grow, ink->scatter, ink->saturation, ink->tooth },
 		.opacity = { ink->opacity, ink->opacity_variation, ink->degree, ink->fade_m },
 		.texels = { 1, 1, 1, (float)l->lit },
-		.which = { l->kinds, l->is_queue, kinds_along(ink), ink->colour == COLOUR_POINT },
+		.which = { l->kinds | l->together << 8, l->is_queue, kinds_along(ink),
+			ink->colour == COLOUR_POINT },
 		.colour = { 0, band_blend_of(l), frame_copies(l), l->is_focus },
 	};
 	memcpy(ret->wanted_per_px, l->wanted_per_px, sizeof ret->wanted_per_px);
 	memcpy(ret->dithering_per_m2, l->dithering_per_m2, sizeof ret->dithering_per_m2);
 	memcpy(ret->own_way, l->own_way, sizeof l->own_way);
+	ret->own_way[2] = l->dithers_alone ? f->scene->dither_per_m2 : 0;
 	memcpy(ret->turn, l->turn, sizeof ret->turn);
 	memcpy(ret->ink_linear, l->ink_linear, sizeof l->ink_linear);
 	memcpy(ret->colour, ink->ink, sizeof ink->ink);

@@ -156,29 +156,28 @@ static void add_up(const struct scene_chunk *c, struct shares *h)
 			memset(h->around[kind], 0, sizeof h->around[kind]);
 }
 
-/* Part of the points around that are of the point's own kind. */
+/* Part of the points around that are drawn with the point: those of its own kind, or all on surface. */
 static float share_at(const scene *s, const struct shares *h, uint32_t i)
 {
 	int z = cell_of(s->q[2][i]), y = cell_of(s->q[1][i]), x = cell_of(s->q[0][i]);
-	uint32_t all = 0;
-	for (int kind = 0; kind < FEATURE_KINDS; kind++)
-		all += h->around[kind][z][y][x];
-	return (float)h->around[s->kind[i]][z][y][x] / (float)MAX(all, 1);
+	const uint32_t surface = 1 << FEATURE_NONE | 1 << FEATURE_DITHER, own = 1u << s->kind[i];
+	uint32_t all = 0, with = 0;
+	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
+		uint32_t around = h->around[kind][z][y][x];
+		all += around;
+		with += (own & surface ? surface : own) >> kind & 1 ? around : 0;
+	}
+	return (float)with / (float)MAX(all, 1);
 }
 
 static float list_spacing_m(
 	const scene *s, const struct scene_chunk *c, const struct shares *h, uint32_t i)
 {
 	float spacing_m = s->spacing[i] * SCENE_UNIT_M;
-	switch (s->kind[i]) {
-	case FEATURE_DIRECTED:
-		/* Along the edge, where part of the points are farther apart than on surface. */
+	/* Along the edge, where part of the points are farther apart than on surface. */
+	if (s->kind[i] == FEATURE_DIRECTED)
 		return spacing_m / (RIDGE_WIDTH * sqrtf(c->part));
-	case FEATURE_DITHER:
-		/* As if it were black, of which fewer are fainter; where beams are far apart they are all there are. */
-		return fmaxf(1 / sqrtf(s->dither_per_m2 * c->part), spacing_m);
-	default: return spacing_m / sqrtf(fmaxf(share_at(s, h, i), 1e-3f));
-	}
+	return spacing_m / sqrtf(fmaxf(share_at(s, h, i), 1e-3f));
 }
 
 static void space_list(scene *s, struct scene_chunk *c, struct shares *h)

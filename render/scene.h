@@ -60,7 +60,8 @@ struct scene {
 	uint8_t (*rgba)
 		[4]; /* sRGB; of intensities where there is no colour (scene-grey.h); a 0: has neither */
 	uint8_t *kind, *degree;
-	/* Indices in the chunk, kind by kind, each in the order of ranks; and as many spacings among points of the same kind. */
+	/* Indices in the chunk, kind by kind, each in the order of ranks; and as many spacings among those that
+	 * are drawn with them: along edges, among leaves, and on surface, whether they are dithering points or not. */
 	uint16_t *list, *list_spacing;
 	uint32_t *id; /* with a pager: which point of the model it is; NULL: that of its index */
 	/* Of coloured points, 0..1: a twentieth is darker, a twentieth is lighter; 0 and 1 without any. */

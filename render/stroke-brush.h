@@ -28,8 +28,9 @@ struct brush {
 	int kind;
 	float wanted_most; /* need is this * (px_per_m * spacing)^2 at most, of points on surface */
 	uint32_t list_from, list_count; /* of the kind in the chunk */
-	uint32_t copies;                /* that points may give, with themselves */
-	float moved_m;                  /* how far from their points strokes are at most */
+	float dither_m; /* of dithering points without all others on surface: how far apart black ones are; else 0 */
+	uint32_t copies;  /* that points may give, with themselves */
+	float moved_m;    /* how far from their points strokes are at most */
 	float crown_m[3]; /* of paint: the middle of the chunk's leaf, as the camera sees it */
 };
 

@@ -121,7 +121,8 @@ static float need_most(const struct brush *b)
 	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->lens.near_m);
 	float more = STROKE_FADE_MORE(stroke_fade_octaves(nearest_m));
 	float scale = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m) *
-		      (shares_queue(b) ? c->spacing_most_m : c->list_spacing_most_m[b->kind]);
+		      (has_own_spacing(b) ? c->list_spacing_most_m[b->kind]
+					  : fmaxf(c->spacing_most_m, b->dither_m));
 	if (is_on_edge(b))
 		return more * scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
 	return more * b->wanted_most * scale * scale;
@@ -156,8 +157,9 @@ INLINE void find_candidates(
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
 	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
-	c->spacing_m = shares_queue(b) ? gather_u16(s->spacing, c->point) * SCENE_UNIT_M
-				       : load_u16(s->list_spacing + at) * SCENE_UNIT_M;
+	c->spacing_m = has_own_spacing(b) ? load_u16(s->list_spacing + at) * SCENE_UNIT_M
+					  : most(gather_u16(s->spacing, c->point) * SCENE_UNIT_M,
+						    all(b->dither_m));
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
 	c->left &= promising(b, &l, c);
 }

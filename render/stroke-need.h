@@ -17,10 +17,10 @@ INLINE bool is_on_edge(const struct brush *b)
 	return b->kind == FEATURE_DIRECTED && !b->layer->is_queue;
 }
 
-/* Points that come after dithering points, as dense as all points are. */
-INLINE bool shares_queue(const struct brush *b)
+/* As dense as all points are, and dithering points no denser than that. */
+INLINE bool has_own_spacing(const struct brush *b)
 {
-	return b->kind != FEATURE_DITHER && b->layer->is_queue;
+	return !(b->layer->together >> b->kind & 1) && !(b->dither_m > 0);
 }
 
 INLINE float need_along(const struct brush *b, const struct candidate *c, const struct line *l)
@@ -163,7 +163,7 @@ INLINE void find_normals(const struct brush *b, vi packed, struct lane_candidate
 	vi some = unit_lanes(packed, c->site_normal);
 	for (int k = 0; k < 3; k++)
 		c->normal[k] = turn_lanes(b, k, c->site_normal);
-	c->is_flat = b->kind < FEATURE_UNDIRECTED ? some : (vi){ 0 };
+	c->is_flat = frame_layer_has_surface(b->layer, b->kind) ? some : (vi){ 0 };
 }
 
 INLINE vi has_no_normal(const struct lane_candidates *c)

@@ -117,11 +117,14 @@ static void choose_kinds(struct brush *b, struct stroke_chain *to)
 		if (!(b->layer->kinds >> b->kind & 1) || !b->list_count)
 			continue;
 		b->wanted_most = b->layer->wanted_most[b->kind] * b->ray_most;
-		b->copies = b->kind < FEATURE_UNDIRECTED ? frame_copies(b->layer) : 1;
-		b->moved_m = b->kind < FEATURE_UNDIRECTED
-				     ? stroke_moved_most_m(
-					       b->view->chunk, b->layer->ink.scatter, b->copies > 1)
-				     : 0;
+		b->dither_m = b->kind == FEATURE_DITHER
+				      ? frame_dither_m(b->f->scene, b->layer, b->view->chunk)
+				      : 0;
+		bool has_surface = frame_layer_has_surface(b->layer, b->kind);
+		b->copies = has_surface ? frame_copies(b->layer) : 1;
+		b->moved_m = has_surface ? stroke_moved_most_m(b->view->chunk,
+						   b->layer->ink.scatter, b->copies > 1)
+					 : 0;
 		LANES_OF(b->f->lanes, stroke_choose)(b, to);
 	}
 }

@@ -138,7 +138,7 @@ static double mean_list_spacing_m(const scene *s, int kind)
 	return sum / count;
 }
 
-/* A quarter of the points are undirected: these stand twice as far apart, the others are 3 of 4. */
+/* A quarter of the points are undirected: these stand twice as far apart. The others are surface, 3 of 4, dithering points among them. */
 static void test_shares(void)
 {
 	g_auto(made) m = made_new();
@@ -148,13 +148,17 @@ static void test_shares(void)
 	made_add_plane(&m, &p);
 	for (guint i = 0; i < m.points->len; i++) {
 		struct made_point *q = &g_array_index(m.points, struct made_point, i);
-		q->kind = i / 200 % 2 && i % 2 ? FEATURE_UNDIRECTED : FEATURE_NONE;
+		q->kind = i / 200 % 2 && i % 2 ? FEATURE_UNDIRECTED
+			  : i % 3              ? FEATURE_NONE
+					       : FEATURE_DITHER;
 	}
 	const scene *s = made_read(&m);
 	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_UNDIRECTED), >, 0.04 * 0.97);
 	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_UNDIRECTED), <, 0.04 * 1.03);
-	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_NONE), >, 0.02 * sqrt(4 / 3.) * 0.98);
-	g_assert_cmpfloat(mean_list_spacing_m(s, FEATURE_NONE), <, 0.02 * sqrt(4 / 3.) * 1.02);
+	for (int kind = FEATURE_NONE; kind <= FEATURE_DITHER; kind++) {
+		g_assert_cmpfloat(mean_list_spacing_m(s, kind), >, 0.02 * sqrt(4 / 3.) * 0.98);
+		g_assert_cmpfloat(mean_list_spacing_m(s, kind), <, 0.02 * sqrt(4 / 3.) * 1.02);
+	}
 }
 
 static double mean_spacing_m(const scene *s)
@@ -165,7 +169,8 @@ static double mean_spacing_m(const scene *s)
 	return sum / s->count;
 }
 
-/* Whatever beams claim, points stand for what their discs cover; but twice as many are not told from two layers. */
+/* Whatever beams claim, points stand for what their discs cover, less what these cover beyond the ends of surface; but twice as many are not
+ * told from two layers. */
 static void test_cover(void)
 {
 	static const struct {
@@ -185,15 +190,14 @@ static void test_cover(void)
 			g_test_message("axis %d, %.2f claimed: %.4f of %.4f m", axis,
 				part[n].claimed, spacing_m, 0.02 * part[n].wanted);
 			g_assert_cmpfloat(
-				fabs(spacing_m / 0.02 - part[n].wanted), <, 0.08 * part[n].wanted);
+				fabs(spacing_m / 0.02 - part[n].wanted), <, 0.11 * part[n].wanted);
 		}
 }
 
-static void test_edges_and_dither(void)
+static void test_edges(void)
 {
 	g_auto(made) m = made_court();
 	const scene *s = made_read(&m);
-	g_assert_cmpfloat(fabs(mean_list_spacing_m(s, FEATURE_DITHER) - 1 / sqrt(60)), <, 1e-4);
 	g_assert_cmpfloat(fabs(mean_list_spacing_m(s, FEATURE_DIRECTED) - 0.01), <, 1e-6);
 }
 
@@ -413,7 +417,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene/far-away", test_far_away);
 	g_test_add_func("/scene/shares", test_shares);
 	g_test_add_func("/scene/cover", test_cover);
-	g_test_add_func("/scene/edges-and-dither", test_edges_and_dither);
+	g_test_add_func("/scene/edges", test_edges);
 	g_test_add_func("/scene/measures", test_measures);
 	g_test_add_func("/scene/intensities", test_intensities);
 	g_test_add_func("/scene/no-intensities", test_no_intensities);

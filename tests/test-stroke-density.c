@@ -120,6 +120,41 @@ static void test_density(void)
 		}
 }
 
+/* Points of all kinds of surface together, or in one queue, are no denser than points of one; and where they are too few, copies of some
+ * stand for those that give none. */
+static void test_kinds(void)
+{
+	static const char *const layers[] = { "\"points\":\"surface\"", "\"points\":\"all\"",
+		"\"points\":\"dithering\",\"tone\":\"colour\"" };
+	static const double apart_m[] = { 0.01, 0.1 };
+	for (int sparse = 0; sparse < 2; sparse++) {
+		g_auto(made) m = made_new();
+		add_wall(&m, sparse ? 60 : 600, apart_m[sparse], 100, true);
+		for (guint i = 0; i < m.points->len; i++)
+			if (g_rand_int_range(m.chance, 0, 4) == 0)
+				g_array_index(m.points, struct made_point, i).kind =
+					FEATURE_UNDIRECTED;
+		const scene *s = made_read(&m);
+		for (size_t n = 0; n < G_N_ELEMENTS(layers); n++) {
+			g_autofree char *node = g_strdup_printf(
+				MADE_SITE("{\"step\":\"sprites\",%s,\"spacing_px\":16," STEADY "}"),
+				layers[n]);
+			g_autoptr(drawing) d = made_drawing(node);
+			struct camera c = before_wall(0, 60, 400);
+			g_autoptr(frame) f = made_frame(s, d, &c);
+			stroke_list *l = strokes_of(f, false);
+			double variation;
+			g_auto(tiles) t = tiles_of(f, l, 2.8);
+			double wanted = (double)(f->layer[0].wanted_per_px[100] * STROKE_FADE_MEAN),
+			       density = density_of(&t, &variation) / wanted;
+			g_test_message("%s, %g m apart: %.3f of what is wanted", layers[n],
+				apart_m[sparse], density);
+			g_assert_cmpfloat(fabs(density - 1), <=, 0.07);
+			stroke_lists_free(l, f->layers);
+		}
+	}
+}
+
 /* ---- copies ---- */
 
 struct spot {
@@ -305,6 +340,7 @@ int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/stroke/density", test_density);
+	g_test_add_func("/stroke/kinds", test_kinds);
 	g_test_add_func("/stroke/copies", test_copies);
 	g_test_add_func("/stroke/tone", test_tone);
 	return g_test_run();

@@ -136,10 +136,23 @@ bool is_whole()
 	return is_hatching() || is_contours() || is_cut() || paint_size.x > 0.0;
 }
 
-/* Comes after the dithering points, as dense as all points are. */
-bool shares_queue(uint kind)
+/* Of dithering points without all others on surface: how far apart black ones are; else 0. */
+float dither_m(uint n, uint kind)
 {
-	return is_whole() || kind != DITHER && which.y != 0u;
+	float per_m2 = own_way.z * uintBitsToFloat(views[n].pipeline.w);
+	return kind == DITHER && per_m2 > 0.0 ? 1.0 / sqrt(per_m2) : 0.0;
+}
+
+/* frame_layer_has_surface() */
+bool has_surface(uint kind)
+{
+	return kind < UNDIRECTED || (which.x >> (8u + kind) & 1u) != 0u;
+}
+
+/* As dense as all points are, and dithering points no denser than that. */
+bool has_own_spacing(uint kind)
+{
+	return !is_whole() && (which.x >> (8u + kind) & 1u) == 0u && (kind != DITHER || own_way.z == 0.0);
 }
 
 /* Of the longest ray of depth 1. */
@@ -224,7 +237,7 @@ float reach_of(bool is_copy)
 /* Of all copies. */
 float moved_most(uint n, uint kind)
 {
-	return kind < UNDIRECTED ? views[n].splat.w * reach_of(colour.z > 1u) * 1.41421356 : 0.0;
+	return has_surface(kind) ? views[n].splat.w * reach_of(colour.z > 1u) * 1.41421356 : 0.0;
 }
 
 /* Where strokes of points at this depth may be. */
@@ -294,7 +307,7 @@ float need_once(uint kind)
 /* No rank of the kind above it is drawn of the view. */
 float need_most(uint n, uint kind)
 {
-	float spacing_most_m = shares_queue(kind) ? views[n].splat.z : views[n].spacing_most_m[kind];
+	float spacing_most_m = has_own_spacing(kind) ? views[n].spacing_most_m[kind] : max(views[n].splat.z, dither_m(n, kind));
 	float nearest_m = nearest_of(n, kind, views[n].base.w), near = lens.x / scale_m(nearest_m) * spacing_most_m;
 	return need_once(kind) * (is_on_edge(kind) ? near : near * near) * more_of(octaves_at(nearest_m));
 }
@@ -335,7 +348,9 @@ bool candidate_of(uint n, uint i, out candidate c)
 	if (is_whole() && !is_contours() && (which.x >> (points[c.index].z >> 24) & 1u) == 0u)
 		return false;
 	c.view = n;
-	c.spacing_m = float((shares_queue(c.kind) ? points[c.index].y : word) >> 16) * UNIT_M;
+	c.spacing_m = float((has_own_spacing(c.kind) ? word : points[c.index].y) >> 16) * UNIT_M;
+	if (!is_whole())
+		c.spacing_m = max(c.spacing_m, dither_m(n, c.kind));
 	vec3 at = place_of(n, points[c.index]);
 	float nearest_m = nearest_of(n, c.kind, at.z), px_per_m = lens.x / scale_m(nearest_m),
 	      scale = lens.x / scale_m(at.z);

@@ -64,7 +64,7 @@ bool giver_of(uint n, uint i, out giver g)
 		return false;
 	if (texels.w <= 0.0)
 		g.normal = turned(points[g.c.index].w);
-	g.is_flat = g.c.kind < UNDIRECTED && g.normal != vec3(0.0);
+	g.is_flat = has_surface(g.c.kind) && g.normal != vec3(0.0);
 	if (g.is_flat)
 		g.copies = colour.z;
 	return true;
