@@ -61,9 +61,10 @@ static void add_wanted(const struct cells *c, const struct frame_layer *l, const
 
 static float strokes_of(const struct frame_layer *l, const scene *s, uint32_t point)
 {
-	bool is_flat = (l->hatch || frame_layer_has_surface(l, s->kind[point])) &&
+	bool spreads = (l->hatch || frame_layer_has_surface(l, s->kind[point])) &&
 		       s->normal[point][0] != MODEL_NORMAL_NONE;
-	return is_flat ? (float)frame_copies(l) : 1;
+	uint32_t copies = spreads ? frame_copies(l) : 1;
+	return (float)(s->kind[point] == FEATURE_UNDIRECTED ? MIN(copies, LEAVES_COPIES) : copies);
 }
 
 static void add_point(const struct cells *c, const visibility_mask *m, const struct chunk_view *v,

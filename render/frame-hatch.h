@@ -16,6 +16,8 @@
  * where surface is seen aslant, and no stroke goes at once. */
 #define HATCH_TURNED_AWAY 0.3f
 #define HATCH_FACING      0.33f
+/* Of leaves, which face any way and hang before each other, so many are wanted of those on surface. */
+#define HATCH_LEAVES 0.92f
 /* Where fewer than this part of all strokes are drawn they are fainter and fainter: what a light does to few is sudden. */
 #define HATCH_FOOT 0.08f
 

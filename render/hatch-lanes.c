@@ -160,12 +160,12 @@ INLINE void try_copies(
 	struct hatch_lanes h;
 	find_hatch(b, at, c, &h);
 	fetch(b, c);
-	unsigned flat = c->left ? bits(c->is_flat) : 0;
+	vf copies = copies_of(b, c);
 	for (; c->left && c->copy < b->copies; c->copy++) {
 		struct lane_candidates one = *c;
 		try_strokes(b, &one, &h, to);
 		c->rank += c->last;
-		c->left &= bits(c->rank < c->most) & flat;
+		c->left &= bits((c->rank < c->most) & ((float)c->copy + 1 < copies));
 	}
 }
 

@@ -233,7 +233,8 @@ INLINE void find_hatch(
 	vi rgba = *(const vi_loose *)(const void *)s->rgba[at];
 	h->shade = shade_of(hatch, brightness_of(b, c, rgba), c->depth_m - b->lens.begin_m);
 	h->shade &= c->depth_m > 0; /* beyond the camera nothing is known */
-	c->wanted = (vf)gather(hatch->wanted_per_px, h->shade, 4);
+	c->wanted = (vf)gather(hatch->wanted_per_px, h->shade, 4) *
+		    choose(c->is_flat, all(1), all(HATCH_LEAVES));
 	c->left &= bits(c->rank * HATCH_SHORTEST < c->wanted * per_px);
 	if (!c->left)
 		return;

@@ -146,12 +146,12 @@ INLINE void try_copies(
 	struct paint_lanes p;
 	find_paint(b, at, c, &p);
 	fetch(b, c);
-	unsigned flat = c->left ? bits(c->is_flat) : 0;
+	vf copies = copies_of(b, c);
 	for (; c->left && c->copy < b->copies; c->copy++) {
 		struct lane_candidates one = *c;
 		try_stroke(b, &one, &p, to);
 		c->rank += c->last;
-		c->left &= bits(c->rank < c->most) & flat;
+		c->left &= bits((c->rank < c->most) & ((float)c->copy + 1 < copies));
 	}
 }
 

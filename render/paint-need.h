@@ -166,6 +166,7 @@ INLINE void find_paint(
 		c->is_flat &= load_u8_whole(s->kind + at) != FEATURE_UNDIRECTED;
 	else
 		c->is_flat = ~has_no_normal(c);
+	c->spreads = c->is_flat;
 	c->wanted *= choose(c->is_flat, all(1), all(PAINT_LEAVES));
 	vf per_px = paint_per_px(b, c);
 	c->left &= bits(c->rank * PAINT_NARROWEST < c->wanted * per_px);

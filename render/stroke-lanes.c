@@ -99,7 +99,7 @@ INLINE void try_on_surface(
 	vf need = l->need * STROKE_FADE_MORE(l->octaves);
 	vf alpha = opacity_of(b, l) * fade_of(l->rank, need, l->octaves);
 	vf larger = enlarged(b, l);
-	vf short_of = l->need / (l->last * choose(l->is_flat, all((float)b->copies), all(1)));
+	vf short_of = l->need / (l->last * copies_of(b, l));
 	struct stroke_block *block = block_of(to, LANES);
 	for (unsigned left = l->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
@@ -168,12 +168,12 @@ INLINE void find_candidates(
 INLINE void try_copies(const struct brush *b, struct lane_candidates *c, struct stroke_chain *to)
 {
 	find_wanted(b, c);
-	unsigned flat = c->left ? bits(c->is_flat) : 0;
+	vf copies = copies_of(b, c);
 	for (; c->left && c->copy < b->copies; c->copy++) {
 		struct lane_candidates one = *c;
 		try_on_surface(b, &one, to);
 		c->rank += c->last;
-		c->left &= bits(c->rank < c->most) & flat;
+		c->left &= bits((c->rank < c->most) & ((float)c->copy + 1 < copies));
 	}
 }
 

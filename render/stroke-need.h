@@ -55,7 +55,8 @@ struct lane_candidates {
 	vf normal[3]; /* as the camera sees it; 0 0 0: none */
 	vf site_normal[3];
 	vi is_flat;
-	vf away;       /* 0..1: from the focus */
+	vi spreads; /* has a patch, in the plane of its normal, that it is moved in and gives copies in: what is flat, and leaves of hatching */
+	vf away;    /* 0..1: from the focus */
 	unsigned left; /* which of them may be drawn */
 };
 
@@ -163,7 +164,7 @@ INLINE void find_normals(const struct brush *b, vi packed, struct lane_candidate
 	vi some = unit_lanes(packed, c->site_normal);
 	for (int k = 0; k < 3; k++)
 		c->normal[k] = turn_lanes(b, k, c->site_normal);
-	c->is_flat = frame_layer_has_surface(b->layer, b->kind) ? some : (vi){ 0 };
+	c->is_flat = c->spreads = frame_layer_has_surface(b->layer, b->kind) ? some : (vi){ 0 };
 }
 
 INLINE vi has_no_normal(const struct lane_candidates *c)
@@ -194,6 +195,13 @@ INLINE vf place_in_patch(const struct lane_candidates *c, uint32_t salt, float s
 	return 2 * (at - where(at >= 1, all(1))) - 1;
 }
 
+/* Strokes that each point gives at most. */
+INLINE vf copies_of(const struct brush *b, const struct lane_candidates *c)
+{
+	vf leaves = choose(c->spreads, all((float)MIN(b->copies, LEAVES_COPIES)), all(1));
+	return choose(c->is_flat, all((float)b->copies), leaves);
+}
+
 /* Moves points in their planes, inside the patches that they stand for. */
 INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 {
@@ -212,7 +220,7 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 		moved[k] = by[0] * axis[0][k] + by[1] * axis[1][k];
 	for (int k = 0; k < 3; k++)
 		at[k] = (k < 2 ? seen[k] * deep : c->depth_m) + turn_lanes(b, k, moved);
-	vi moves = c->is_flat & (at[2] >= b->lens.near_m);
+	vi moves = c->spreads & (at[2] >= b->lens.near_m);
 	vf scale = b->lens.focal_px / LENS_SCALE_M(&b->lens, at[2]);
 	c->depth_m = choose(moves, at[2], c->depth_m);
 	c->x_px = choose(moves, b->lens.middle_x + at[0] * scale, c->x_px);

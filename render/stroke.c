@@ -122,6 +122,8 @@ static void choose_kinds(struct brush *b, struct stroke_chain *to)
 				      : 0;
 		bool has_surface = frame_layer_has_surface(b->layer, b->kind);
 		b->copies = has_surface ? frame_copies(b->layer) : 1;
+		if (b->kind == FEATURE_UNDIRECTED)
+			b->copies = MIN(b->copies, LEAVES_COPIES);
 		b->moved_m = has_surface ? stroke_moved_most_m(b->view->chunk,
 						   b->layer->ink.scatter, b->copies > 1)
 					 : 0;

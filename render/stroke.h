@@ -63,6 +63,8 @@ void stroke_lists_free(stroke_list *lists, uint32_t layers); /* NULL is fine */
 
 /* Copies lie so much farther away than points are moved: their rows are farther apart than patches are long where beams graze. */
 #define COPY_REACH 1.3f
+/* Strokes that a point gives at most which stands for leaves or clutter: more of them fill its patch, and it looks like a board. */
+#define LEAVES_COPIES 4u
 /* Parts of the patch that each copy lies farther than the one before, across and down, beginning again at its border: so they keep apart
  * from each other (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences"). */
 #define COPY_ACROSS 0.7548777f

@@ -15,7 +15,7 @@ layout(location = 1) uniform uint layer_view;
 uint copy = 0u;
 
 const uint THREADS = 256u, MARKS = 257u;
-const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u;
+const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u, LEAVES_COPIES = 4u;
 const uint SALT_LENGTH = 1u, SALT_ANGLE = 2u, SALT_OPACITY = 3u, SALT_VARIANT = 4u, SALT_ACROSS = 5u, SALT_DOWN = 6u, SALTS = 8u;
 const float COSINE_LEAST = 0.1, COSINE_UNKNOWN = 1.0, FORESHORTENED = 0.25;
 const float ALPHA_LEAST = 1.0 / 255.0, COPY_REACH = 1.3, FADE_MEAN = 0.7213;

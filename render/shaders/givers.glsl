@@ -3,7 +3,7 @@
 struct giver {
 	candidate c;
 	vec3 normal;
-	bool is_flat;
+	bool is_flat, spreads; /* spreads: is moved in the patch that it stands for, and gives copies there */
 	uint copies;
 	hatch h;
 	brush p;
@@ -32,7 +32,8 @@ bool giver_of(uint n, uint i, out giver g)
 		g.wanted = hatch_wanted(g.c, g.normal, g.h);
 		g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
 		g.is_flat = is_flat_here(g.c, g.normal);
-		g.copies = g.is_flat ? colour.z : 1u;
+		g.spreads = g.normal != vec3(0.0);
+		g.copies = g.is_flat ? colour.z : g.spreads ? min(colour.z, LEAVES_COPIES) : 1u;
 		return g.rank < g.most;
 	}
 	if (is_paint()) {
@@ -41,13 +42,14 @@ bool giver_of(uint n, uint i, out giver g)
 		g.is_flat = is_flat_paint(g.c, g.normal);
 		g.wanted = wanted_per_px[0].x * g.p.part / g.p.aslant * (g.is_flat ? 1.0 : PAINT_LEAVES);
 		g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
+		g.spreads = g.is_flat;
 		g.copies = g.is_flat ? colour.z : 1u;
 		return g.rank < g.most;
 	}
 	if (is_contours()) {
 		g.normal = turned(points[g.c.index].w);
 		g.wanted = wanted_per_px[0].x;
-		g.is_flat = g.normal != vec3(0.0);
+		g.is_flat = g.spreads = g.normal != vec3(0.0);
 		g.most = 1e30;
 		if (views[n].mask.w > 0.0 && dot(g.normal, ray_of(g.c)) > BEYOND)
 			return false;
@@ -64,9 +66,9 @@ bool giver_of(uint n, uint i, out giver g)
 		return false;
 	if (texels.w <= 0.0)
 		g.normal = turned(points[g.c.index].w);
-	g.is_flat = has_surface(g.c.kind) && g.normal != vec3(0.0);
+	g.is_flat = g.spreads = has_surface(g.c.kind) && g.normal != vec3(0.0);
 	if (g.is_flat)
-		g.copies = colour.z;
+		g.copies = g.c.kind == UNDIRECTED ? min(colour.z, LEAVES_COPIES) : colour.z;
 	return true;
 }
 
@@ -77,7 +79,7 @@ choice choice_on_surface(giver g, inout candidate c)
 	one.edge.is_there = false;
 	one.normal = g.normal;
 	one.lit = lit_of(one.normal);
-	if (g.is_flat && look.y > 0.0)
+	if (g.spreads && look.y > 0.0)
 		scatter(c);
 	float octaves = octaves_at(c.depth_m), away = away_from(c), larger = 1.0 + focus_reach.z * away;
 	float need = need_on_surface(g.wanted, c.depth_m, cosine_of(c, one.normal)) / (larger * larger);

@@ -7,7 +7,7 @@ layout(binding = 6) uniform sampler2D xtoon_colours;
 layout(binding = 7) uniform sampler2D xtoon_wanted;
 
 const float WAY_LEAST = 0.1, BENT_BOTH_WAYS = 1.1, BENT_LEAST = 0.3, EDGE_POINTS = 4.0, FLAT_LEAST = 0.5;
-const float HATCH_SHORTEST = 0.35, CROSS_FADE = 0.25, SHORTEST_SEEN = 0.12, HATCH_FOOT = 0.08, HATCH_FACING = 0.33;
+const float HATCH_SHORTEST = 0.35, CROSS_FADE = 0.25, SHORTEST_SEEN = 0.12, HATCH_FOOT = 0.08, HATCH_FACING = 0.33, HATCH_LEAVES = 0.92;
 const float SCREEN_SLANT = 0.05;
 const uint FOLLOWS_CURVATURE = 1u, FOLLOWS_SCREEN = 2u;
 const uint SALT_CROSS = 65536u, SALT_PENCIL = 65537u, XTOON = 1u, BLENDED = 3u;
@@ -136,7 +136,7 @@ float hatch_wanted(candidate c, vec3 normal, out hatch h)
 	vec2 part = vec2(min(way_on_screen(c, h.way[0]).z, 1.0) * straight_part(h.bent.x, length_px, c.depth_m),
 		min(way_on_screen(c, h.way[1]).z, 1.0) * straight_part(h.bent.y, length_px, c.depth_m));
 	float shorter = max((part.x + second * part.y) / (1.0 + second), HATCH_SHORTEST);
-	return texelFetch(xtoon_wanted, h.shade, 0).r /
+	return texelFetch(xtoon_wanted, h.shade, 0).r * (is_flat_here(c, normal) ? 1.0 : HATCH_LEAVES) /
 	       (shorter * h.larger * h.larger * max(facing(c, normal), HATCH_FACING));
 }
 
