@@ -50,7 +50,7 @@ bool render_scene_measure(struct render_scene *s, const bench_place *p, const mo
 void render_scene_clear(struct render_scene *s);
 
 struct render_strokes {
-	uint64_t drawn; /* not those that others hide, which cost little */
+	uint64_t submitted, drawn;
 	double seconds, choose_s, bin_s, draw_s;
 };
 bool render_strokes_measure(struct render_strokes *ret, const bench_place *p, const scene *s,

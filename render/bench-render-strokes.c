@@ -20,6 +20,18 @@ static drawing *strokes_drawing(const bench_place *p, uint32_t height, GError **
 	return s ? drawing_new(s, p->tree, NULL, error) : NULL;
 }
 
+static uint64_t count_submitted(const frame *f)
+{
+	uint32_t count;
+	uint64_t strokes = 0;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	stroke_list *lists = stroke_lists_new(f, NULL, views, count);
+	for (uint32_t l = 0; l < f->layers; l++)
+		strokes += lists[l].count;
+	stroke_lists_free(lists, f->layers);
+	return strokes;
+}
+
 bool render_strokes_measure(struct render_strokes *ret, const bench_place *p, const scene *s,
 	const struct camera *c, uint32_t repeats, GError **error)
 {
@@ -33,7 +45,7 @@ bool render_strokes_measure(struct render_strokes *ret, const bench_place *p, co
 	bool good = render_fastest(cpu, f, repeats, &picture, &t, error);
 	picture_buffer_clear(&picture);
 	if (good)
-		*ret = (struct render_strokes){ t.strokes, t.choose_s + t.bin_s + t.draw_s,
-			t.choose_s, t.bin_s, t.draw_s };
+		*ret = (struct render_strokes){ count_submitted(f), t.strokes,
+			t.choose_s + t.bin_s + t.draw_s, t.choose_s, t.bin_s, t.draw_s };
 	return good;
 }
