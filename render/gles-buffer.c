@@ -11,15 +11,12 @@ static bool fits(const gles_context *c, int64_t bytes, const char *what, GError 
 	return false;
 }
 
-/* from NULL: of any content. */
-static bool make_store(const gles_context *c, struct gles_buffer *b, const void *from,
-	int64_t bytes, const char *what, GError **error)
+static bool make_store(const gles_context *c, struct gles_buffer *b, int64_t bytes, GLenum usage,
+	const char *what, GError **error)
 {
-	if (!b->name)
-		c->gl.GenBuffers(1, &b->name);
+	c->gl.GenBuffers(1, &b->name);
 	c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
-	c->gl.BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, from,
-		from ? GL_STREAM_DRAW : GL_DYNAMIC_COPY);
+	c->gl.BufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)bytes, NULL, usage);
 	b->bytes = bytes;
 	g_autofree char *making = g_strdup_printf("making room for %s", what);
 	if (gles_context_check(c, making, error))
@@ -36,14 +33,39 @@ bool gles_buffer_reserve(const gles_context *c, struct gles_buffer *b, int64_t b
 	if (!fits(c, bytes, what, error))
 		return false;
 	gles_buffer_clear(c, b);
-	return make_store(c, b, NULL, bytes, what, error);
+	return make_store(c, b, bytes, GL_DYNAMIC_COPY, what, error);
+}
+
+/* The one of the spare stores that is large enough, and not much larger. */
+static bool take_spare(const gles_context *c, struct gles_buffer *b, int64_t bytes)
+{
+	for (guint n = 0; n < c->spare->len; n++) {
+		struct gles_buffer one = g_array_index(c->spare, struct gles_buffer, n);
+		if (one.bytes < bytes || one.bytes > 2 * bytes)
+			continue;
+		g_array_remove_index_fast(c->spare, n);
+		*b = one;
+		c->gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, b->name);
+		return true;
+	}
+	return false;
 }
 
 bool gles_buffer_put(const gles_context *c, struct gles_buffer *b, const void *from, int64_t bytes,
 	const char *what, GError **error)
 {
-	return fits(c, bytes, what, error) &&
-	       make_store(c, b, bytes ? from : NULL, bytes ? bytes : 16, what, error);
+	if (!fits(c, bytes, what, error))
+		return false;
+	if (b->name)
+		g_array_append_val(c->spent, *b);
+	*b = (struct gles_buffer){ 0 };
+	int64_t room = MAX(bytes, 16);
+	int64_t roomy = MIN(room + room / 4, c->about.limits.storage_block_bytes);
+	if (!take_spare(c, b, room) &&
+		!make_store(c, b, MAX(room, roomy), GL_STREAM_DRAW, what, error))
+		return false;
+	c->gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, 0, (GLsizeiptr)bytes, from);
+	return true;
 }
 
 bool gles_buffer_read(
@@ -66,7 +88,24 @@ bool gles_buffer_read(
 
 void gles_buffer_clear(const gles_context *c, struct gles_buffer *b)
 {
-	c->gl.DeleteBuffers(1, &b->name);
-	b->name = 0;
-	b->bytes = 0;
+	if (b->name)
+		g_array_append_val(c->gone, *b);
+	*b = (struct gles_buffer){ 0 };
+}
+
+static void free_stores(const gles_context *c, GArray *stores)
+{
+	for (guint n = 0; n < stores->len; n++)
+		c->gl.DeleteBuffers(1, &g_array_index(stores, struct gles_buffer, n).name);
+	g_array_set_size(stores, 0);
+}
+
+void gles_buffers_rest(const gles_context *c)
+{
+	c->gl.Finish();
+	free_stores(c, c->gone);
+	/* What the last frame did not want the next one will not want. */
+	free_stores(c, c->spare);
+	g_array_append_vals(c->spare, c->spent->data, c->spent->len);
+	g_array_set_size(c->spent, 0);
 }

@@ -1,5 +1,6 @@
 #include "render/gles-context.h"
 #include "render/gles-about-gl.h"
+#include "render/gles-buffer.h"
 
 /* ---- a context ---- */
 
@@ -137,6 +138,9 @@ bool gles_context_check(const gles_context *c, const char *what, GError **error)
 gles_context *gles_context_open(const struct gles_about *found, GError **error)
 {
 	g_autoptr(gles_context) c = g_new0(gles_context, 1);
+	GArray **stores[] = { &c->spent, &c->gone, &c->spare };
+	for (size_t n = 0; n < G_N_ELEMENTS(stores); n++)
+		*stores[n] = g_array_new(FALSE, FALSE, sizeof(struct gles_buffer));
 	c->about.platform = found->platform;
 	c->about.display = found->display;
 	c->display = gles_display_get(found->platform, found->display, error);
@@ -159,5 +163,8 @@ void gles_context_free(gles_context *c)
 				c->display->handle, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 		egl->DestroyContext(c->display->handle, c->handle);
 	}
+	g_array_unref(c->spent);
+	g_array_unref(c->gone);
+	g_array_unref(c->spare);
 	g_free(c);
 }

@@ -14,6 +14,7 @@ typedef struct gles_context gles_context;
 struct gles_context {
 	struct gles_about about;
 	struct gles_functions gl;
+	GArray *spent, *gone, *spare; /* gles-buffer.c's: of struct gles_buffer */
 	/* The rest is gles-context.c's. */
 	const struct gles_display *display;
 	EGLContext handle;

@@ -26,7 +26,7 @@ _Static_assert(FRAME_LAYERS_MAX == 64, "as choose-scan.glsl has it");
 #define GLES_FILTER_PLANES 10
 /* What filters keep from frame to frame (gles-filter.h). */
 struct gles_filters {
-	GLuint rules;
+	struct gles_buffer rules; /* of the last pass */
 	struct gles_buffer plane[GLES_FILTER_PLANES];
 	struct gles_buffer taps; /* of the anisotropic filter, for that radius */
 	float taps_radius;
@@ -49,7 +49,8 @@ struct gles_draw {
 	struct gles_buffer keys, sums, marks, commands, strokes[FRAME_LAYERS_MAX];
 	struct gles_buffer links,
 		shown; /* of profile lines: struct profile_link, and how far each is to be seen */
-	GLuint camera, vertices, srgb;
+	struct gles_buffer camera;
+	GLuint vertices, srgb;
 	bool sums_ink; /* gles-ink.h */
 	struct gles_buffer ink;
 	struct gles_planes planes;

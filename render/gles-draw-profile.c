@@ -22,6 +22,7 @@ static void tell_count(gles_draw *d, uint32_t layer, uint32_t count)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	uint32_t command[4] = { 4, count };
+	gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 	gl->BindBuffer(GL_COPY_WRITE_BUFFER, d->commands.name);
 	gl->BufferSubData(GL_COPY_WRITE_BUFFER,
 		(GLintptr)offsetof(struct gles_commands, command[layer]), sizeof command, command);

@@ -35,7 +35,6 @@ gles_draw *gles_draw_new(const gles_context *c, GError **error)
 	if (!gles_programs_make(c, d->program, error))
 		return NULL;
 	d->srgb = srgb_table(&c->gl);
-	c->gl.GenBuffers(1, &d->camera);
 	c->gl.GenVertexArrays(1, &d->vertices);
 	if (!gles_context_check(c, "making ready to draw", error) ||
 		!gles_ink_trial(c, &d->sums_ink, error))
@@ -53,7 +52,7 @@ void gles_draw_free(gles_draw *d)
 	if (!d)
 		return;
 	struct gles_buffer *buffers[] = { &d->keys, &d->sums, &d->marks, &d->commands, &d->links,
-		&d->shown, &d->ink };
+		&d->shown, &d->ink, &d->camera };
 	for (size_t n = 0; n < G_N_ELEMENTS(buffers); n++)
 		gles_buffer_clear(d->c, buffers[n]);
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
@@ -67,9 +66,9 @@ void gles_draw_free(gles_draw *d)
 	gles_layers_clear(d->c, &d->layers);
 	gles_views_clear(d->c, &d->views);
 	gles_targets_clear(d->c, &d->targets);
-	d->c->gl.DeleteBuffers(1, &d->camera);
 	d->c->gl.DeleteVertexArrays(1, &d->vertices);
 	d->c->gl.DeleteTextures(1, &d->srgb);
+	gles_buffers_rest(d->c);
 	g_free(d);
 }
 
@@ -99,7 +98,7 @@ void gles_draw_fill(gles_draw *d, const struct gles_buffer *b, uint32_t words, u
 
 /* ---- a frame ---- */
 
-static void set_camera(gles_draw *d, const frame *f)
+static bool set_camera(gles_draw *d, const frame *f, GError **error)
 {
 	const struct camera *c = &f->camera;
 	const struct style_paper *paper = &f->drawing->whole.paper;
@@ -129,8 +128,10 @@ static void set_camera(gles_draw *d, const frame *f)
 	b.focus_reach[2] = f->focus.abstraction;
 	static const float on[] = { [FOCUS_PLACE] = 1, [FOCUS_PICTURE] = 2, [FOCUS_SEGMENT] = 3 };
 	b.focus_reach[3] = f->focus.is_there ? on[f->focus.on] : 0;
-	d->c->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d->camera);
-	d->c->gl.BufferData(GL_UNIFORM_BUFFER, sizeof b, &b, GL_STREAM_DRAW);
+	if (!gles_buffer_put(d->c, &d->camera, &b, sizeof b, "the camera", error))
+		return false;
+	d->c->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, d->camera.name);
+	return true;
 }
 
 static void read_back(gles_draw *d, struct picture_buffer *to)
@@ -166,6 +167,7 @@ static void set_up(gles_draw *d)
 /* It takes the places of what shaders read, so all is made before they are bound. */
 bool gles_draw_hold(gles_draw *d, const frame *f, GError **error)
 {
+	gles_buffers_rest(d->c);
 	bool good = gles_scene_hold(d->c, &d->scene, f->scene, error) &&
 		    gles_targets_hold(d->c, &d->targets, f->camera.width, f->camera.height,
 			    f->is_filtered, error) &&
@@ -180,11 +182,9 @@ bool gles_draw_hold(gles_draw *d, const frame *f, GError **error)
 		if (!gles_ink_is_summed(d, &f->layer[n]) && !gles_layer_is_direct(&f->layer[n]))
 			good = gles_targets_hold_ink(
 				d->c, &d->targets, band_blend_of(&f->layer[n]), error);
-	if (good) {
+	if (good)
 		set_up(d);
-		set_camera(d, f);
-	}
-	return good;
+	return good && set_camera(d, f, error);
 }
 
 static bool draw_canvas(gles_draw *d, const frame *f, const struct gles_part *p,

@@ -27,10 +27,9 @@ GLuint gles_filter_plane(struct gles_filter_job *j, uint32_t n, uint32_t floats)
 	return gles_filter_room(j, n, (int64_t)j->image.width * j->image.height * floats * 4);
 }
 
-static void set_rules(struct gles_filter_job *j, const struct gles_pass *p)
+static bool set_rules(struct gles_filter_job *j, const struct gles_pass *p)
 {
 	const struct gles_filter_image *i = &j->image;
-	const struct gles_functions *gl = &j->d->c->gl;
 	bool is_acting = p->where != WHERE_ALL && i->away;
 	struct rules_block r = {
 		.area = { (int32_t)i->width, (int32_t)i->height, (int32_t)i->left,
@@ -43,10 +42,11 @@ static void set_rules(struct gles_filter_job *j, const struct gles_pass *p)
 	};
 	memcpy(r.by, p->by, sizeof r.by);
 	memcpy(r.whole, p->whole, sizeof r.whole);
-	if (!j->d->filters.rules)
-		gl->GenBuffers(1, &j->d->filters.rules);
-	gl->BindBufferBase(GL_UNIFORM_BUFFER, 2, j->d->filters.rules);
-	gl->BufferData(GL_UNIFORM_BUFFER, sizeof r, &r, GL_STREAM_DRAW);
+	struct gles_buffer *to = &j->d->filters.rules;
+	if (!gles_buffer_put(j->d->c, to, &r, sizeof r, "filters of a picture", &j->error))
+		return false;
+	j->d->c->gl.BindBufferBase(GL_UNIFORM_BUFFER, 2, to->name);
+	return true;
 }
 
 static void bind(struct gles_filter_job *j, const struct gles_pass *p)
@@ -69,9 +69,9 @@ void gles_pass_run(struct gles_filter_job *j, const struct gles_pass *p)
 {
 	const struct gles_filter_image *i = &j->image;
 	const struct gles_functions *gl = &j->d->c->gl;
-	if (j->error || !gles_programs_want(j->d->c, j->d->program, p->use, &j->error))
+	if (j->error || !gles_programs_want(j->d->c, j->d->program, p->use, &j->error) ||
+		!set_rules(j, p))
 		return;
-	set_rules(j, p);
 	gl->UseProgram(j->d->program[p->use]);
 	bind(j, p);
 	uint32_t width = p->width ? p->width : i->width, height = p->height ? p->height : i->height;
@@ -110,8 +110,7 @@ void gles_filters_clear(const gles_context *c, struct gles_filters *f)
 	for (int n = 0; n < GLES_FILTER_PLANES; n++)
 		gles_buffer_clear(c, &f->plane[n]);
 	gles_buffer_clear(c, &f->taps);
-	c->gl.DeleteBuffers(1, &f->rules);
-	f->rules = 0;
+	gles_buffer_clear(c, &f->rules);
 }
 
 /* ---- Gaussian means ---- */
