@@ -1,22 +1,30 @@
 #include "render/gles-draw-private.h"
 
-/* Points are drawn in groups: 16 slices of 256 are a whole chunk. */
-#define SLICES 16u
+/* Views that are dispatched at once: of each as many groups as the one of them wants that wants most. */
+#define AT_ONCE 1024u
 
 void gles_draw_points_of(gles_draw *d, const struct gles_run *r)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	gles_draw_bind_storage(d, 0, d->scene.slab[r->slab].points);
-	for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
+	for (uint32_t n = 0; n < r->count; n += AT_ONCE) {
+		uint32_t views = MIN(r->count - n, AT_ONCE);
+		const uint8_t *slices = d->views.slices->data + r->first + n;
+		GLuint most = 0;
+		for (uint32_t k = 0; k < views; k++)
+			most = MAX(most, slices[k]);
+		if (!most)
+			continue;
 		gl->Uniform1ui(0, r->first + n);
-		gl->DispatchCompute(SLICES, MIN(r->count - n, GLES_GROUPS_MAX), 1);
+		gl->DispatchCompute(most, views, 1);
 	}
 }
 
 void gles_draw_keys(gles_draw *d, enum gles_use use)
 {
 	const struct gles_functions *gl = &d->c->gl;
-	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+	/* The image may have been read as a texture by a sheet before. */
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 	gl->UseProgram(d->program[use]);
 	gl->BindImageTexture(0, d->targets.keys, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
 	gl->DispatchCompute((d->targets.width + 31) / 32, (d->targets.height + 7) / 8, 1);

@@ -72,6 +72,13 @@ static void describe(const frame *f, const struct lens *l, const struct gles_sla
 	}
 }
 
+static uint8_t slices_of(const struct gles_view *v)
+{
+	uint32_t discs = v->at[3] & ~GLES_VIEW_PLANES;
+	_Static_assert(MODEL_CHUNK_POINTS / GLES_SLICE <= UINT8_MAX, "in a byte");
+	return (uint8_t)((discs + GLES_SLICE - 1) / GLES_SLICE);
+}
+
 static void add_to_runs(
 	gles_views *v, const frame *f, uint32_t at, uint32_t slab, uint32_t pipeline)
 {
@@ -97,8 +104,11 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 	for (uint32_t n = 0; n < count; n++)
 		slab[n] = gles_scene_slab(g, views[n].chunk);
 	sort(g, views, count, slab, order);
-	if (!v->runs)
+	if (!v->runs) {
 		v->runs = g_array_new(FALSE, FALSE, sizeof(struct gles_run));
+		v->slices = g_byte_array_new();
+	}
+	g_byte_array_set_size(v->slices, count);
 	g_array_set_size(v->runs, 0);
 	v->points = 0;
 	struct lens lens = lens_of(&f->camera);
@@ -108,6 +118,7 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 	for (uint32_t n = 0; n < count; n++) {
 		add_to_runs(v, f, n, slab[order[n]], block[n].pipeline[0]);
 		v->points += block[n].at[2];
+		v->slices->data[n] = slices_of(&block[n]);
 	}
 	GLsizeiptr bytes = (GLsizeiptr)(v->count * sizeof *block);
 	return gles_buffer_put(c, &v->buffer, block, bytes, "the chunks in view", error);
@@ -116,7 +127,6 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 void gles_views_clear(const gles_context *c, gles_views *v)
 {
 	gles_buffer_clear(c, &v->buffer);
-	if (v->runs)
-		g_array_unref(v->runs);
-	v->runs = NULL;
+	g_clear_pointer(&v->runs, g_array_unref);
+	g_clear_pointer(&v->slices, g_byte_array_unref);
 }

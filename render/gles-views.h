@@ -12,6 +12,9 @@ struct gles_run {
 	bool has_points; /* its pipeline shows coloured points */
 };
 
+/* Points that a group of a shader looks at. */
+#define GLES_SLICE 256u
+
 /* Of at[3]: points on planes are not drawn as discs. */
 #define GLES_VIEW_PLANES 0x80000000u
 
@@ -27,6 +30,8 @@ struct gles_views {
 	GArray *runs;                  /* of struct gles_run */
 	const struct chunk_view *view; /* as they were given */
 	uint32_t count, points;
+	GByteArray
+		*slices; /* of each, in the order of shaders: GLES_SLICE points that may be discs */
 };
 /* view: from near to far; kept, not copied. */
 bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const gles_scene *g,
