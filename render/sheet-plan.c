@@ -2,15 +2,28 @@
 #include "render/filter.h"
 #include <math.h>
 
-/* The order stays: from near to far. */
-static struct chunk_view *views_of(const frame *f, const struct chunk_view *all, uint32_t count,
-	uint32_t sheet, uint32_t *ret_count)
+static uint32_t count_of(
+	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
 {
-	struct chunk_view *ret = g_new(struct chunk_view, count + 1);
-	*ret_count = 0;
+	uint32_t ret = 0;
+	for (uint32_t n = 0; n < count; n++)
+		ret += f->sheet_of[all[n].pipeline] == sheet;
+	return ret;
+}
+
+/* Those of a sheet, in the order of all; *ret_own is to be freed, NULL where none was left out. */
+static const struct chunk_view *views_of(const frame *f, const struct chunk_view *all,
+	uint32_t count, uint32_t sheet, uint32_t *ret_count, struct chunk_view **ret_own)
+{
+	uint32_t own = count_of(f, all, count, sheet), to = 0;
+	*ret_count = own;
+	*ret_own = NULL;
+	if (own == count)
+		return all;
+	struct chunk_view *ret = *ret_own = g_new(struct chunk_view, own + 1);
 	for (uint32_t n = 0; n < count; n++)
 		if (f->sheet_of[all[n].pipeline] == sheet)
-			ret[(*ret_count)++] = all[n];
+			ret[to++] = all[n];
 	return ret;
 }
 
@@ -91,6 +104,8 @@ float sheet_whole_spacing_px(const frame *f, const struct chunk_view *views, uin
 static float overlap_of(
 	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
 {
+	if (count_of(f, all, count, sheet) == count)
+		return 0;
 	enum { SIDE = 64, DEEP = 24 };
 	g_autofree uint64_t *own = g_new0(uint64_t, SIDE * SIDE),
 			    *other = g_new0(uint64_t, SIDE * SIDE);
@@ -139,12 +154,10 @@ static void choose_inpainting(const frame *f, const struct chunk_view *all, uint
 
 /* ---- all ---- */
 
-/* all: what the whole picture shows. */
+/* all: what the whole picture shows; own: of it, the sheet's. */
 static void look_at_whole(const frame *f, const struct chunk_view *all, uint32_t count,
-	uint32_t sheet, struct sheet_plan *p)
+	const struct chunk_view *own, uint32_t own_count, uint32_t sheet, struct sheet_plan *p)
 {
-	uint32_t own_count;
-	g_autofree struct chunk_view *own = views_of(f, all, count, sheet, &own_count);
 	p->box = box_of(f, own, own_count,
 		(float)(sheet_ink_reach(f, sheet) + filter_reach(p->steps, p->filters, f->px)));
 	p->spacing_px = spacing_of(f, own, own_count);
@@ -152,29 +165,34 @@ static void look_at_whole(const frame *f, const struct chunk_view *all, uint32_t
 		choose_inpainting(f, all, count, sheet, p);
 }
 
+/* The camera draws a window of it. */
+static void look_around_window(const frame *f, uint32_t sheet, struct sheet_plan *p)
+{
+	frame whole = frame_of_whole(f);
+	uint32_t count, own_count;
+	g_autofree struct chunk_view *all = chunk_views_new(&whole, &count), *copy = NULL;
+	const struct chunk_view *own = views_of(&whole, all, count, sheet, &own_count, &copy);
+	look_at_whole(&whole, all, count, own, own_count, sheet, p);
+	p->box = drawn_box(&f->camera, &p->box);
+}
+
 struct sheet_plan sheet_plan_new(
 	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet)
 {
 	struct sheet_plan p = { 0 };
-	p.views = views_of(f, all, count, sheet, &p.count);
+	p.views = views_of(f, all, count, sheet, &p.count, &p.own);
 	p.steps = frame_filters(f, sheet, &p.filters);
-	if (!p.count)
-		return p;
-	if (!camera_is_window(&f->camera)) {
-		look_at_whole(f, all, count, sheet, &p);
-		return p;
-	}
-	frame whole = frame_of_whole(f);
-	uint32_t whole_count;
-	g_autofree struct chunk_view *views = chunk_views_new(&whole, &whole_count);
-	look_at_whole(&whole, views, whole_count, sheet, &p);
-	p.box = drawn_box(&f->camera, &p.box);
+	if (p.count && camera_is_window(&f->camera))
+		look_around_window(f, sheet, &p);
+	else if (p.count)
+		look_at_whole(f, all, count, p.views, p.count, sheet, &p);
 	return p;
 }
 
 void sheet_plan_clear(struct sheet_plan *p)
 {
-	g_clear_pointer(&p->views, g_free);
+	g_clear_pointer(&p->own, g_free);
+	p->views = NULL;
 }
 
 bool sheets_have_soft(const frame *f)

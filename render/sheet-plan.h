@@ -12,8 +12,9 @@ struct sheet_box {
 	uint32_t left, top, right, bottom; /* ends are beyond */
 };
 struct sheet_plan {
-	struct chunk_view *views; /* of its segments, from near to far; own memory */
+	const struct chunk_view *views; /* of its segments, from near to far */
 	uint32_t count;
+	struct chunk_view *own;   /* where they are; NULL: all that the frame shows */
 	const struct step *steps; /* its filters, and what else stands among them */
 	uint32_t filters;
 	struct sheet_box box; /* all that it draws, and that its filters look at */
@@ -22,7 +23,7 @@ struct sheet_plan {
 	float threshold; /* 0..1 */
 	int radius;      /* pixels */
 };
-/* all: the frame's, from near to far. */
+/* all: the frame's, from near to far; kept where it is all of this sheet. */
 struct sheet_plan sheet_plan_new(
 	const frame *f, const struct chunk_view *all, uint32_t count, uint32_t sheet);
 void sheet_plan_clear(struct sheet_plan *p);
