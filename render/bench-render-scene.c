@@ -42,14 +42,19 @@ static double resident_bytes(void)
 bool render_fastest(painter *p, const frame *f, uint32_t repeats, struct picture_buffer *to,
 	struct draw_times *ret, GError **error)
 {
-	double began_s = now_s();
+	double began_s = now_s(), all_s = INFINITY;
 	for (uint32_t n = 0; n == 0 || (n < repeats && now_s() - began_s < REPEAT_S); n++) {
 		struct draw_times t;
 		if (!painter_draw(p, f, to, &t, error))
 			return false;
 		if (n == 0 || t.all_s < ret->all_s)
 			*ret = t;
+		double from_s = now_s();
+		if (!painter_draw(p, f, to, NULL, error))
+			return false;
+		all_s = fmin(all_s, now_s() - from_s);
 	}
+	ret->all_s = fmin(ret->all_s, all_s);
 	return true;
 }
 

@@ -119,11 +119,44 @@ static int by_place(const void *a, const void *b)
 	return part_point_compare(a, b);
 }
 
+static void merge(const struct part_point *a, uint64_t count_a, const struct part_point *b,
+	uint64_t count_b, struct part_point *to)
+{
+	const struct part_point *end_a = a + count_a, *end_b = b + count_b;
+	while (a < end_a && b < end_b)
+		*to++ = part_point_compare(a, b) <= 0 ? *a++ : *b++;
+	memcpy(to, a, (size_t)(end_a - a) * sizeof *a);
+	memcpy(to + (end_a - a), b, (size_t)(end_b - b) * sizeof *b);
+}
+
+/* Pieces by all threads, then two of them at a time. Takes the points, gives them back sorted. */
+static struct part_point *sorted(struct part_point *p, uint64_t count)
+{
+	uint64_t piece = MAX(count / 64 + 1, 4096);
+	struct part_point *spare = g_new(struct part_point, count);
+#pragma omp parallel for schedule(dynamic)
+	for (uint64_t from = 0; from < count; from += piece)
+		qsort(p + from, MIN(piece, count - from), sizeof *p, by_place);
+	for (; piece < count; piece *= 2) {
+#pragma omp parallel for schedule(dynamic)
+		for (uint64_t from = 0; from < count; from += 2 * piece) {
+			uint64_t left = MIN(piece, count - from),
+				 right = MIN(piece, count - from - left);
+			merge(p + from, left, p + from + left, right, spare + from);
+		}
+		struct part_point *was = p;
+		p = spare;
+		spare = was;
+	}
+	g_free(spare);
+	return p;
+}
+
 bool bench_statue_write(const char *path, uint64_t wanted, GError **error)
 {
 	uint64_t count;
-	g_autofree struct part_point *p = make(MAX(wanted, 64), &count);
-	qsort(p, count, sizeof *p, by_place);
+	struct part_point *made = make(MAX(wanted, 64), &count);
+	g_autofree struct part_point *p = sorted(made, count);
 	g_autoptr(model_writer) w = model_writer_new(path, 0, error);
 	for (uint64_t n = 0; w && n < count; n++)
 		if (!model_writer_add(w, &p[n], 1, error))
