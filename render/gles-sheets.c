@@ -140,6 +140,12 @@ static void join(struct sheets_job *j)
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
+/* Leaves that are not told by what is nearest: of a sheet of one, all have that. */
+static bool has_leaves(const struct sheets_job *j)
+{
+	return j->d->views.leaf < 0 || j->d->planes.spans > 0;
+}
+
 /* Sums of normals, nearest depths and segments, of the whole picture. */
 static void find_surface(struct sheets_job *j)
 {
@@ -163,7 +169,7 @@ static void find_surface(struct sheets_job *j)
 	gles_draw_bind_storage(d, 2, s->sums.name);
 	gles_draw_bind_storage(d, 3, s->nearest.name);
 	gles_draw_bind_storage(d, 4, s->leaves.name);
-	for (GLuint finds_leaf = 0; finds_leaf < 2; finds_leaf++) {
+	for (GLuint finds_leaf = 0; finds_leaf < (has_leaves(j) ? 2 : 1); finds_leaf++) {
 		if (has_planes) {
 			d->c->gl.UseProgram(d->program[GLES_PLANE_SURFACE]);
 			d->c->gl.Uniform1ui(2, finds_leaf);
@@ -184,7 +190,8 @@ static void take(struct sheets_job *j, struct gles_filter_job *on, int32_t mode)
 	const struct gles_filter_image *i = &on->image;
 	struct gles_pass p = { .use = GLES_SHEET_TAKE,
 		.mode = mode,
-		.whole = { { (int32_t)j->width, i->surface != NULL, i->away != NULL } },
+		.whole = { { (int32_t)j->width, i->surface != NULL, i->away != NULL,
+			has_leaves(j) ? 0 : j->d->views.leaf + 1 } },
 		.own = { i->pixels->name, j->s->leaves.name, i->depth->name,
 			i->away ? i->away->name : 0, j->s->pushed.name, j->s->sums.name,
 			j->s->nearest.name, i->surface ? i->surface->name : 0 } };

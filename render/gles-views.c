@@ -111,6 +111,7 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 	g_byte_array_set_size(v->slices, count);
 	g_array_set_size(v->runs, 0);
 	v->points = 0;
+	v->leaf = count ? (int32_t)views[0].chunk->leaf : -1;
 	struct lens lens = lens_of(&f->camera);
 #pragma omp parallel for schedule(static) if (!alone)
 	for (uint32_t n = 0; n < count; n++)
@@ -119,6 +120,8 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 		add_to_runs(v, f, n, slab[order[n]], block[n].pipeline[0]);
 		v->points += block[n].at[2];
 		v->slices->data[n] = slices_of(&block[n]);
+		if ((int32_t)views[n].chunk->leaf != v->leaf)
+			v->leaf = -1;
 	}
 	GLsizeiptr bytes = (GLsizeiptr)(v->count * sizeof *block);
 	return gles_buffer_put(c, &v->buffer, block, bytes, "the chunks in view", error);

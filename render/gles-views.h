@@ -30,6 +30,7 @@ struct gles_views {
 	GArray *runs;                  /* of struct gles_run */
 	const struct chunk_view *view; /* as they were given */
 	uint32_t count, points;
+	int32_t leaf; /* of all of them; -1: of several */
 	GByteArray
 		*slices; /* of each, in the order of shaders: GLES_SLICE points that may be discs */
 };

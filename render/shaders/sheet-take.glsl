@@ -1,7 +1,7 @@
 #version 310 es
 /* A sheet, as it was drawn, becomes a box of a picture for filters: pixels, depths as they were before the mask pushed them back, what each
  * pixel is of, how far it is from the focus. Or the last alone, of depths that are there. whole: width of the picture; 1: with normals and
- * segments; 1: with a focus. */
+ * segments; 1: with a focus; 1 + the leaf that all are of, 0: leaves are told. */
 const int TAKE = 0;
 
 layout(binding = 3) uniform sampler2D drawn;
@@ -39,8 +39,10 @@ void main()
 		if (whole[0].y != 0) {
 			vec3 n = vec3(float(sums[3 * there]), float(sums[3 * there + 1]), float(sums[3 * there + 2]));
 			float reach = length(n);
-			surface[at] = vec4(reach > 0.07 ? n / reach : vec3(0.0), float(spare[there]));
-			if (key < MASK_EMPTY && nearest_m[there] < FAR)
+			bool is_there = nearest_m[there] < FAR;
+			int leaf = whole[0].w == 0 ? int(spare[there]) : is_there ? whole[0].w - 1 : 0;
+			surface[at] = vec4(reach > 0.07 ? n / reach : vec3(0.0), float(leaf));
+			if (key < MASK_EMPTY && is_there)
 				depth_m = nearest_m[there];
 		}
 		depths[at] = depth_m;
