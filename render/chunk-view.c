@@ -53,7 +53,7 @@ static float disc_margin_px(const frame *f, const struct chunk_view *v)
 	float radius = 0.5f * disc * v->chunk->disc_most_m * (float)f->camera.focal_px /
 		       camera_scale_f(&f->camera, v->near_m);
 	/* Those that stand for others are larger, but not much larger than a pixel. */
-	return MIN(MAX(radius, DISC_RADIUS_LEAST + 2 * disc), DISC_RADIUS_MOST) + 1;
+	return MIN(MAX(radius, DISC_RADIUS_LEAST + 2 * disc), disc_radius_most(f)) + 1;
 }
 
 bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_view *ret)

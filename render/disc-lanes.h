@@ -10,9 +10,14 @@
 /* Points to a square pixel from which on they stand for others. */
 #define DISC_CROWD      5.f
 #define DISC_CROWD_ROOT __builtin_sqrtf(DISC_CROWD)
-/* Discs are at least this wide, so that each covers the pixel that it is in; and at most that. */
+/* Discs are at least this wide, so that each covers the pixel that it is in; and at most that, of a picture of 1080 rows and fewer: of
+ * larger ones as much wider as these are. */
 #define DISC_RADIUS_LEAST 0.72f
 #define DISC_RADIUS_MOST  48.f
+static inline float disc_radius_most(const frame *f)
+{
+	return DISC_RADIUS_MOST * fmaxf(f->px, 1);
+}
 /* Depth over width: discs that are seen at a lower angle are tilted as little as that. */
 #define DISC_STEEPEST 40.f
 
@@ -23,7 +28,7 @@
 struct disc_pass {
 	struct lens lens;
 	float turn[3][3]; /* site to camera */
-	float disc, radius_least;
+	float disc, radius_least, radius_most;
 	bool backs_hidden;
 	bool has_planes; /* which points that are marked so are left to */
 	bool is_inside; /* all points of the chunk are in the picture, and not before the near plane */
@@ -66,6 +71,7 @@ static inline struct disc_pass disc_pass_of(
 	struct disc_pass p = { .lens = lens_of(c),
 		.disc = disc,
 		.radius_least = radius_least,
+		.radius_most = disc_radius_most(f),
 		.backs_hidden = frame_pipeline(f, v->pipeline)->mask.backs == BACKS_HIDDEN,
 		.has_planes = frame_has_planes(f, v->pipeline),
 		.is_inside = disc_is_inside(c, v),
@@ -150,7 +156,7 @@ INLINE vi size_lanes(const struct disc_pass *p, vf spacing_px, vf disc_px, struc
 		d->rank = d->rank / limit;
 		radius = radius / part;
 	}
-	d->radius = least(most(radius, all(p->radius_least)), all(DISC_RADIUS_MOST));
+	d->radius = least(most(radius, all(p->radius_least)), all(p->radius_most));
 	return is_drawn;
 }
 

@@ -53,7 +53,7 @@ bool disc_of(uint n, uint i, float factor, float radius_least, out disc d)
 	d.at = lens.yz + at.xy * scale;
 	d.depth_m = at.z;
 	d.rank = rank / part;
-	d.radius = clamp(0.5 * factor * disc_px / sqrt(part), radius_least, DISC_RADIUS_MOST);
+	d.radius = clamp(0.5 * factor * disc_px / sqrt(part), radius_least, DISC_RADIUS_MOST * max(size.z, 1.0));
 	if (!(at.z > lens.w && at.z <= cuts.z && rank < part && all(greaterThan(d.at, vec2(-d.radius))) &&
 		    all(lessThan(d.at, size.xy + d.radius))))
 		return false;
