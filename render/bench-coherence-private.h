@@ -16,6 +16,7 @@ struct shot {
 	struct camera camera;
 	const visibility_mask *mask;
 	visibility_mask *own_mask; /* NULL: that of another shot */
+	float *depth_m;            /* of what shows; NULL likewise */
 	struct chunk_view *views;
 	uint32_t view_count;
 	stroke_list *lists; /* NULL: there is no shot */
@@ -35,6 +36,7 @@ struct fine_shot {
 	struct camera camera;
 	const visibility_mask *mask;
 	visibility_mask *own_mask; /* NULL: that of another shot */
+	float *depth_m;            /* of what shows; NULL likewise */
 	float *luminance;          /* NULL: there is no shot */
 };
 /* c: of the frame itself; the rest as for shot_take. */

@@ -42,6 +42,8 @@ bool shot_take(struct shot *ret, frame *f, const struct camera *c, const visibil
 	if (!shared)
 		ret->own_mask = visibility_mask_new(f, ret->views, ret->view_count);
 	ret->mask = shared ? shared : ret->own_mask;
+	if (!shared)
+		ret->depth_m = reproject_depths(f, ret->mask, ret->views, ret->view_count);
 	ret->lists = stroke_lists_new(f, ret->mask, ret->views, ret->view_count);
 	ret->luminance = read_luminance(picture);
 	ret->lightness = read_lightness(picture);
@@ -53,6 +55,7 @@ void shot_clear(struct shot *s)
 	visibility_mask_free(s->own_mask);
 	stroke_lists_free(s->lists, s->layers);
 	g_free(s->views);
+	g_free(s->depth_m);
 	g_free(s->luminance);
 	g_free(s->lightness);
 	*s = (struct shot){ 0 };
@@ -70,6 +73,7 @@ bool fine_shot_take(struct fine_shot *ret, frame *f, const struct camera *c,
 		uint32_t count;
 		g_autofree struct chunk_view *views = chunk_views_new(f, &count);
 		ret->own_mask = visibility_mask_new(f, views, count);
+		ret->depth_m = reproject_depths(f, ret->own_mask, views, count);
 	}
 	ret->mask = shared ? shared : ret->own_mask;
 	return true;
@@ -78,6 +82,7 @@ bool fine_shot_take(struct fine_shot *ret, frame *f, const struct camera *c,
 void fine_shot_clear(struct fine_shot *s)
 {
 	visibility_mask_free(s->own_mask);
+	g_free(s->depth_m);
 	g_free(s->luminance);
 	*s = (struct fine_shot){ 0 };
 }

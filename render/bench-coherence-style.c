@@ -95,6 +95,8 @@ bool styled_open(struct styled *s, const char *name, const bench_place *p, const
 	s->frame = frame_new(points, s->drawing, c, error);
 	if (s->frame)
 		s->fine_frame = frame_new(points, s->smooth, &fine, error);
+	if (s->fine_frame)
+		memset(s->fine_frame->relief, PAPER_TEXTURE_MEAN, (size_t)fine.width * fine.height);
 	if (s->fine_frame && s->toned)
 		s->toned_frame = frame_new(points, s->toned, c, error);
 	if (s->frame && baseline && !open_bright(s, name, p, points, c, error))

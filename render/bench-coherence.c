@@ -63,10 +63,10 @@ static void measure_pair(struct bench *b)
 	const struct shot *now = &b->style->now, *before = &b->style->before;
 	const struct fine_shot *fine_now = &b->style->fine_now,
 			       *fine_before = &b->style->fine_before;
-	g_autoptr(reprojection) r = reprojection_new(
-		b->style->frame, &now->camera, now->mask, &before->camera, before->mask);
-	g_autoptr(reprojection) fine = reprojection_new(b->style->fine_frame, &fine_now->camera,
-		fine_now->mask, &fine_before->camera, fine_before->mask);
+	g_autoptr(reprojection) r =
+		reprojection_new(&now->camera, now->depth_m, &before->camera, before->depth_m);
+	g_autoptr(reprojection) fine = reprojection_new(
+		&fine_now->camera, fine_now->depth_m, &fine_before->camera, fine_before->depth_m);
 	for (uint32_t n = 0; n < b->styles; n++)
 		styled_measure_pair(&b->style[n], r, fine, b->scratch);
 }

@@ -1,4 +1,6 @@
 #include "render/bench-reproject.h"
+#include "render/filter.h"
+#include "render/surface-pass.h"
 #include <math.h>
 
 /* Depths that agree: part of the depth, and metres. */
@@ -16,10 +18,10 @@ bool reproject_place(const struct camera *from, const double px[2], double depth
 }
 
 /* The left upper one of the four nearest pixels. */
-static bool corner_of(const visibility_mask *m, const double px[2], int32_t ret[2])
+static bool corner_of(uint32_t width, uint32_t height, const double px[2], int32_t ret[2])
 {
 	double x = floor(px[0] - 0.5), y = floor(px[1] - 0.5);
-	if (!(x >= 0 && y >= 0 && x < (double)m->width - 1 && y < (double)m->height - 1))
+	if (!(x >= 0 && y >= 0 && x < (double)width - 1 && y < (double)height - 1))
 		return false;
 	ret[0] = (int32_t)x;
 	ret[1] = (int32_t)y;
@@ -30,7 +32,7 @@ bool reproject_shows(const struct camera *c, const visibility_mask *m, const dou
 {
 	double px[2] = { 0 }, depth_m = 0;
 	int32_t at[2];
-	if (!camera_project(c, point_m, px, &depth_m) || !corner_of(m, px, at))
+	if (!camera_project(c, point_m, px, &depth_m) || !corner_of(m->width, m->height, px, at))
 		return false;
 	for (int n = 0; n < 4; n++)
 		if (depth_m * (1 + ROUNDING) >
@@ -49,48 +51,61 @@ double reproject_depth(const frame *f, int32_t key)
 	return (depth_m - (double)step->offset_m) / (1 + (double)step->offset_relative);
 }
 
-static bool agrees(const frame *f, const visibility_mask *m, const double px[2], double depth_m)
+float *reproject_depths(
+	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count)
+{
+	size_t pixels = (size_t)m->width * m->height;
+	float *ret = g_new(float, pixels);
+#pragma omp parallel for schedule(static)
+	for (size_t at = 0; at < pixels; at++) {
+		int32_t key = mask_key(m, (int32_t)(at % m->width), (int32_t)(at / m->width));
+		ret[at] = key == MASK_EMPTY ? FILTER_FAR : (float)reproject_depth(f, key);
+	}
+	surface_pass(f, m, views, count, &(struct surface_planes){ .depth_m = ret });
+	return ret;
+}
+
+static bool agrees(
+	const struct camera *c, const float *depths_m, const double px[2], double depth_m)
 {
 	int32_t at[2];
-	if (!corner_of(m, px, at))
+	if (!corner_of(c->width, c->height, px, at))
 		return false;
 	for (int n = 0; n < 4; n++) {
-		int32_t key = mask_key(m, at[0] + (n & 1), at[1] + (n >> 1));
-		if (key == MASK_EMPTY ||
-			fabs(reproject_depth(f, key) - depth_m) > AGREE_PART * depth_m + AGREE_M)
+		size_t row = (size_t)at[1] + (size_t)(n >> 1),
+		       column = (size_t)at[0] + (size_t)(n & 1);
+		double there_m = (double)depths_m[row * c->width + column];
+		if (!(fabs(there_m - depth_m) <= AGREE_PART * depth_m + AGREE_M))
 			return false;
 	}
 	return true;
 }
 
-static void find_row(reprojection *r, const frame *f, uint32_t y, const struct camera *now,
-	const visibility_mask *mask_now, const struct camera *before,
-	const visibility_mask *mask_before)
+static void find_row(reprojection *r, uint32_t y, const struct camera *now, const float *now_m,
+	const struct camera *before, const float *before_m)
 {
 	float(*to)[2] = r->before_px + (size_t)y * r->width;
 	for (uint32_t x = 0; x < r->width; x++) {
-		int32_t key = mask_key(mask_now, (int32_t)x, (int32_t)y);
+		double depth_m = (double)now_m[(size_t)y * r->width + x];
 		double px[2] = { x + 0.5, y + 0.5 }, was_px[2] = { 0 }, was_m = 0;
-		bool seen =
-			key != MASK_EMPTY &&
-			reproject_place(now, px, reproject_depth(f, key), before, was_px, &was_m) &&
-			agrees(f, mask_before, was_px, was_m);
+		bool seen = depth_m < (double)FILTER_FAR &&
+			    reproject_place(now, px, depth_m, before, was_px, &was_m) &&
+			    agrees(before, before_m, was_px, was_m);
 		for (int k = 0; k < 2; k++)
 			to[x][k] = seen ? (float)was_px[k] : NAN;
 	}
 }
 
-reprojection *reprojection_new(const frame *f, const struct camera *now,
-	const visibility_mask *mask_now, const struct camera *before,
-	const visibility_mask *mask_before)
+reprojection *reprojection_new(const struct camera *now, const float *now_m,
+	const struct camera *before, const float *before_m)
 {
 	reprojection *r = g_new0(reprojection, 1);
-	r->width = mask_now->width;
-	r->height = mask_now->height;
+	r->width = now->width;
+	r->height = now->height;
 	r->before_px = g_malloc((size_t)r->width * r->height * sizeof *r->before_px);
 #pragma omp parallel for schedule(dynamic, 16)
 	for (uint32_t y = 0; y < r->height; y++)
-		find_row(r, f, y, now, mask_now, before, mask_before);
+		find_row(r, y, now, now_m, before, before_m);
 	return r;
 }
 

@@ -13,15 +13,19 @@ bool reproject_shows(const struct camera *c, const visibility_mask *m, const dou
 /* How deep what a pixel shows is: as the mask has it, less what the point's pipeline pushes it back (mask.h). NULL: nothing does. */
 double reproject_depth(const frame *f, int32_t key);
 
+/* The same of all pixels of a mask of f, but of the discs that show there, which the mask has behind them by as much as they are wide:
+ * metres where points are near and far between. FILTER_FAR where nothing is. Free with g_free. */
+float *reproject_depths(
+	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count);
+
 typedef struct reprojection reprojection;
 struct reprojection {
 	uint32_t width, height;
 	float (*before_px)[2]; /* of each pixel's middle; NAN: it was not to be seen */
 };
-/* f: that both masks are of, whatever its camera; NULL: they are not pushed back. */
-reprojection *reprojection_new(const frame *f, const struct camera *now,
-	const visibility_mask *mask_now, const struct camera *before,
-	const visibility_mask *mask_before);
+/* Depths: of all pixels of the cameras' pictures (reproject_depths). */
+reprojection *reprojection_new(const struct camera *now, const float *now_m,
+	const struct camera *before, const float *before_m);
 void reprojection_free(reprojection *r); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(reprojection, reprojection_free)
 

@@ -21,14 +21,16 @@ static void put(const struct band *b, const visibility_mask *m, const struct sur
 		for (uint32_t x = 0; x < b->width; x++) {
 			size_t from = (size_t)(y - b->from) * b->pitch + BAND_MARGIN + x,
 			       at = (size_t)y * b->width + x;
+			if (d->nearest_m[from] < FILTER_FAR &&
+				mask_key(m, (int32_t)x, (int32_t)y) < MASK_EMPTY)
+				to->depth_m[at] = d->nearest_m[from];
+			if (!to->normal)
+				continue;
 			float n[3] = { d->normal[0][from], d->normal[1][from], d->normal[2][from] };
 			float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 			for (int k = 0; k < 3; k++)
 				to->normal[at][k] = length > 1e-6f ? n[k] / length : 0;
 			to->leaf[at] = (uint16_t)d->leaf[from];
-			if (d->nearest_m[from] < FILTER_FAR &&
-				mask_key(m, (int32_t)x, (int32_t)y) < MASK_EMPTY)
-				to->depth_m[at] = d->nearest_m[from];
 		}
 }
 

@@ -16,8 +16,8 @@ LANES_DECLARE(void, surface_chunk,
 
 struct surface_planes {
 	/* Rows as wide as the picture. Where nothing is: depth_m as it was, 0 0 0, 0. */
-	float *depth_m; /* becomes that of the nearest disc, with all its 32 bits */
-	float (*normal)[3];
+	float *depth_m;     /* becomes that of the nearest disc, with all its 32 bits */
+	float (*normal)[3]; /* NULL: not wanted; nor is leaf then */
 	uint16_t *leaf;
 };
 void surface_pass(const frame *f, const visibility_mask *m, const struct chunk_view *views,

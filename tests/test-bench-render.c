@@ -30,6 +30,14 @@ static visibility_mask *mask_of_depth(float depth_m)
 	return m;
 }
 
+static float *plane_of(float depth_m)
+{
+	float *ret = g_new(float, WIDTH *HEIGHT);
+	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++)
+		ret[i] = depth_m;
+	return ret;
+}
+
 static void test_there_and_back(void)
 {
 	for (int n = 0; n < 100; n++) {
@@ -64,8 +72,8 @@ static void test_error(void)
 	const float depth_m = 5;
 	struct camera before = camera_at(0, 0), now = camera_at(0.25, 0);
 	float shift = (float)(0.25 * now.focal_px / depth_m);
-	g_autoptr(visibility_mask) m = mask_of_depth(depth_m);
-	g_autoptr(reprojection) r = reprojection_new(NULL, &now, m, &before, m);
+	g_autofree float *depths_m = plane_of(depth_m);
+	g_autoptr(reprojection) r = reprojection_new(&now, depths_m, &before, depths_m);
 	g_autofree float *was = g_new(float, WIDTH *HEIGHT), *is = g_new(float, WIDTH *HEIGHT);
 	struct reprojection_sums same = { 0 }, lighter = { 0 };
 	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
@@ -105,8 +113,8 @@ static void test_share(void)
 	const float depth_m = 5;
 	struct camera before = camera_at(0, 0), now = camera_at(0.2503, 0);
 	double shift = 0.2503 * now.focal_px / (double)depth_m;
-	g_autoptr(visibility_mask) m = mask_of_depth(depth_m);
-	g_autoptr(reprojection) r = reprojection_new(NULL, &now, m, &before, m);
+	g_autofree float *depths_m = plane_of(depth_m);
+	g_autoptr(reprojection) r = reprojection_new(&now, depths_m, &before, depths_m);
 	g_autofree float *was = g_new(float, WIDTH *HEIGHT), *is = g_new(float, WIDTH *HEIGHT);
 	for (float contrast = 1; contrast > 0.2f; contrast -= 0.7f) {
 		struct reprojection_sums fixed = { 0 }, by_pixels = { 0 }, boils = { 0 },
