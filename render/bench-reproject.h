@@ -14,7 +14,7 @@ bool reproject_shows(const struct camera *c, const visibility_mask *m, const dou
 double reproject_depth(const frame *f, int32_t key);
 
 /* The same of all pixels of a mask of f, but of the discs that show there, which the mask has behind them by as much as they are wide:
- * metres where points are near and far between. FILTER_FAR where nothing is. Free with g_free. */
+ * centimetres where points are near and far between. FILTER_FAR where nothing is. Free with g_free. */
 float *reproject_depths(
 	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count);
 

@@ -59,8 +59,8 @@ bool gles_buffer_put(const gles_context *c, struct gles_buffer *b, const void *f
 	if (b->name)
 		g_array_append_val(c->spent, *b);
 	*b = (struct gles_buffer){ 0 };
-	int64_t room = MAX(bytes, 16);
-	int64_t roomy = MIN(room + room / 4, c->about.limits.storage_block_bytes);
+	int64_t room = MAX(bytes, 16), roomy = (room + room / 4 + 15) / 16 * 16;
+	roomy = MIN(roomy, c->about.limits.storage_block_bytes);
 	if (!take_spare(c, b, room) &&
 		!make_store(c, b, MAX(room, roomy), GL_STREAM_DRAW, what, error))
 		return false;
