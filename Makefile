@@ -7,7 +7,7 @@ BUILD ?= build
 # Also as other projects spell it.
 prefix ?= /usr/local
 PREFIX ?= $(prefix)
-CFLAGS ?= -O3 -g
+CFLAGS ?= -O3 -g1
 CXXFLAGS ?= $(CFLAGS)
 SANITIZE ?=
 # V=1 shows the commands.
