@@ -8,7 +8,7 @@ rm -rf "$site"
 
 # step SECONDS WHAT COMMAND...: of all that is to be done, SECONDS by a machine of two cores, tells how long the rest may take by how
 # fast this one is.
-started=$(date +%s) all=335 done_s=0
+started=$(date +%s) all=320 done_s=0
 step() {
 	seconds=$1 what=$2
 	shift 2
@@ -23,15 +23,36 @@ step() {
 	done_s=$((done_s + seconds))
 }
 
+# at_once WORDS COMMAND... COMMAND...: two that keep a core busy each; the first has so many words. What it says is shown when both are done.
+at_once() {
+	words=$1 said=$(mktemp) second=0 first=0
+	shift
+	(
+		all=$# n=0
+		for word; do
+			[ "$n" -ge "$words" ] || set -- "$@" "$word"
+			n=$((n + 1))
+		done
+		shift "$all"
+		exec "$@"
+	) >"$said" 2>&1 &
+	shift "$words"
+	"$@" || second=$?
+	wait $! || first=$?
+	cat "$said"
+	rm -f "$said"
+	return $((first + second))
+}
+
 for station in 1 2 3 4; do
 	step 10 "station $station of 4 is scanned" "$bin/pleinair" scan "$site" --device "sim:court?seed=$seed&station=$station" --preset fine
 done
 step 5 "panoramas" "$bin/pleinair" panoramas "$site"
 step 80 "the scans are registered, and what they show is found" "$bin/pleinair" process "$site"
-step 5 "how well they fit" "$bin/pleinair" report "$site"
-step 15 "pictures of what was found" "$bin/pleinair" pictures "$site"
-step 10 "points for other programs" "$bin/pleinair" export "$site" --output "$site/exports/points.e57"
-step 10 "the same thinned out" "$bin/pleinair" export "$site" --output "$site/exports/points-2cm.las" --spacing 0.02
+step 10 "how well they fit, and points for other programs" at_once 3 "$bin/pleinair" report "$site" \
+	"$bin/pleinair" export "$site" --output "$site/exports/points.e57"
+step 15 "pictures of what was found, and the points thinned out" at_once 3 "$bin/pleinair" pictures "$site" \
+	"$bin/pleinair" export "$site" --output "$site/exports/points-2cm.las" --spacing 0.02
 step 10 "a page of lines" "$bin/pleinair" render "$site" --style line-drawing --view walk --size A3-landscape --output "$site/exports/walk.svg"
 step 40 "a film" "$bin/pleinair" render "$site" --style ink-and-wash --view walk --path orbit:6 --seconds 4 --size 960x720 --output "$site/exports/walk.mp4"
 step 110 "the place in every style" "$bin/pleinair" styles "$site" --thumbnails "$site/exports/gallery" --size 1200x900 \
