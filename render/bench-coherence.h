@@ -4,8 +4,8 @@
  * 2011, "State-of-the-Art in Temporal Coherence of Non-Photorealistic Animations", has what can go wrong).
  *
  * The camera goes along a dolly (twice as near in 40 frames), an orbit (0.5 degrees a frame) and a pan (8 px a frame), each of 40
- * frames from one view; and it stands still while the light of the style goes round by 0.5 degrees a frame. Some pairs of neighbouring frames are measured, spread over the path; density and tone in half of them at
- * least. Frames are drawn by cpu at a pixel to a pixel, without supersampling, but for warp. Depths and cameras are known, so that motion is exact:
+ * frames from one view; and it stands still while the light of the style goes round by 0.5 degrees a frame. Some pairs of neighbouring
+ * frames are measured, spread over the path; density and tone in half of them at least. Frames are drawn by cpu at a pixel to a pixel, without supersampling, but for warp. Depths and cameras are known, so that motion is exact:
  *
  *     shown      a place in the picture, none of whose four nearest pixels the mask covers before it
  *     kept       of the strokes of a frame whose places in the site are shown in the next one, those that are drawn in it, of all layers; the
@@ -24,10 +24,10 @@
  *                strokes or more are wanted; mean of frames (<= 0.25). And with the limited tiles
  *     warp       how much of the picture changes: V(t) - V(t-1) at the same place of the site, V the luminance in linear light (Lai et al.
  *                2018), squared, by the variance of V; over what is covered in both frames at depths that agree to 2 %, which are those of
- *                surfaces, not what the mask pushes back. Both frames are drawn four times as fine, and means of 4 x 4 pixels are compared
+ *                the discs that show, not of the mask, which lies behind them. Both frames are drawn four times as fine, and means of 4 x 4 pixels are compared
  *                (<= 3.25 %, which is what kept and step let through: a hundredth of the strokes goes at once, and all others change by
  *                0.15). A picture that has nothing to do with the one before has 200 %; how strong its contrast is does not matter. On
- *                paper without grain, which is to stay where it is.
+ *                flat paper: its grain, and what teeth of strokes and filters take of it, are to stay where they are.
  *                And beside it the mean square of the pixels' own differences by the same of plain coloured points, where thin ink that
  *                moves by half a pixel counts like ink that comes and goes: points of a courtyard that are painted with black stripes of
  *                1 cm, which never change, have 23 there (and 1.1 % of the above), where figure-7d has 14

@@ -5,8 +5,8 @@
  *
  * Two scenes with as many points as the paper's: the first part of every chunk of the site's model (bench-subset.h). Of each, three
  * cameras with about as many points in view as in the paper (bench-frames.h), each drawn in sprites (figure-7a), in strokes
- * (figure-7d), in paint (impressionist; the paper has none, and its rates are of the other two) and as plain coloured points, which is what VTK draws. One picture is a pixel to a pixel, without supersampling. Of the
- * repeats the one that took least counts, with all its stages.
+ * (figure-7d), in paint (impressionist; the paper has none, and its rates are of the other two) and as plain coloured points, which is
+ * what VTK draws. One picture is a pixel to a pixel, without supersampling. Of the repeats the one that took least counts, with all its stages.
  *
  *     Nc      points in chunks that are in view
  *     N1      of these the mask is drawn of: discs by the rank test, in the picture
