@@ -78,7 +78,7 @@ asan := BUILD=build-asan SANITIZE=address,undefined CFLAGS='-O2 -g1'
 check-sanitized:
 	$(MAKE) $(side_by_side) $(asan) all tests
 	$(MAKE) $(asan) check-asan-quick
-.PHONY: check-asan-quick check-asan-slow check-sanitized-slow check-slow check-patient
+.PHONY: check-asan-quick check-asan-slow check-slow check-patient
 check-asan-quick check-asan-slow: all tests
 check-asan-quick:
 	$(MAKE) run_tests='$(filter-out $(slow_tests) $(screen_tests),$(tests) $(fuzzers))' check-tests
@@ -87,9 +87,6 @@ check-asan-slow:
 #: make check-slow      what make check leaves out: the slowest tests, all of them under ASan and UBSan, real scans, a kernel in QEMU
 check-slow: check-patient check-truth check-kernel
 	$(MAKE) check-sanitized
-	$(MAKE) check-sanitized-slow
-# The slowest tests of all, instrumented.
-check-sanitized-slow:
 	$(MAKE) $(asan) check-asan-slow
 check-patient: all tests
 	$(MAKE) run_tests='$(patient_tests)' check-tests
