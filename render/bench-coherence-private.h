@@ -16,7 +16,7 @@ struct shot {
 	struct camera camera;
 	const visibility_mask *mask;
 	visibility_mask *own_mask; /* NULL: that of another shot */
-	float *depth_m;            /* of what shows; NULL likewise */
+	float *depth_m;            /* of each pixel (reproject_depths); NULL: nobody asks */
 	struct chunk_view *views;
 	uint32_t view_count;
 	stroke_list *lists; /* NULL: there is no shot */
@@ -26,7 +26,7 @@ struct shot {
 };
 /* f is moved to the camera. shared NULL: it makes a mask of its own, else that one must live as long. */
 bool shot_take(struct shot *ret, frame *f, const struct camera *c, const visibility_mask *shared,
-	struct picture_buffer *picture, GError **error);
+	bool wants_depths, struct picture_buffer *picture, GError **error);
 void shot_clear(struct shot *s);
 
 /* The same frame drawn finer, for what is held against the frame before pixel by pixel. */
@@ -34,14 +34,12 @@ void shot_clear(struct shot *s);
 
 struct fine_shot {
 	struct camera camera;
-	const visibility_mask *mask;
-	visibility_mask *own_mask; /* NULL: that of another shot */
-	float *depth_m;            /* of what shows; NULL likewise */
-	float *luminance;          /* NULL: there is no shot */
+	float *depth_m;   /* of each pixel (reproject_depths); NULL: nobody asks */
+	float *luminance; /* NULL: there is no shot */
 };
-/* c: of the frame itself; the rest as for shot_take. */
-bool fine_shot_take(struct fine_shot *ret, frame *f, const struct camera *c,
-	const visibility_mask *shared, struct picture_buffer *picture, GError **error);
+/* c: of the frame itself. */
+bool fine_shot_take(struct fine_shot *ret, frame *f, const struct camera *c, bool wants_depths,
+	struct picture_buffer *picture, GError **error);
 void fine_shot_clear(struct fine_shot *s);
 
 /* ---- strokes of two frames ---- */

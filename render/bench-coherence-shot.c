@@ -32,7 +32,7 @@ static uint8_t *read_lightness(const struct picture_buffer *p)
 }
 
 bool shot_take(struct shot *ret, frame *f, const struct camera *c, const visibility_mask *shared,
-	struct picture_buffer *picture, GError **error)
+	bool wants_depths, struct picture_buffer *picture, GError **error)
 {
 	if (!frame_move(f, c, error))
 		return false;
@@ -42,7 +42,7 @@ bool shot_take(struct shot *ret, frame *f, const struct camera *c, const visibil
 	if (!shared)
 		ret->own_mask = visibility_mask_new(f, ret->views, ret->view_count);
 	ret->mask = shared ? shared : ret->own_mask;
-	if (!shared)
+	if (wants_depths)
 		ret->depth_m = reproject_depths(f, ret->mask, ret->views, ret->view_count);
 	ret->lists = stroke_lists_new(f, ret->mask, ret->views, ret->view_count);
 	ret->luminance = read_luminance(picture);
@@ -61,27 +61,29 @@ void shot_clear(struct shot *s)
 	*s = (struct shot){ 0 };
 }
 
-bool fine_shot_take(struct fine_shot *ret, frame *f, const struct camera *c,
-	const visibility_mask *shared, struct picture_buffer *picture, GError **error)
+static float *depths_of(frame *f)
+{
+	uint32_t count;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	g_autoptr(visibility_mask) m = visibility_mask_new(f, views, count);
+	return reproject_depths(f, m, views, count);
+}
+
+bool fine_shot_take(struct fine_shot *ret, frame *f, const struct camera *c, bool wants_depths,
+	struct picture_buffer *picture, GError **error)
 {
 	struct camera fine = camera_scaled(c, FINE);
 	if (!frame_move(f, &fine, error))
 		return false;
 	draw_frame(NULL, f, picture, NULL);
-	*ret = (struct fine_shot){ .camera = fine, .luminance = read_luminance(picture) };
-	if (!shared) {
-		uint32_t count;
-		g_autofree struct chunk_view *views = chunk_views_new(f, &count);
-		ret->own_mask = visibility_mask_new(f, views, count);
-		ret->depth_m = reproject_depths(f, ret->own_mask, views, count);
-	}
-	ret->mask = shared ? shared : ret->own_mask;
+	*ret = (struct fine_shot){ .camera = fine,
+		.depth_m = wants_depths ? depths_of(f) : NULL,
+		.luminance = read_luminance(picture) };
 	return true;
 }
 
 void fine_shot_clear(struct fine_shot *s)
 {
-	visibility_mask_free(s->own_mask);
 	g_free(s->depth_m);
 	g_free(s->luminance);
 	*s = (struct fine_shot){ 0 };

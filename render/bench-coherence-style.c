@@ -188,10 +188,11 @@ bool styled_take(struct styled *s, const struct camera *c, const struct styled *
 {
 	shot_clear(&s->now);
 	fine_shot_clear(&s->fine_now);
-	return shot_take(&s->now, s->frame, c, s->shares_mask ? baseline->now.mask : NULL, picture,
-		       error) &&
-	       fine_shot_take(&s->fine_now, s->fine_frame, c,
-		       baseline != s ? baseline->fine_now.mask : NULL, fine, error);
+	/* All styles are moved as the baseline is. */
+	bool is_baseline = baseline == s;
+	return shot_take(&s->now, s->frame, c, s->shares_mask ? baseline->now.mask : NULL,
+		       is_baseline, picture, error) &&
+	       fine_shot_take(&s->fine_now, s->fine_frame, c, is_baseline, fine, error);
 }
 
 /* ---- two of them ---- */

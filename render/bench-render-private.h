@@ -56,7 +56,8 @@ struct render_strokes {
 bool render_strokes_measure(struct render_strokes *ret, const bench_place *p, const scene *s,
 	const struct camera *c, uint32_t repeats, GError **error);
 
-/* The fastest of so many, or of those that fit into some seconds; stages are of frames that wait after each, all_s of those that do not. */
+/* The fastest of so many, or of those that fit into some seconds. Stages are of frames that wait after each of them, all_s of frames
+ * that do not. */
 bool render_fastest(painter *p, const frame *f, uint32_t repeats, struct picture_buffer *to,
 	struct draw_times *ret, GError **error);
 double render_mask_rate(const struct render_scene *s); /* the same of the three cameras */

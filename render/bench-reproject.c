@@ -43,12 +43,9 @@ bool reproject_shows(const struct camera *c, const visibility_mask *m, const dou
 
 double reproject_depth(const frame *f, int32_t key)
 {
-	double depth_m = mask_depth(key);
-	if (!f)
-		return depth_m;
 	const struct mask_step *step =
 		&frame_pipeline(f, key & ((1 << MASK_PIPELINE_BITS) - 1))->mask;
-	return (depth_m - (double)step->offset_m) / (1 + (double)step->offset_relative);
+	return (mask_depth(key) - (double)step->offset_m) / (1 + (double)step->offset_relative);
 }
 
 float *reproject_depths(

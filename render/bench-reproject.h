@@ -10,11 +10,12 @@ bool reproject_place(const struct camera *from, const double px[2], double depth
 /* In the picture, and none of the four nearest pixels is covered before it. */
 bool reproject_shows(const struct camera *c, const visibility_mask *m, const double point_m[3]);
 
-/* How deep what a pixel shows is: as the mask has it, less what the point's pipeline pushes it back (mask.h). NULL: nothing does. */
+/* How deep what a pixel shows is: as the mask has it, less what the point's pipeline pushes it back (mask.h). */
 double reproject_depth(const frame *f, int32_t key);
 
 /* The same of all pixels of a mask of f, but of the discs that show there, which the mask has behind them by as much as they are wide:
- * centimetres where points are near and far between. FILTER_FAR where nothing is. Free with g_free. */
+ * centimetres where points are near and far between. Between discs what it fills
+ * in; FILTER_FAR where nothing is. Free with g_free. */
 float *reproject_depths(
 	const frame *f, const visibility_mask *m, const struct chunk_view *views, uint32_t count);
 

@@ -4,6 +4,7 @@
 #include "render/bench-coherence-private.h"
 #include "render/bench-subset.h"
 #include "render/large.h"
+#include "tests/scene-made.h"
 #include <math.h>
 
 #define WIDTH  160u
@@ -151,9 +152,40 @@ static void test_pushed_back(void)
 		int32_t bits;
 	} u = { 5.07f };
 	int32_t key = u.bits & ~((1 << MASK_PIPELINE_BITS) - 1);
-	g_assert_cmpfloat_with_epsilon(reproject_depth(NULL, key), 5.07, 1e-3);
 	g_assert_cmpfloat_with_epsilon(reproject_depth(&f, key), 4.97, 1e-3);
 	g_assert_cmpfloat_with_epsilon(reproject_depth(&f, key | 1), 5, 1e-3);
+}
+
+/* A metre before the wall, whose points are centimetres apart: by as much the mask lies behind it. Between discs it has what it fills in. */
+static void test_depths(void)
+{
+	const double eye[3] = { 103, 204, 4 }, target[3] = { 103, 205, 4 };
+	struct camera c = camera_look_at(eye, target, 40, 400, 300);
+	g_autoptr(drawing) d = made_drawing(MADE_SITE("{\"step\":\"points\"}"));
+	g_autoptr(frame) f = made_frame(made_shared_court(), d, &c);
+	uint32_t count;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	g_autoptr(visibility_mask) m = visibility_mask_new(f, views, count);
+	g_autofree float *depth_m = reproject_depths(f, m, views, count);
+	size_t pixels = (size_t)c.width * c.height, covered = 0, filled = 0, wrong = 0,
+	       wrong_mask = 0;
+	for (size_t at = 0; at < pixels; at++) {
+		int32_t key = mask_key(m, (int32_t)(at % c.width), (int32_t)(at / c.width));
+		if (key == MASK_EMPTY)
+			continue;
+		covered++;
+		double by_mask_m = reproject_depth(f, key);
+		bool is_filled = fabs((double)depth_m[at] - by_mask_m) < 1e-6;
+		filled += is_filled;
+		wrong += !is_filled && fabs((double)depth_m[at] - 1) > 1e-3;
+		wrong_mask += fabs(by_mask_m - 1) > 5e-3;
+	}
+	g_test_message("%zu of %zu covered, %zu filled, %zu wrong, %zu by the mask", covered,
+		pixels, filled, wrong, wrong_mask);
+	g_assert_cmpuint(covered, >, pixels * 9 / 10);
+	g_assert_cmpuint(filled, <, covered / 20);
+	g_assert_cmpuint(wrong, <, covered / 1000);
+	g_assert_cmpuint(wrong_mask, >, covered / 2);
 }
 
 static void test_variation(void)
@@ -223,6 +255,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/bench-render/error", test_error);
 	g_test_add_func("/bench-render/share", test_share);
 	g_test_add_func("/bench-render/pushed-back", test_pushed_back);
+	g_test_add_func("/bench-render/depths", test_depths);
 	g_test_add_func("/bench-render/variation", test_variation);
 	g_test_add_func("/bench-render/subset", test_subset);
 	return g_test_run();
