@@ -10,8 +10,8 @@
 /* Points to a square pixel from which on they stand for others. */
 #define DISC_CROWD      5.f
 #define DISC_CROWD_ROOT __builtin_sqrtf(DISC_CROWD)
-/* Discs are at least this wide, so that each covers the pixel that it is in; and at most that, of a picture of 1080 rows and fewer: of
- * larger ones as much wider as these are. */
+/* Discs are at least this wide, so that each covers the pixel that it is in; and at most that, of a picture of FRAME_STYLE_HEIGHT rows and
+ * fewer: of larger ones as much wider as these are. */
 #define DISC_RADIUS_LEAST 0.72f
 #define DISC_RADIUS_MOST  48.f
 static inline float disc_radius_most(const frame *f)

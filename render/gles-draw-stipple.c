@@ -4,7 +4,7 @@
 #include <float.h>
 #include <string.h>
 
-#define SLICES     16u /* of 256 points: a whole chunk */
+#define SLICES     (MODEL_CHUNK_POINTS / GLES_SLICE) /* a whole chunk */
 #define SPOT_BYTES 12
 
 /* Of stipple.glsl. */

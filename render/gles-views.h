@@ -31,8 +31,8 @@ struct gles_views {
 	const struct chunk_view *view; /* as they were given */
 	uint32_t count, points;
 	int32_t leaf; /* of all of them; -1: of several */
-	GByteArray
-		*slices; /* of each, in the order of shaders: GLES_SLICE points that may be discs */
+	/* Of each, in the order of shaders: slices of points that may be discs. */
+	GByteArray *slices;
 };
 /* view: from near to far; kept, not copied. */
 bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const gles_scene *g,

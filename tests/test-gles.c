@@ -1,6 +1,7 @@
 /* OpenGL ES without a window: on whatever there is, software as a rule; without any, on drivers that fail in all ways, which
  * must end in a sentence. */
 #include "render/backend-choice.h"
+#include "render/gles-buffer.h"
 #include "render/gles-context.h"
 #include "render/gles-probe.h"
 #include "render/gles-program.h"
@@ -50,6 +51,37 @@ static void assert_has(const char *text, const char *part)
 }
 
 /* ---- a context ---- */
+
+/* No store is written again, and none is freed, before the GPU has come to rest; then they are taken again. */
+static void test_stores(void)
+{
+	g_autoptr(gles_context) c = open_here();
+	g_autoptr(GError) error = NULL;
+	if (!c)
+		return;
+	struct gles_buffer b = { 0 };
+	GLuint name[3];
+	for (uint32_t n = 0; n < 3; n++) {
+		uint32_t in[40] = { n, [39] = 7 * n }, out[40];
+		g_assert_true(gles_buffer_put(c, &b, in, sizeof in, "a test", &error));
+		g_assert_true(gles_buffer_read(c, &b, sizeof out, out, &error));
+		g_assert_cmpmem(in, sizeof in, out, sizeof out);
+		name[n] = b.name;
+	}
+	g_assert_true(name[0] != name[1] && name[1] != name[2] && name[0] != name[2]);
+	gles_buffer_clear(c, &b);
+	g_assert_cmpuint(c->gone->len, ==, 1);
+	gles_buffers_rest(c);
+	g_assert_cmpuint(c->gone->len, ==, 0);
+	g_assert_true(gles_buffer_put(c, &b, name, sizeof name, "a test", &error));
+	g_assert_true(b.name != name[0] && b.name != name[1]); /* too large for so little */
+	uint32_t again[40] = { 0 };
+	g_assert_true(gles_buffer_put(c, &b, again, sizeof again, "a test", &error));
+	g_assert_true(b.name == name[0] || b.name == name[1]);
+	gles_buffer_clear(c, &b);
+	gles_buffers_rest(c);
+	g_assert_no_error(error);
+}
 
 static void test_context(void)
 {
@@ -475,6 +507,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/gles/wish", test_wish);
 	g_test_add_func("/gles/choice", test_choice);
 	g_test_add_func("/gles/context", test_context);
+	g_test_add_func("/gles/stores", test_stores);
 	g_test_add_func("/gles/found", test_found);
 	g_test_add_func("/gles/two", test_two);
 	g_test_add_func("/gles/threads", test_threads);

@@ -118,7 +118,7 @@ static void fill_point(const struct reference *r, const struct scene_chunk *chun
 	if ((i + 0.5) / chunk->count >= part)
 		return;
 	d.radius = CLAMP(0.5 * (double)step->disc * disc_px / sqrt(part), DISC_RADIUS_LEAST,
-		DISC_RADIUS_MOST);
+		DISC_RADIUS_MOST * fmax(c->height / FRAME_STYLE_HEIGHT, 1));
 	tilt(r, s->normal[chunk->first + i], &d);
 	double pushed_m = d.depth_m * (1 + (double)step->offset_relative) + (double)step->offset_m +
 			  d.radius * d.depth_m / c->focal_px;
@@ -216,6 +216,8 @@ static const struct look {
 	{ { 103, 194, 5 }, { 103, 205, 4 }, 60, 3, 2000 },
 	{ { 103, 194, 5 }, { 103, 205, 4 }, 60, 2000, 3 },
 	{ { 103, 194, 5 }, { 103, 205, 4 }, 60, 17, 9 },
+	{ { 103, 204.4, 4 }, { 103, 205, 4 }, 60, 200,
+		3600 }, /* discs wider than those of small pictures */
 };
 
 static frame *look_at_court(const struct look *l, drawing **ret_drawing)
