@@ -12,36 +12,41 @@ void filter_gaussian(struct filter_job *j, const struct step *s)
 
 /* ---- gaps ---- */
 
+/* Where a pixel looks around. */
+struct tap {
+	int32_t dx, dy;
+	ptrdiff_t away; /* in pixels of the image */
+	float weight;
+	uint32_t side; /* the bit of its eighth of the circle */
+};
+
 struct closing {
 	struct filter_image *image;
-	int radius;
+	int reach;
 	float *depth_m; /* as it becomes */
+	const struct tap *taps;
+	uint32_t taps_n;
 	/* Of blocks of pixels: whether something is in them; and in any that a gap in them is closed by. */
 	uint32_t across, down;
 	uint8_t *there, *near;
 };
 #define BLOCK 8
 
-struct around {
-	float rgb[3], depth_m, weight;
-	unsigned sides; /* a bit for each eighth of the circle where something is */
-};
-
-static void add_around(const struct closing *c, int x, int y, int dx, int dy, struct around *a)
+static GArray *taps_around(int radius, uint32_t width)
 {
-	const struct filter_image *i = c->image;
-	int at_x = x + dx, at_y = y + dy;
-	if (at_x < 0 || at_y < 0 || at_x >= (int)i->width || at_y >= (int)i->height)
-		return;
-	size_t at = (size_t)at_y * i->width + (size_t)at_x;
-	if (i->depth_m[at] >= FILTER_FAR)
-		return;
-	float weight = 1 / (float)(dx * dx + dy * dy);
-	for (int k = 0; k < 3; k++)
-		a->rgb[k] += weight * (float)i->rgba[at][k];
-	a->depth_m += weight * i->depth_m[at];
-	a->weight += weight;
-	a->sides |= 1u << ((dx > 0) | (dy > 0) << 1 | (abs(dx) > abs(dy)) << 2);
+	int step = gaps_step_px(radius), reach = radius / step * step;
+	GArray *ret = g_array_new(FALSE, FALSE, sizeof(struct tap));
+	for (int dy = -reach; dy <= reach; dy += step)
+		for (int dx = -reach; dx <= reach; dx += step) {
+			int apart = dx * dx + dy * dy;
+			if (!apart || apart > radius * radius)
+				continue;
+			struct tap t = { dx, dy, (ptrdiff_t)dy * (ptrdiff_t)width + dx,
+				1 / (float)apart,
+				1u << ((dx > 0) | (dy > 0) << 1 | (abs(dx) > abs(dy)) << 2) };
+			g_array_append_val(ret, t);
+		}
+	return ret;
 }
 
 /* What has something on most sides is a gap; what lies beside a thing is not. */
@@ -63,7 +68,7 @@ static void there_rows(const void *data, uint32_t from, uint32_t end)
 static void near_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct closing *c = data;
-	int reach = (c->radius + BLOCK - 1) / BLOCK;
+	int reach = (c->reach + BLOCK - 1) / BLOCK;
 	for (int y = (int)from; y < (int)end; y++)
 		for (int x = 0; x < (int)c->across; x++) {
 			uint8_t any = 0;
@@ -75,32 +80,70 @@ static void near_rows(const void *data, uint32_t from, uint32_t end)
 		}
 }
 
+/* A pixel at whose taps the image may end asks each of them. */
+static bool is_there(
+	const struct filter_image *i, const struct tap *t, uint32_t x, uint32_t y, bool is_inside)
+{
+	uint32_t at_x = x + (uint32_t)t->dx, at_y = y + (uint32_t)t->dy;
+	if (!is_inside && (at_x >= i->width || at_y >= i->height))
+		return false;
+	return i->depth_m[(ptrdiff_t)((size_t)y * i->width + x) + t->away] < FILTER_FAR;
+}
+
+static bool is_gap(const struct closing *c, uint32_t x, uint32_t y, bool is_inside)
+{
+	uint32_t sides = 0;
+	for (uint32_t n = 0; n < c->taps_n; n++) {
+		const struct tap *t = &c->taps[n];
+		if (sides & t->side || !is_there(c->image, t, x, y, is_inside))
+			continue;
+		sides |= t->side;
+		if (__builtin_popcount(sides) >= SIDES_LEAST)
+			return true;
+	}
+	return false;
+}
+
+static void close_gap(const struct closing *c, uint32_t x, uint32_t y, bool is_inside)
+{
+	const struct filter_image *i = c->image;
+	size_t at = (size_t)y * i->width + x;
+	float rgb[3] = { 0 }, depth_m = 0, weight = 0;
+	for (uint32_t n = 0; n < c->taps_n; n++) {
+		const struct tap *t = &c->taps[n];
+		if (!is_there(i, t, x, y, is_inside))
+			continue;
+		ptrdiff_t there = (ptrdiff_t)at + t->away;
+		for (int k = 0; k < 3; k++)
+			rgb[k] += t->weight * (float)i->rgba[there][k];
+		depth_m += t->weight * i->depth_m[there];
+		weight += t->weight;
+	}
+	for (int k = 0; k < 3; k++)
+		rgb[k] /= weight;
+	filter_put(i->spare[at], rgb);
+	c->depth_m[at] = depth_m / weight;
+}
+
 static void close_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct closing *c = data;
 	const struct filter_image *i = c->image;
-	int step = gaps_step_px(c->radius), reach = c->radius / step * step;
-	for (uint32_t y = from; y < end; y++)
+	uint32_t reach = (uint32_t)c->reach;
+	memcpy(i->spare[(size_t)from * i->width], i->rgba[(size_t)from * i->width],
+		(size_t)(end - from) * i->width * 4);
+	memcpy(c->depth_m + (size_t)from * i->width, i->depth_m + (size_t)from * i->width,
+		(size_t)(end - from) * i->width * sizeof(float));
+	for (uint32_t y = from; y < end; y++) {
+		const uint8_t *near = c->near + (size_t)(y / BLOCK) * c->across;
+		const float *row = i->depth_m + (size_t)y * i->width;
+		bool is_row_inside = y >= reach && y + reach < i->height;
 		for (uint32_t x = 0; x < i->width; x++) {
-			size_t at = (size_t)y * i->width + x;
-			struct around a = { 0 };
-			memcpy(i->spare[at], i->rgba[at], 4);
-			c->depth_m[at] = i->depth_m[at];
-			if (i->depth_m[at] < FILTER_FAR ||
-				!c->near[(y / BLOCK) * c->across + x / BLOCK])
-				continue;
-			for (int dy = -reach; dy <= reach; dy += step)
-				for (int dx = -reach; dx <= reach; dx += step)
-					if ((dx || dy) &&
-						dx * dx + dy * dy <= c->radius * c->radius)
-						add_around(c, (int)x, (int)y, dx, dy, &a);
-			if (__builtin_popcount(a.sides) < SIDES_LEAST)
-				continue;
-			for (int k = 0; k < 3; k++)
-				a.rgb[k] /= a.weight;
-			filter_put(i->spare[at], a.rgb);
-			c->depth_m[at] = a.depth_m / a.weight;
+			bool is_inside = is_row_inside && x >= reach && x + reach < i->width;
+			if (row[x] >= FILTER_FAR && near[x / BLOCK] && is_gap(c, x, y, is_inside))
+				close_gap(c, x, y, is_inside);
 		}
+	}
 }
 
 /* Where nobody says: as wide as points ask for that are a little farther apart than most. */
@@ -115,8 +158,11 @@ int gaps_radius(const struct gaps_step *s, float px, float spacing_px)
 
 void filter_gaps(struct filter_job *j, const struct step *s)
 {
-	struct closing c = { &j->image, gaps_radius(&s->gaps, j->px, j->spacing_px),
-		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)) };
+	int radius = gaps_radius(&s->gaps, j->px, j->spacing_px);
+	g_autoptr(GArray) taps = taps_around(radius, j->image.width);
+	struct closing c = { &j->image, radius,
+		filter_room_part(j->room, 0, filter_pixels(&j->image) * sizeof(float)),
+		(const struct tap *)(const void *)taps->data, taps->len };
 	c.across = (j->image.width + BLOCK - 1) / BLOCK;
 	c.down = (j->image.height + BLOCK - 1) / BLOCK;
 	c.there = filter_room_part(j->room, 1, 2 * (size_t)c.across * c.down);
