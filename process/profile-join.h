@@ -1,7 +1,7 @@
 #ifndef PROCESS_PROFILE_JOIN_H
 #define PROCESS_PROFILE_JOIN_H
-/* Joins pieces of edges into lines: what is there twice is one, pieces one behind the other are one, pieces that follow each other are a
- * curve, and ends that nearly meet in a corner meet. One owner, one thread; the order in which pieces come counts: the surest first. */
+/* Joins pieces of edges: what is there twice is one, and pieces one behind the other are one. One owner, one thread; the order in which
+ * pieces come counts: the surest first. */
 #include "process/profile-pieces.h"
 
 typedef struct profile_joiner profile_joiner;
@@ -15,6 +15,5 @@ bool profile_joiner_explains(
 	const profile_joiner *j, const struct profile_piece *piece, bool is_edge);
 /* All that stays, as it is now: of struct profile_piece; caller unrefs. */
 GArray *profile_joiner_pieces(const profile_joiner *j);
-profile_lines *profile_joiner_finish(profile_joiner *j, const double origin_m[3]);
 
 #endif

@@ -1,4 +1,5 @@
 #include "process/profile-lines.h"
+#include "process/profile-chain.h"
 #include "process/profile-join.h"
 #include "process/profile-rim.h"
 #include <math.h>
@@ -149,7 +150,8 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 	if (!pieces)
 		return NULL;
 	g_autoptr(profile_joiner) joiner = fit_rims(around, pieces, &o);
-	profile_lines *lines = profile_joiner_finish(joiner, origin_m);
+	g_autoptr(GArray) whole = profile_joiner_pieces(joiner);
+	profile_lines *lines = profile_chain(whole, origin_m, &o);
 	to_metres(lines, unit_m);
 	return lines;
 }

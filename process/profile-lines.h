@@ -8,11 +8,11 @@
  * 2. Edges (profile-faces.h, profile-edges.c): all points around a piece, taken together along it, are a section through the faces beside
  *    it, told apart as each station sees them (profile-view.h). Where two faces cut each other there is an edge, and where one ends. It goes
  *    as far as its faces do, with feature points beside it.
- * 3. Lines (profile-join.h): the longest come first; what they explain is left out. What lies on one line is one, what follows each other
- *    a curve, and ends that nearly meet in a corner meet. Edges that came out longer than what they were found by are looked at
- *    again, by all of their length, for that tells their direction the better; those that are not found again keep about what they were
- *    found by.
+ * 3. Joining (profile-join.h): the longest come first; what they explain is left out. What lies on one line is one. Edges that came out
+ *    longer than what they were found by are looked at again, by all of their length, for that tells their direction the better; those
+ *    that are not found again keep about what they were found by.
  * 4. Where a face ends, all beams along the end tell at last where exactly (profile-rim.h).
+ * 5. Chaining (profile-chain.h): what follows each other is a curve, and ends that nearly meet in a corner meet.
  *
  * The same model gives the same bytes on any number of threads. */
 #include "process/model.h"
