@@ -72,7 +72,7 @@ INLINE vf find_in_slab(const struct brush *b, uint32_t i, uint32_t end, struct l
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
-	c->spacing_m = load_u16(s->spacing + at) * SCENE_UNIT_M;
+	c->spacing_m = load_u16(s->spacing + at) * s->unit_m;
 	vf thick_m = thickness_of(b, c->spacing_m);
 	vf reach = b->layer->ink.length_px + 4 * thick_m * l.px_per_m;
 	c->left = bits((l.depth_m >= b->lens.near_m) & (l.depth_m <= b->lens.near_m + thick_m) &

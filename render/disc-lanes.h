@@ -182,7 +182,7 @@ INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const str
 	disc = disc_sizes(disc);
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
 	struct lane_points l = project_lanes(v, q, &p->lens);
-	vf unit_px = l.px_per_m * SCENE_UNIT_M;
+	vf unit_px = l.px_per_m * s->unit_m;
 	d->x = l.x_px;
 	d->y = l.y_px;
 	d->depth_m = l.depth_m;

@@ -105,7 +105,7 @@ static bool set_camera(gles_draw *d, const frame *f, GError **error)
 	struct lens l = lens_of(c);
 	struct camera_block b = { .lens = { l.focal_px, l.middle_x, l.middle_y, l.near_m },
 		.rays = { l.fan, l.parallel_m, l.by_parallel, l.begin_m },
-		.cuts = { c->is_cut, (float)c->cut_m, fminf(l.far_m, FLT_MAX) },
+		.cuts = { c->is_cut, (float)c->cut_m, fminf(l.far_m, FLT_MAX), f->scene->unit_m },
 		.size = { (float)c->width, (float)c->height, f->px, (float)c->far_m },
 		.window = { (int32_t)c->whole.left, (int32_t)c->whole.top } };
 	const double *row[3] = { c->right, c->down, c->forward };

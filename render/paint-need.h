@@ -198,7 +198,7 @@ INLINE vf paint_least(const struct brush *b, const struct lane_candidates *c, fl
 {
 	float disc = frame_pipeline(b->f, b->layer->pipeline)->mask.disc;
 	vf disc_px = disc_sizes(gather_u16(b->f->scene->disc, c->point)) *
-		     (PAINT_DISC * disc * SCENE_UNIT_M * b->lens.focal_px) /
+		     (PAINT_DISC * disc * b->f->scene->unit_m * b->lens.focal_px) /
 		     LENS_SCALE_M(&b->lens, c->depth_m);
 	return least(disc_px, all(most_px));
 }

@@ -111,13 +111,13 @@ static void draw_side(scene_cover *w, const scene *s, const struct scene_chunk *
 	memset(w->shown, 0, sizeof w->shown);
 	for (uint32_t n = 0; n < w->points[side]; n++) {
 		struct claim *at = &w->of_side[side][n];
-		float edge_px = s->spacing[at->point] * SCENE_UNIT_M * scale;
+		float edge_px = s->spacing[at->point] * s->unit_m * scale;
 		at->x_px =
 			fminf((float)s->q[across][at->point] * c->step_m[across] * scale, SIDE - 1);
 		at->y_px = fminf((float)s->q[down][at->point] * c->step_m[down] * scale, SIDE - 1);
 		w->claimed[(int)at->y_px / BLOCK][(int)at->x_px / BLOCK] +=
 			edge_px * edge_px * at->facing;
-		cover_disc(w, at, s->disc[at->point] * (SCENE_UNIT_M * DISC / 2) * scale);
+		cover_disc(w, at, s->disc[at->point] * (s->unit_m * DISC / 2) * scale);
 	}
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x += 8) {

@@ -39,7 +39,7 @@ static void look_at_chunk(const scene *s, uint32_t n, const struct camera *cam, 
 		scene_position(s, c, i, place);
 		if (!camera_project(cam, place, at, &depth) || depth > cam->far_m)
 			continue;
-		double disc_m = scene_disc(s, c->first + i) * SCENE_UNIT_M;
+		double disc_m = scene_disc(s, c->first + i) * (double)s->unit_m;
 		double aside = hypot(at[0] - px[0], at[1] - px[1]);
 		/* A point is as large as its patch, so that nothing is picked through near surface. */
 		if (aside >

@@ -36,7 +36,7 @@ void scene_planes_free(struct scene_planes *p); /* NULL is fine */
 /* Marks those points of a chunk that planes explain, by their numbers in the model. */
 void scene_planes_mark(scene *s, struct scene_chunk *c);
 
-/* Diameter of a point's disc, in SCENE_UNIT_M. */
+/* Diameter of a point's disc, in units of the scene. */
 static inline uint16_t scene_disc(const scene *s, uint32_t point)
 {
 	return s->disc[point] & SCENE_DISC_MOST;

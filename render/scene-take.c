@@ -44,9 +44,40 @@ static inline float lower(float x, float y)
 	return x < y ? x : y;
 }
 
-static uint16_t units(float m)
+static uint16_t units(const scene *s, float m)
 {
-	return (uint16_t)fminf(fmaxf(m / SCENE_UNIT_M + 0.5f, 1), SPACING_M);
+	return (uint16_t)fminf(fmaxf(m / s->unit_m + 0.5f, 1), SPACING_M);
+}
+
+/* The third nearest point of its chunk is about as far away as points that are strewn by chance stand apart. */
+static float apart_m(const struct model_point *p, uint32_t count, uint32_t of)
+{
+	float least[3] = { INFINITY, INFINITY, INFINITY };
+	for (uint32_t i = 0; i < count; i++) {
+		float square = 0;
+		for (int k = 0; k < 3; k++)
+			square += (p[i].position_m[k] - p[of].position_m[k]) *
+				  (p[i].position_m[k] - p[of].position_m[k]);
+		for (int n = 0; n < 3 && i != of; n++)
+			if (square < least[n]) {
+				float other = least[n];
+				least[n] = square;
+				square = other;
+			}
+	}
+	return sqrtf(isinf(least[2]) ? 0 : least[2]);
+}
+
+/* Points that the model cannot say of how far they stand apart. */
+static void measure_far(scene *s, const struct scene_chunk *c, const struct model_point *p)
+{
+	for (uint32_t i = 0; i < c->count; i++) {
+		float spacing_m = p[i].spacing * SCENE_UNIT_M;
+		if (p[i].spacing == UINT16_MAX)
+			spacing_m = fmaxf(spacing_m, apart_m(p, c->count, i) / sqrtf(c->part));
+		s->spacing[c->first + i] = units(s, spacing_m);
+		s->disc[c->first + i] = MIN(s->spacing[c->first + i], SCENE_DISC_MOST);
+	}
 }
 
 /* Surface that was met aslant has points far apart one way: the patch of each is long. Of leaves nobody knows how they stand. */
@@ -88,8 +119,8 @@ static void find_extremes(const scene *s, struct scene_chunk *c)
 	c->spacing_most_m = c->disc_most_m = 0;
 	memset(c->list_spacing_most_m, 0, sizeof c->list_spacing_most_m);
 	for (uint32_t i = c->first; i < c->first + c->count; i++) {
-		float spacing_m = s->spacing[i] * SCENE_UNIT_M;
-		c->disc_most_m = higher(c->disc_most_m, s->disc[i] * SCENE_UNIT_M);
+		float spacing_m = s->spacing[i] * s->unit_m;
+		c->disc_most_m = higher(c->disc_most_m, s->disc[i] * s->unit_m);
 		c->spacing_least_m = lower(c->spacing_least_m, spacing_m);
 		c->spacing_most_m = higher(c->spacing_most_m, spacing_m);
 	}
@@ -173,7 +204,7 @@ static float share_at(const scene *s, const struct shares *h, uint32_t i)
 static float list_spacing_m(
 	const scene *s, const struct scene_chunk *c, const struct shares *h, uint32_t i)
 {
-	float spacing_m = s->spacing[i] * SCENE_UNIT_M;
+	float spacing_m = s->spacing[i] * s->unit_m;
 	/* Along the edge, where part of the points are farther apart than on surface. */
 	if (s->kind[i] == FEATURE_DIRECTED)
 		return spacing_m / (RIDGE_WIDTH * sqrtf(c->part));
@@ -187,8 +218,8 @@ static void space_list(scene *s, struct scene_chunk *c, struct shares *h)
 	for (uint32_t k = c->first; k < c->first + c->count; k++) {
 		uint32_t point = c->first + s->list[k];
 		float *most_m = &c->list_spacing_most_m[s->kind[point]];
-		s->list_spacing[k] = units(list_spacing_m(s, c, h, point));
-		*most_m = fmaxf(*most_m, s->list_spacing[k] * SCENE_UNIT_M);
+		s->list_spacing[k] = units(s, list_spacing_m(s, c, h, point));
+		*most_m = fmaxf(*most_m, s->list_spacing[k] * s->unit_m);
 	}
 }
 
@@ -220,6 +251,8 @@ void scene_take(scene_taker *t, scene *s, struct scene_chunk *c, const struct mo
 	float larger = 1 / sqrtf(c->part);
 	for (uint32_t i = 0; i < c->count; i++)
 		copy_point(s, c, c->first + i, p + i, larger, grey);
+	if (s->unit_m > SCENE_UNIT_M)
+		measure_far(s, c, p);
 	scene_cover_chunk(t->cover, s, c);
 	find_extremes(s, c);
 	list_kinds(s, c);

@@ -14,6 +14,9 @@
 #define LEVEL_STEP   MODEL_TONES_STEP
 #define LEVEL_PART   0.05
 #define LEVELS_LEAST 0.1f
+/* Points that are asked how far they stand apart: so many of so many chunks. */
+#define UNIT_CHUNKS 64u
+#define UNIT_POINTS 64u
 /* How light the lightest become where all are dark. */
 #define EXPOSED_LIGHT 0.62f
 
@@ -64,6 +67,7 @@ scene *scene_alloc(uint32_t count, uint32_t chunks)
 	s->count = count;
 	s->chunks = chunks;
 	s->lightest = 1;
+	s->unit_m = SCENE_UNIT_M;
 	size_t n = (size_t)s->count + 16; /* vectors read beyond the end */
 	scene_alloc_points(s, n);
 	memset(s->list, 0, n * sizeof *s->list);
@@ -125,6 +129,17 @@ void scene_find_origin(scene *s, const struct model_chunk *chunk, uint64_t chunk
 		}
 	for (int k = 0; k < 3 && chunks; k++)
 		s->origin_m[k] = (low[k] + high[k]) / 2;
+}
+
+void scene_find_unit(scene *s, const model *m)
+{
+	uint64_t chunks;
+	uint32_t far = 0, asked = 0;
+	const struct model_chunk *chunk = model_chunks(m, &chunks);
+	for (uint64_t n = 0; n < chunks; n += 1 + chunks / UNIT_CHUNKS)
+		for (uint32_t i = 0; i < MIN(chunk[n].points, UNIT_POINTS); i++, asked++)
+			far += model_points(m)[chunk[n].first + i].spacing == UINT16_MAX;
+	s->unit_m = 2 * far > asked ? SCENE_UNIT_FAR_M : SCENE_UNIT_M;
 }
 
 void scene_find_densities(scene *s, const model *m)
@@ -200,6 +215,7 @@ static scene *new_whole(const model *m, const uint8_t *leaf_class, GError **erro
 		return NULL;
 	scene *s = scene_alloc((uint32_t)model_count(m), (uint32_t)chunks);
 	s->planes = planes;
+	scene_find_unit(s, m);
 	scene_find_densities(s, m);
 	s->bend = g_new0(struct scene_bend_plane, 1);
 	s->bend->model = m;

@@ -15,7 +15,9 @@
 #include "process/model.h"
 #include "process/profile-lines.h"
 
-#define SCENE_UNIT_M 1e-4f /* of lengths in it */
+/* Of lengths in it, unit_m: as the model has them; or so, where most points stand farther apart than it can say. */
+#define SCENE_UNIT_M     1e-4f
+#define SCENE_UNIT_FAR_M 1e-2f
 /* Of a scene without a pager: indices of points are so many at most. */
 #define SCENE_POINTS_MOST (INT32_MAX - 4096u)
 #define SCENE_POINT_BYTES 28u
@@ -40,6 +42,7 @@ typedef struct scene scene;
 struct scene {
 	uint64_t serial; /* scene_serial(): what is kept of it elsewhere is known by it */
 	double origin_m[3];
+	float unit_m;
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
 	struct scene_bend_plane *bend;   /* scene-bend.h */
@@ -51,9 +54,9 @@ struct scene {
 	void *memory;                    /* of all that follows */
 	/* Of each point. */
 	uint16_t *q[3];
-	uint16_t *spacing; /* edge of the square of surface that it stands for, 0.1 mm */
+	uint16_t *spacing; /* edge of the square of surface that it stands for, in units */
 	uint16_t *
-		disc; /* diameter that covers its patch, the long way where it is slanted, 0.1 mm, saturates at 32767; and SCENE_DISC_PLANE */
+		disc; /* diameter that covers its patch, the long way where it is slanted, in units, saturates at 32767; and SCENE_DISC_PLANE */
 	int16_t (*normal)[2]; /* packed (model.h) */
 	/* Of its line; of other points than feature points the one in which the surface is bent most. None: MODEL_NORMAL_NONE. */
 	int16_t (*direction)[2];

@@ -40,7 +40,7 @@ static void take_part(stipple_plan *p, const frame *f)
 	const scene *s = f->scene;
 	float coarser = f->ink_px / f->px, most = f->layer[p->layer].stipple->most_points * 1000;
 	float part = fminf(most / (float)MAX(s->count, 1u), 1) / (coarser * coarser);
-	p->apart_m = SCENE_UNIT_M / sqrtf(part);
+	p->apart_m = s->unit_m / sqrtf(part);
 	p->slot = g_new0(uint32_t, s->chunks + 1);
 	p->part = g_new0(uint32_t, s->chunks + 1);
 	p->spacing_m = g_new0(float, s->chunks + 1);

@@ -157,8 +157,8 @@ INLINE void find_candidates(
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
 	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
-	c->spacing_m = has_own_spacing(b) ? load_u16(s->list_spacing + at) * SCENE_UNIT_M
-					  : most(gather_u16(s->spacing, c->point) * SCENE_UNIT_M,
+	c->spacing_m = has_own_spacing(b) ? load_u16(s->list_spacing + at) * s->unit_m
+					  : most(gather_u16(s->spacing, c->point) * s->unit_m,
 						    all(b->dither_m));
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
 	c->left &= promising(b, &l, c);

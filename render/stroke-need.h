@@ -132,7 +132,7 @@ INLINE void find_place(const struct brush *b, vi lightness, struct lane_candidat
 	vf per_m2 = 1 / (c->spacing_m * c->spacing_m);
 	c->last = per_m2;
 	if (b->layer->is_queue) {
-		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * SCENE_UNIT_M;
+		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * b->f->scene->unit_m;
 		c->last = 1 / (spacing_m * spacing_m);
 		vf there = least(
 			(vf)gather(b->layer->dithering_per_m2, lightness, 4) * b->view->chunk->part,
@@ -211,7 +211,7 @@ INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 	vf axis[2][3] = { { 1 + sign * n[0] * n[0] * s, sign * t, -sign * n[0] },
 		{ t, sign + n[1] * n[1] * s, -n[1] } };
 	vf reach_m = disc_sizes(gather_u16(b->f->scene->disc, c->point)) *
-		     (stroke_reach(b->layer->ink.scatter, c->copy) * SCENE_UNIT_M);
+		     (stroke_reach(b->layer->ink.scatter, c->copy) * b->f->scene->unit_m);
 	vf by[2] = { reach_m * place_in_patch(c, SALT_ACROSS, COPY_ACROSS),
 		reach_m * place_in_patch(c, SALT_DOWN, COPY_DOWN) };
 	vf seen[2], moved[3], at[3], deep = LENS_SCALE_M(&b->lens, c->depth_m);

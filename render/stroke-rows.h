@@ -35,7 +35,7 @@ INLINE void row_candidates(
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
 	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
-	c->spacing_m = load_u16(s->spacing + at) * SCENE_UNIT_M;
+	c->spacing_m = load_u16(s->spacing + at) * s->unit_m;
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
 	c->left &= promising(b, &l, c);
 	if (c->left && b->layer->ink.points != INK_ALL)

@@ -54,7 +54,7 @@ step 10 "how well they fit, and points for other programs" at_once 3 "$bin/plein
 step 15 "pictures of what was found, and the points thinned out" at_once 3 "$bin/pleinair" pictures "$site" \
 	"$bin/pleinair" export "$site" --output "$site/exports/points-2cm.las" --spacing 0.02
 step 10 "a page of lines" "$bin/pleinair" render "$site" --style line-drawing --view walk --size A3-landscape --output "$site/exports/walk.svg"
-step 40 "a film" "$bin/pleinair" render "$site" --style ink-and-wash --view walk --path orbit:6 --seconds 4 --size 960x720 --output "$site/exports/walk.mp4"
+step 40 "a film" "$bin/pleinair" render "$site" --style ink-and-wash --view walk --path orbit:6 --seconds 4 --size 960x540 --output "$site/exports/walk.mp4"
 step 110 "the place in every style" "$bin/pleinair" styles "$site" --thumbnails "$site/exports/gallery" --size 1200x900 \
 	--with "$site/exports/walk.mp4" --with "$site/exports/walk.svg" --with "$site/exports/report.html" \
 	--with "$site/exports/panoramas/index.html"

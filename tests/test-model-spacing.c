@@ -65,7 +65,7 @@ static void test_lone(void)
 	g_autofree struct place *all = places_of(s);
 	uint32_t large = 0, lone = 0;
 	for (uint32_t i = 0; i < s->count; i++) {
-		double radius_m = DISC * s->disc[i] * SCENE_UNIT_M;
+		double radius_m = DISC * s->disc[i] * (double)s->unit_m;
 		if (s->normal[i][0] == MODEL_NORMAL_NONE ||
 			s->disc[i] < 3 * model_points(m)[i].size)
 			continue;

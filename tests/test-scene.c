@@ -194,6 +194,39 @@ static void test_cover(void)
 		}
 }
 
+/* A country of points 25 m apart, which no model can say. */
+static void test_sparse(void)
+{
+	const struct made_plane plane = { .a_m = { 900, 0, 0 },
+		.b_m = { 0, 600, 0 },
+		.apart_m = 25,
+		.order = MADE_RANDOM,
+		.rgba = { 40, 60, 40, 255 } };
+	g_auto(made) m = made_new();
+	made_add_plane(&m, &plane);
+	const scene *s = made_read(&m);
+	g_assert_cmpfloat(s->unit_m, ==, SCENE_UNIT_FAR_M);
+	double area_m2 = 0;
+	for (uint32_t i = 0; i < s->count; i++)
+		area_m2 += pow(s->spacing[i] * (double)s->unit_m, 2);
+	g_test_message("%u points stand for %.2f km2 of 0.54", s->count, area_m2 / 1e6);
+	/* Discs reach beyond the ends. */
+	g_assert_cmpfloat(area_m2, >, 0.9 * 540e3);
+	g_assert_cmpfloat(area_m2, <, 1.6 * 540e3);
+	/* Seen from above it is land, not paper. */
+	g_autoptr(drawing) d = made_drawing(MADE_SITE("{\"step\":\"points\"}"));
+	static const double eye[3] = { 450, 299, 1200 }, target[3] = { 450, 300, 0 };
+	struct camera view = camera_look_at(eye, target, 30, 120, 80);
+	g_autoptr(frame) f = made_frame(m.scene, d, &view);
+	struct picture_buffer picture = made_picture(f);
+	uint32_t covered = 0;
+	for (uint32_t n = 0; n < 120 * 80; n++)
+		covered += picture.rgba[n][0] < 200;
+	g_test_message("%.0f %% of the picture", 100 * covered / (120 * 80.));
+	g_assert_cmpuint(covered, >, 120 * 80 / 2);
+	picture_buffer_clear(&picture);
+}
+
 static void test_edges(void)
 {
 	g_auto(made) m = made_court();
@@ -417,6 +450,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene/far-away", test_far_away);
 	g_test_add_func("/scene/shares", test_shares);
 	g_test_add_func("/scene/cover", test_cover);
+	g_test_add_func("/scene/sparse", test_sparse);
 	g_test_add_func("/scene/edges", test_edges);
 	g_test_add_func("/scene/measures", test_measures);
 	g_test_add_func("/scene/intensities", test_intensities);

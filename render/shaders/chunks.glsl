@@ -18,7 +18,7 @@ layout(std430, binding = 1) readonly buffer Views {
 };
 layout(location = 0) uniform uint first_view;
 
-const float UNIT_M = 1e-4;
+#define UNIT_M cuts.w
 
 /* Camera coordinates. */
 vec3 place_of(uint n, uvec4 p)

@@ -13,7 +13,7 @@ layout(binding = 0) uniform usampler2D mask_keys;
 layout(std140, binding = 0) uniform Camera {
 	vec4 lens;         /* focal_px, middle x and y, near_m */
 	vec4 rays;         /* struct lens: fan, parallel_m, 1 / parallel_m, begin_m */
-	vec4 cuts;         /* 1: the near plane cuts; how thick, 0: as the layer has it; nothing is drawn farther than this */
+	vec4 cuts;         /* 1: the near plane cuts; how thick, 0: as the layer has it; nothing is drawn farther than this; unit_m of the scene */
 	vec4 turn[3];      /* site to camera: rows right, down, forward */
 	vec4 size;         /* width, height, px to one of the style, far_m */
 	vec4 paper;        /* linear r g b, grain */
