@@ -154,6 +154,7 @@ struct frame_hatch *frame_hatch_new(const struct frame_layer *l, const scene *s,
 	size_t shades = (size_t)x->rows * XTOON_COLUMNS;
 	h->step = *step;
 	h->rows = x->rows;
+	h->exposure = scene_exposure_of(s, step->exposure);
 	h->chance = g_new(float, shades);
 	h->wanted_per_px = g_new(float, shades);
 	h->rgba = g_malloc(shades * sizeof *h->rgba);

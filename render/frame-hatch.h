@@ -28,6 +28,7 @@ struct frame_hatch {
 	float *wanted_per_px; /* points to a square pixel that give strokes, if these are whole */
 	uint8_t (*rgba)[4];   /* sRGB, hues turned, but not yet of pencils */
 	pencil_box pencils;
+	float exposure;      /* scene_exposed() */
 	float near_m, per_m; /* depth 0, and what a metre is of the way to depth 1 */
 	double site_way[3];  /* the uniform direction, unit */
 	float way[3];        /* as the camera sees it */

@@ -10,7 +10,7 @@ struct layer_block {
 		turn[256][2], texels[4];
 	uint32_t which[4];
 	float hatch_way[4], hatch_tone[4], hatch_light[4], hatch_shape[4], hatch_line[4],
-		pencils[PENCIL_BOX_MOST][4];
+		hatch_own[4], pencils[PENCIL_BOX_MOST][4];
 	uint32_t hatch_which[4];
 	float contour[4], contour_least[4], cut[4];
 	float paint_size[4], paint_look[4], paint_lay[4], paint_thick[4], paint_hole[4],
@@ -55,6 +55,7 @@ static void describe_hatch(
 		.hatch_light = { step->shine, step->shine_exponent, h->near_m, h->per_m },
 		.hatch_shape = { step->cross, step->pressure, step->curvature, step->abstraction },
 		.hatch_line = { cosf(own), sinf(own), step->mix, step->hue_shift_deg / 60 },
+		.hatch_own = { h->exposure },
 		.hatch_which = { h->rows, (uint32_t)step->follows, (uint32_t)step->colouring,
 			h->pencils.count },
 	};

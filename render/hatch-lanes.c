@@ -7,7 +7,7 @@
 
 /* ---- colours ---- */
 
-/* sRGB 0..1 of the point, as full as the style has it; what has no colour takes the other. */
+/* sRGB 0..1 of the point, as full and as exposed as the style has it; what has no colour takes the other. */
 INLINE void own_colour(
 	const struct brush *b, const uint8_t rgba[4], const uint8_t other[3], float ret[3])
 {
@@ -15,6 +15,8 @@ INLINE void own_colour(
 	for (int k = 0; k < 3; k++) {
 		float own = rgba[3] ? grey + b->layer->ink.saturation * (rgba[k] - grey) : other[k];
 		ret[k] = fminf(fmaxf(own * (1 / 255.f), 0), 1);
+		if (rgba[3])
+			ret[k] = scene_exposed(b->layer->hatch->exposure, ret[k]);
 	}
 }
 

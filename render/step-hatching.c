@@ -72,6 +72,7 @@ const struct step_parameter hatching_parameters[] = {
 		"so much larger and fewer strokes become from near to far: 1 is twice as large"),
 	HATCHING_CHOICE(colouring, colouring_names, COLOURING_INK,
 		"that of ink, of the X-Toon, each point's own, or these two blended"),
+	EXPOSURE(hatching_step),
 	NUMBER(hatching_step, mix, PART, 0.5, "",
 		"blended: 0 is the point's colour, 1 that of the X-Toon"),
 	NUMBER(hatching_step, hue_shift_deg, RANGE(-360, 360, -180, 180), 0, "degrees",

@@ -146,6 +146,7 @@ struct hatching_step {
 	float pressure;  /* 0..1: how much fainter strokes of a low chance are */
 	float curvature; /* 0..: how much shorter strokes are where surface is bent along them */
 	float own_tone;  /* 0..1: how much of its own lightness a point keeps */
+	float exposure;  /* scene_exposure_of(), of points' colours */
 	float shine, shine_exponent; /* Phong's highlight */
 	float near_m,
 		far_m;     /* depths 0 and 1 of the X-Toon; far_m 0: as far as the site is large */

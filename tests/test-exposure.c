@@ -98,6 +98,24 @@ static void test_paint(void)
 	g_assert_cmpint(abs(after[0] - before[0] - 51), <=, 6);
 }
 
+/* Strokes of points' colours, with paper between them. */
+static void test_hatching(void)
+{
+	const char *own =
+		"{\"step\":\"hatching\",\"colouring\":\"point\",\"xtoon\":[{\"brightness\":0},"
+		"{\"brightness\":1}],\"spacing_px\":2,\"length_px\":12,\"width_px\":6,"
+		"\"blend\":\"paint\",\"tooth\":0,\"pressure\":0,\"opacity\":1%s}";
+	g_auto(made) m = walls_of(90);
+	int before[2], after[2];
+	g_autofree char *plain = g_strdup_printf(own, ""),
+			*exposed = g_strdup_printf(own, ",\"exposure\":1");
+	draw_walls(&m, plain, before);
+	draw_walls(&m, exposed, after);
+	g_test_message("%d %d become %d %d", before[0], before[1], after[0], after[1]);
+	g_assert_cmpint(after[0] - before[0], >, 8);
+	g_assert_cmpint(after[1] - before[1], >, 20);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -105,5 +123,6 @@ int main(int argc, char **argv)
 	g_test_add_func("/exposure/points", test_points);
 	g_test_add_func("/exposure/light-enough", test_light_enough);
 	g_test_add_func("/exposure/paint", test_paint);
+	g_test_add_func("/exposure/hatching", test_hatching);
 	return g_test_run();
 }

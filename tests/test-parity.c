@@ -165,7 +165,8 @@ static const struct look {
 		"\"follows\":\"curvature\",\"curvature\":2,\"shine\":0.7,\"spacing_px\":7}",
 		LIGHT },
 	{ "hatching-pencils",
-		"{\"step\":\"hatching\",\"colouring\":\"blend\",\"hue_shift_deg\":70,"
+		"{\"step\":\"hatching\",\"colouring\":\"blend\",\"exposure\":0.8,\"hue_shift_deg\":"
+		"70,"
 		"\"pencils\":[\"#e02020\",\"#f0e020\",\"#2030c0\"],\"length_px\":30,"
 		"\"width_px\":5,\"texture\":\"charcoal\",\"cross\":0.3,\"spacing_px\":9}",
 		LIGHT },

@@ -70,7 +70,7 @@ uint hatch_colour(candidate c, hatch h)
 		uint rgba = looks[c.index].x;
 		float grey = float(lightness_of(rgba));
 		if (rgba >> 24 != 0u)
-			rgb = clamp((grey + look.z * (255.0 * srgb_of(rgba) - grey)) * (1.0 / 255.0), 0.0, 1.0);
+			rgb = exposed(hatch_own.x, clamp((grey + look.z * (255.0 * srgb_of(rgba) - grey)) * (1.0 / 255.0), 0.0, 1.0));
 		rgb += (hatch_which.z == BLENDED ? hatch_line.z : 0.0) * (xtoon - rgb);
 		shift = hatch_line.w;
 	}

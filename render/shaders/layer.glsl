@@ -16,6 +16,7 @@ layout(std140, binding = 1) uniform Layer {
 	vec4 hatch_light; /* shine, shine_exponent, near_m, 1 / metres from near to far */
 	vec4 hatch_shape; /* cross, pressure, curvature, abstraction */
 	vec4 hatch_line;  /* cosine and sine of the angle in the plane, mix, sixths of the circle that hues are turned */
+	vec4 hatch_own;   /* times that points' colours are exposed */
 	vec4 pencils[48]; /* red, green, blue, hue */
 	uvec4 hatch_which; /* rows of the X-Toon; enum hatching_follows; enum hatching_colouring; how many pencils */
 	vec4 contour;       /* of contours 1, band_px, outlines, suggestive */
