@@ -34,10 +34,10 @@ at_once() {
 			n=$((n + 1))
 		done
 		shift "$all"
-		exec "$@"
+		OMP_WAIT_POLICY=passive exec "$@"
 	) >"$said" 2>&1 &
 	shift "$words"
-	"$@" || second=$?
+	OMP_WAIT_POLICY=passive "$@" || second=$?
 	wait $! || first=$?
 	cat "$said"
 	rm -f "$said"
