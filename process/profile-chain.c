@@ -16,7 +16,7 @@
 #define CROSS_SAME_COS 0.97  /* of a face that both lie on */
 #define CROSS_SINE2    0.003 /* 3 degrees */
 #define CROSS_STEP_M   0.2
-#define CROSS_STEPS    3
+#define CROSS_MOST_M   0.4
 /* Where pieces of a curve meet it is round, unless that leaves them by more. */
 #define ROUND_M    0.04
 #define ROUND_TURN 0.12 /* radians from vertex to vertex */
@@ -90,13 +90,14 @@ static bool nearest(const double p[3], const double along[3], const double q[3],
 /* Where it is, and where others may cut it off. */
 static void add_places(struct ends *e, uint32_t end)
 {
-	double most = CROSS_PART * profile_piece_length(piece_of_end(e, end));
-	for (int n = 0; n < CROSS_STEPS && (n == 0 || n * CROSS_STEP_M < most + CROSS_STEP_M);
-		n++) {
+	double most = fmin(CROSS_PART * profile_piece_length(piece_of_end(e, end)), CROSS_MOST_M);
+	for (double back = 0;; back += CROSS_STEP_M) {
 		double at[3];
 		for (int k = 0; k < 3; k++)
-			at[k] = e->at[end][k] - fmin(n * CROSS_STEP_M, most) * end_way(e, end, k);
+			at[k] = e->at[end][k] - fmin(back, most) * end_way(e, end, k);
 		places_add_at(&e->places, at, end);
+		if (back >= most)
+			return;
 	}
 }
 

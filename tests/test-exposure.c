@@ -41,6 +41,17 @@ static void draw_walls(const made *m, const char *step, int ret_grey[2])
 	picture_buffer_clear(&p);
 }
 
+/* As it is, and exposed; format: of the step, what exposes it goes in at %s. */
+static void draw_exposed(const made *m, const char *format, int ret_before[2], int ret_after[2])
+{
+	g_autofree char *plain = g_strdup_printf(format, ""),
+			*exposed = g_strdup_printf(format, ",\"exposure\":1");
+	draw_walls(m, plain, ret_before);
+	draw_walls(m, exposed, ret_after);
+	g_test_message(
+		"%d %d become %d %d", ret_before[0], ret_before[1], ret_after[0], ret_after[1]);
+}
+
 static void test_how_much(void)
 {
 	scene s = { .lightest = 0.9f };
@@ -62,9 +73,7 @@ static void test_points(void)
 {
 	g_auto(made) m = walls_of(90);
 	int before[2], after[2];
-	draw_walls(&m, "{\"step\":\"points\"}", before);
-	draw_walls(&m, "{\"step\":\"points\",\"exposure\":1}", after);
-	g_test_message("%d %d become %d %d", before[0], before[1], after[0], after[1]);
+	draw_exposed(&m, "{\"step\":\"points\"%s}", before, after);
 	g_assert_cmpint(abs(before[0] - 40), <=, 1);
 	g_assert_cmpint(abs(before[1] - 90), <=, 1);
 	g_assert_cmpint(abs(after[1] - (int)(0.62 * 255 + 0.5)), <=, 1);
@@ -76,8 +85,7 @@ static void test_light_enough(void)
 {
 	g_auto(made) m = walls_of(200);
 	int before[2], after[2];
-	draw_walls(&m, "{\"step\":\"points\"}", before);
-	draw_walls(&m, "{\"step\":\"points\",\"exposure\":1}", after);
+	draw_exposed(&m, "{\"step\":\"points\"%s}", before, after);
 	g_assert_cmpint(before[0], ==, after[0]);
 	g_assert_cmpint(before[1], ==, after[1]);
 }
@@ -88,11 +96,7 @@ static void test_paint(void)
 			   "\"warmth\":0,\"light_variation\":0,\"hue_variation_deg\":0%s}";
 	g_auto(made) m = walls_of(90);
 	int before[2], after[2];
-	g_autofree char *plain = g_strdup_printf(even, ""),
-			*exposed = g_strdup_printf(even, ",\"exposure\":1");
-	draw_walls(&m, plain, before);
-	draw_walls(&m, exposed, after);
-	g_test_message("%d %d become %d %d", before[0], before[1], after[0], after[1]);
+	draw_exposed(&m, even, before, after);
 	g_assert_cmpint(abs(before[1] - 90), <=, 4);
 	g_assert_cmpint(abs(after[1] - 158), <=, 4);
 	g_assert_cmpint(abs(after[0] - before[0] - 51), <=, 6);
@@ -107,11 +111,7 @@ static void test_hatching(void)
 		"\"blend\":\"paint\",\"tooth\":0,\"pressure\":0,\"opacity\":1%s}";
 	g_auto(made) m = walls_of(90);
 	int before[2], after[2];
-	g_autofree char *plain = g_strdup_printf(own, ""),
-			*exposed = g_strdup_printf(own, ",\"exposure\":1");
-	draw_walls(&m, plain, before);
-	draw_walls(&m, exposed, after);
-	g_test_message("%d %d become %d %d", before[0], before[1], after[0], after[1]);
+	draw_exposed(&m, own, before, after);
 	g_assert_cmpint(after[0] - before[0], >, 8);
 	g_assert_cmpint(after[1] - before[1], >, 20);
 }
