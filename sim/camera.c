@@ -237,28 +237,47 @@ struct view {
 	double rotation[3][3], origin_m[3];
 };
 
-/* Light at a pixel, off its middle by shares of it. */
-static void look(
-	const camera *c, const struct view *view, gsize pixel, float du, float dv, float rgb[3])
+/* Pixels that are looked at together. */
+#define TOGETHER 8
+
+struct look {
+	gsize pixel[TOGETHER];
+	unsigned count;
+	float light[3 * TOGETHER]; /* RGB of each, once looked at */
+};
+
+static void direction_of(
+	const camera *c, const struct view *view, gsize pixel, const float spot[2], double ret[3])
 {
 	const float *ray = c->rays + 3 * pixel;
 	gsize u = pixel % c->lens.width, v = pixel / c->lens.width;
 	const float *right = u + 1 < c->lens.width ? ray + 3 : ray;
 	const float *below = v + 1 < c->lens.height ? ray + 3 * c->lens.width : ray;
-	double head[3], direction[3];
+	double head[3];
 
 	for (int k = 0; k < 3; k++)
-		head[k] = ray[k] + du * (right[k] - ray[k]) + dv * (below[k] - ray[k]);
+		head[k] = ray[k] + spot[0] * (right[k] - ray[k]) + spot[1] * (below[k] - ray[k]);
 	for (int k = 0; k < 3; k++)
-		direction[k] = view->rotation[k][0] * head[0] + view->rotation[k][1] * head[1] +
-			       view->rotation[k][2] * head[2];
-	world_radiance(c->setup.world, view->origin_m, direction, rgb);
+		ret[k] = view->rotation[k][0] * head[0] + view->rotation[k][1] * head[1] +
+			 view->rotation[k][2] * head[2];
+}
+
+/* Light at pixels, off their middles by shares of them. */
+static void look(const camera *c, const struct view *view, const float spot[2], struct look *l)
+{
+	double direction[3 * TOGETHER];
+
+	for (unsigned i = 0; i < l->count; i++)
+		direction_of(c, view, l->pixel[i], spot, direction + 3 * i);
+	world_radiance(c->setup.world, view->origin_m, direction, l->count, l->light);
 }
 
 static bool differs(const float *a, const float *b)
 {
 	return fabsf(a[1] - b[1]) > 0.06f + EDGE * (a[1] + b[1]);
 }
+
+static const float middle[2] = { 0, 0 };
 
 /* Edges between these two rows and the next: they are other pairs', so their rays are cast again. */
 static void look_beside(const camera *c, const struct view *view, uint32_t v, bool *edge)
@@ -269,12 +288,17 @@ static void look_beside(const camera *c, const struct view *view, uint32_t v, bo
 	for (int below = 0; below < 2; below++) {
 		if (below ? v + 2 >= c->lens.height : v == 0)
 			continue;
-		for (uint32_t i = 0; i < width; i++) {
-			uint32_t here = below * width + i;
-			float beside[3];
+		for (uint32_t u = 0; u < width; u += TOGETHER) {
+			struct look beside = { .count = MIN(TOGETHER, width - u) };
 
-			look(c, view, (gsize)(below ? v + 2 : v - 1) * width + i, 0, 0, beside);
-			edge[here] |= differs(rgb + 3 * here, beside);
+			for (unsigned i = 0; i < beside.count; i++)
+				beside.pixel[i] = (gsize)(below ? v + 2 : v - 1) * width + u + i;
+			look(c, view, middle, &beside);
+			for (unsigned i = 0; i < beside.count; i++) {
+				uint32_t here = below * width + u + i;
+
+				edge[here] |= differs(rgb + 3 * here, beside.light + 3 * i);
+			}
 		}
 	}
 }
@@ -290,13 +314,34 @@ static void spot_of(uint32_t n, float ret[2])
 			      : (float)(fmod(0.5 + n * (k ? 0.5698402910 : 0.7548776662), 1) - 0.5);
 }
 
+/* Gives pixels, which were looked at once, the mean of all their rays. */
+static void look_closer(const camera *c, const struct view *view, struct look *l)
+{
+	uint32_t rays = (uint32_t)c->setup.options->edge_rays;
+
+	for (uint32_t n = 1; n < rays; n++) {
+		float spot[2];
+
+		spot_of(n, spot);
+		look(c, view, spot, l);
+		for (unsigned i = 0; i < l->count; i++)
+			for (int k = 0; k < 3; k++)
+				c->linear[3 * l->pixel[i] + k] += l->light[3 * i + k];
+	}
+	for (unsigned i = 0; i < l->count; i++)
+		for (int k = 0; k < 3; k++)
+			c->linear[3 * l->pixel[i] + k] /= (float)rays;
+	l->count = 0;
+}
+
 /* Rails, bars and leaves are finer than a pixel: where neighbours differ more rays are cast.
  * Pixels that are coarse anyway keep to one. */
-static void refine(camera *c, const struct view *view, uint32_t v)
+static void refine(const camera *c, const struct view *view, uint32_t v)
 {
 	uint32_t width = c->lens.width;
-	float *rgb = c->linear + 3 * (gsize)v * width;
+	const float *rgb = c->linear + 3 * (gsize)v * width;
 	g_autofree bool *edge = g_new0(bool, 2 * width);
+	struct look l = { .count = 0 };
 
 	for (uint32_t i = 0; i < 2 * width; i++) {
 		const float *here = rgb + 3 * i, *across = here + 3 * width;
@@ -308,20 +353,16 @@ static void refine(camera *c, const struct view *view, uint32_t v)
 	}
 	if (c->setup.options->edge_rays > EDGE_RAYS)
 		look_beside(c, view, v, edge);
+	/* column by column, so that what is looked at together lies together */
 	for (uint32_t i = 0; i < 2 * width; i++) {
-		uint32_t rays = (uint32_t)c->setup.options->edge_rays;
+		uint32_t here = i / 2 + i % 2 * width;
 
-		for (uint32_t n = 1; edge[i] && n < rays; n++) {
-			float more[3], spot[2];
-
-			spot_of(n, spot);
-			look(c, view, (gsize)v * width + i, spot[0], spot[1], more);
-			for (int k = 0; k < 3; k++)
-				rgb[3 * i + k] += more[k];
-		}
-		for (int k = 0; edge[i] && k < 3; k++)
-			rgb[3 * i + k] /= (float)rays;
+		if (edge[here])
+			l.pixel[l.count++] = (gsize)v * width + here;
+		if (l.count == TOGETHER)
+			look_closer(c, view, &l);
 	}
+	look_closer(c, view, &l);
 }
 
 static void expose_row(camera *c, uint32_t v)
@@ -341,13 +382,20 @@ static void expose_row(camera *c, uint32_t v)
 	}
 }
 
-/* Sizes are even, so rows go in pairs. */
+/* Sizes are even, so rows go in pairs: what is looked at together is four pixels wide and two high. */
 static void draw_pair(camera *c, const struct view *view, uint32_t v)
 {
-	gsize first = (gsize)v * c->lens.width;
+	uint32_t width = c->lens.width;
 
-	for (gsize i = first; i < first + 2 * c->lens.width; i++)
-		look(c, view, i, 0, 0, c->linear + 3 * i);
+	for (uint32_t u = 0; u < width; u += TOGETHER / 2) {
+		struct look l = { .count = 2 * MIN(TOGETHER / 2, width - u) };
+
+		for (unsigned i = 0; i < l.count; i++)
+			l.pixel[i] = (gsize)(v + i % 2) * width + u + i / 2;
+		look(c, view, middle, &l);
+		for (unsigned i = 0; i < l.count; i++)
+			memcpy(c->linear + 3 * l.pixel[i], l.light + 3 * i, 3 * sizeof(float));
+	}
 	if (c->lens.focal_px > FINE_PX || c->setup.options->edge_rays > EDGE_RAYS)
 		refine(c, view, v);
 	expose_row(c, v);

@@ -123,18 +123,22 @@ bool truth_write(const truth *t, const struct truth_panorama *p, const char *pat
 	return (fclose(file) == 0 && good) || fail(path, error);
 }
 
-static void look_for_light(const truth *t, const struct truth_panorama *p, uint32_t row,
-	uint32_t column, float ret_rgb[3])
+static void look_along_row(
+	const truth *t, const struct truth_panorama *p, uint32_t row, float *ret_rgb)
 {
 	const double(*r)[3] = t->station.rotation;
 	double per_row = (p->elevation_max_rad - p->elevation_min_rad) / p->rows;
-	double v[3], direction[3];
+	g_autofree double *direction = g_new(double, 3 * p->columns);
 
-	beam_direction((column + 0.5) * 2 * M_PI / p->columns,
-		p->elevation_max_rad - (row + 0.5) * per_row, v);
-	for (int k = 0; k < 3; k++)
-		direction[k] = r[k][0] * v[0] + r[k][1] * v[1] + r[k][2] * v[2];
-	world_radiance(t->world, t->station.position_m, direction, ret_rgb);
+	for (uint32_t column = 0; column < p->columns; column++) {
+		double v[3], *d = direction + 3 * column;
+
+		beam_direction((column + 0.5) * 2 * M_PI / p->columns,
+			p->elevation_max_rad - (row + 0.5) * per_row, v);
+		for (int k = 0; k < 3; k++)
+			d[k] = r[k][0] * v[0] + r[k][1] * v[1] + r[k][2] * v[2];
+	}
+	world_radiance(t->world, t->station.position_m, direction, p->columns, ret_rgb);
 }
 
 bool truth_write_light(
@@ -149,8 +153,7 @@ bool truth_write_light(
 		return fail(path, error);
 #pragma omp parallel for schedule(dynamic, 4)
 	for (uint32_t row = 0; row < p->rows; row++)
-		for (uint32_t column = 0; column < p->columns; column++)
-			look_for_light(t, p, row, column, light[(gsize)row * p->columns + column]);
+		look_along_row(t, p, row, light[(gsize)row * p->columns]);
 	bool good = fwrite("PLLIGHT1", 8, 1, file) == 1 &&
 		    fwrite(size, sizeof size, 1, file) == 1 &&
 		    fwrite(light, sizeof *light, cells, file) == cells;

@@ -42,18 +42,33 @@ vec light_sky(const struct light *l, vec direction, bool clouds)
 	return mix(sky, cloud, 0.85f * cover);
 }
 
-/* Light of the sun on a surface, 0 in shadow; leaves let some through. */
-static vec sunlight(const struct world *w, const struct hit *h)
+/* Whether the sun is before a surface, and how much of its light falls on it where nothing stands between; leaves let some through. */
+static bool faces_sun(
+	const struct world *w, const struct hit *h, struct ray *ret_shadow, vec *ret_light)
 {
 	vec s = w->site.light.towards_sun;
 	float faces = dot(h->shading, s), side = dot(h->normal, s) < 0 ? -1 : 1;
 	bool leaf = h->material->kind == MATERIAL_LEAF;
 	if (leaf)
 		faces = faces > 0 ? faces * 0.75f + 0.25f : 0.25f - 0.3f * faces;
-	if (faces <= 0 || (!leaf && side < 0))
-		return (vec){ 0 };
-	struct ray r = { h->place + h->normal * (side * 0.003f), s, 300 };
-	return trace_blocked(w, &r) ? (vec){ 0 } : w->site.light.sun * faces;
+	*ret_shadow = (struct ray){ h->place + h->normal * (side * 0.003f), s, 300 };
+	*ret_light = w->site.light.sun * faces;
+	return faces > 0 && (leaf || side > 0);
+}
+
+/* Light of the sun on surfaces, 0 in shadow. */
+static void sunlight(const struct world *w, const struct hit *h, unsigned lanes,
+	enum packet_kind kind, vec *ret_light)
+{
+	struct ray shadow[PACKET];
+	unsigned lit = 0;
+	for (unsigned i = 0; i < PACKET; i++)
+		if (lanes >> i & 1 && faces_sun(w, h + i, shadow + i, ret_light + i))
+			lit |= 1U << i;
+	lit &= ~packet_blocked(w, shadow, lit, kind);
+	for (unsigned i = 0; i < PACKET; i++)
+		if (!(lit >> i & 1))
+			ret_light[i] = (vec){ 0 };
 }
 
 vec light_ambient(const struct world *w, vec place, vec normal)
@@ -81,30 +96,50 @@ vec light_ambient(const struct world *w, vec place, vec normal)
 	return light;
 }
 
-/* Diffuse light that leaves a hit towards a probe: the sun, and what the last pass gathered. */
-static vec probe_bounce(const struct world *w, const struct ray *r, const struct hit *h, bool again)
+/* Diffuse light that comes to a probe along rays: of the sun, and what the last pass gathered; of the sky where nothing is. */
+static void probe_light(
+	const struct world *w, const struct ray *r, unsigned lanes, bool again, vec *ret_light)
 {
-	vec albedo = material_albedo(h->material, h->place, h->normal, 0.5f, h->face);
-	vec ambient = again ? light_ambient(w, h->place, h->normal)
-			    : w->site.light.zenith * 0.35f + w->site.light.fill;
-	(void)r;
-	return albedo * (sunlight(w, h) + ambient + h->material->emission);
+	struct hit h[PACKET];
+	vec sun[PACKET];
+	unsigned hits = packet_solid(w, r, lanes, PACKET_PROBE, h);
+	sunlight(w, h, hits, PACKET_PROBE, sun);
+	for (unsigned i = 0; i < PACKET; i++) {
+		if (!(hits >> i & 1)) {
+			if (lanes >> i & 1)
+				ret_light[i] = light_sky(&w->site.light, r[i].direction, false);
+			continue;
+		}
+		const struct material *m = h[i].material;
+		vec albedo = material_albedo(m, h[i].place, h[i].normal, 0.5f, h[i].face);
+		vec ambient = again ? light_ambient(w, h[i].place, h[i].normal)
+				    : w->site.light.zenith * 0.35f + w->site.light.fill;
+		ret_light[i] = albedo * (sun[i] + ambient + m->emission);
+	}
+}
+
+static vec probe_direction(unsigned i, unsigned rays)
+{
+	float z = 1 - (2 * (float)i + 1) / rays, a = 2.399963f * (float)i;
+	float level = sqrtf(1 - z * z);
+	return (vec){ level * cosf(a), level * sinf(a), z };
 }
 
 static void gather_probe(const struct world *w, vec place, bool again, unsigned rays, vec *light)
 {
 	vec sum[4] = { { 0 } };
-	for (unsigned i = 0; i < rays; i++) {
-		float z = 1 - (2 * (float)i + 1) / rays, a = 2.399963f * (float)i;
-		float level = sqrtf(1 - z * z);
-		struct ray r = { place, { level * cosf(a), level * sinf(a), z }, 300 };
-		struct hit h;
-		vec in = trace_solid(w, &r, false, &h)
-				 ? probe_bounce(w, &r, &h, again)
-				 : light_sky(&w->site.light, r.direction, false);
-		sum[0] += in;
-		for (int k = 0; k < 3; k++)
-			sum[k + 1] += in * r.direction[k];
+	for (unsigned first = 0; first < rays; first += PACKET) {
+		unsigned count = MIN(PACKET, rays - first);
+		struct ray r[PACKET];
+		vec in[PACKET];
+		for (unsigned i = 0; i < count; i++)
+			r[i] = (struct ray){ place, probe_direction(first + i, rays), 300 };
+		probe_light(w, r, (1U << count) - 1, again, in);
+		for (unsigned i = 0; i < count; i++) {
+			sum[0] += in[i];
+			for (int k = 0; k < 3; k++)
+				sum[k + 1] += in[i] * r[i].direction[k];
+		}
 	}
 	/* a uniform sphere of radiance 1 gives 1 for every normal; cosine lobes weigh the first
 	 * order 2/3, times 3 */
@@ -139,15 +174,25 @@ void light_gather(struct world *w)
 
 /* Corners and what lies under ledges: how far one short ray gets. It always leans the same way,
  * upwards from walls and away from the sun on the ground, so that the shade has no grain. */
-static float openness(const struct world *w, const struct hit *h)
+#define REACH_M 1.0f
+static struct ray leaning(const struct world *w, const struct hit *h)
 {
-	const float reach_m = 1.0f;
 	vec n = h->normal, s = w->site.light.towards_sun;
 	float level = 1 - n[2] * n[2];
 	vec lean = (vec){ -s[0], -s[1], 0 } * (1 - level) + (vec){ 0, 0, 1 } * level;
-	struct ray r = { h->place + n * 0.003f, unit(n + lean * 0.9f), reach_m };
-	float free = trace_distance(w, &r) / reach_m;
-	return 0.45f + 0.6f * free;
+	return (struct ray){ h->place + n * 0.003f, unit(n + lean * 0.9f), REACH_M };
+}
+
+/* 1 at lanes that are not asked for. */
+static void openness(const struct world *w, const struct hit *h, unsigned lanes, float *ret)
+{
+	struct ray r[PACKET];
+	for (unsigned i = 0; i < PACKET; i++)
+		if (lanes >> i & 1)
+			r[i] = leaning(w, h + i);
+	packet_distance(w, r, lanes, ret);
+	for (unsigned i = 0; i < PACKET; i++)
+		ret[i] = lanes >> i & 1 ? 0.45f + 0.6f * (ret[i] / REACH_M) : 1;
 }
 
 static vec haze(const struct light *l, vec colour, float range_m)
@@ -155,33 +200,58 @@ static vec haze(const struct light *l, vec colour, float range_m)
 	return mix(colour, l->horizon * 0.9f, 1 - expf(-range_m / l->haze_m));
 }
 
-static vec shade(const struct world *w, const struct ray *r, const struct hit *h, bool fine)
+/* open: how much of the light around comes to the place. */
+static vec shade_one(
+	const struct world *w, const struct ray *r, const struct hit *h, vec sun, float open)
 {
 	const struct material *m = h->material;
-	const struct light *l = &w->site.light;
 	vec albedo = material_albedo(m, h->place, h->normal, hit_footprint(r, h), h->face);
-	vec ambient = light_ambient(w, h->place, h->shading);
-	if (fine && h->range_m < 60 && m->kind != MATERIAL_LEAF)
-		ambient *= openness(w, h);
-	else if (m->kind == MATERIAL_LEAF && dot(h->shading, r->direction) > 0)
+	vec ambient = light_ambient(w, h->place, h->shading) * open;
+	if (m->kind == MATERIAL_LEAF && dot(h->shading, r->direction) > 0)
 		ambient *= 0.6f; /* from within the crown or below it */
-	vec colour = albedo * (sunlight(w, h) + ambient + m->emission);
+	vec colour = albedo * (sun + ambient + m->emission);
 	if (m->gloss > 0) {
 		float c = 1 - clamp_unit(-dot(r->direction, h->shading));
 		vec away = r->direction - h->shading * (2 * dot(r->direction, h->shading));
 		float share = m->gloss + (1 - m->gloss) * c * c * c * c * c;
 		colour = mix(colour, light_ambient(w, h->place, away), share);
 	}
-	return haze(l, colour, h->range_m);
+	return haze(&w->site.light, colour, h->range_m);
 }
 
-static vec mirrored(const struct world *w, const struct ray *r, const struct hit *h, vec normal)
+/* fine: with the shade of corners, which mirrored and dim places do without. */
+static void shade(const struct world *w, const struct ray *r, const struct hit *h, unsigned lanes,
+	bool fine, vec *ret_light)
 {
-	vec away = unit(r->direction - normal * (2 * dot(r->direction, normal)));
-	struct ray back = { h->place + h->normal * 0.003f, away, 400 };
-	struct hit seen;
-	return trace_solid(w, &back, true, &seen) ? shade(w, &back, &seen, false)
-						  : light_sky(&w->site.light, away, true);
+	vec sun[PACKET];
+	float open[PACKET];
+	unsigned near = 0;
+	for (unsigned i = 0; i < PACKET; i++)
+		if (fine && lanes >> i & 1 && h[i].range_m < 60 &&
+			h[i].material->kind != MATERIAL_LEAF)
+			near |= 1U << i;
+	sunlight(w, h, lanes, PACKET_LOOK, sun);
+	openness(w, h, near, open);
+	for (unsigned i = 0; i < PACKET; i++)
+		if (lanes >> i & 1)
+			ret_light[i] = shade_one(w, r + i, h + i, sun[i], open[i]);
+}
+
+static void add_sky(const struct world *w, const struct ray *r, unsigned lanes, vec *ret_light)
+{
+	for (unsigned i = 0; i < PACKET; i++)
+		if (lanes >> i & 1)
+			ret_light[i] = light_sky(&w->site.light, r[i].direction, true);
+}
+
+/* What stands in the world without its panes, at lanes that look at it; ret_hit where the bits that come back say so. */
+static unsigned shade_solid(const struct world *w, const struct ray *r, unsigned lanes,
+	struct hit *ret_hit, vec *ret_light)
+{
+	unsigned hits = packet_solid(w, r, lanes, PACKET_LOOK, ret_hit);
+	shade(w, r, ret_hit, hits, false, ret_light);
+	add_sky(w, r, lanes & ~hits, ret_light);
+	return hits;
 }
 
 static vec ripple(const struct hit *h)
@@ -195,29 +265,58 @@ static vec ripple(const struct hit *h)
 	return unit(n);
 }
 
+/* What a pane or the water mirrors. */
+static struct ray mirrored(const struct ray *r, const struct hit *h, vec normal)
+{
+	vec away = unit(r->direction - normal * (2 * dot(r->direction, normal)));
+	return (struct ray){ h->place + h->normal * 0.003f, away, 400 };
+}
+
+static vec surface_normal(const struct hit *h)
+{
+	return h->material->kind == MATERIAL_WATER ? ripple(h) : h->normal;
+}
+
 /* behind: light from beyond the pane, or from the bed of the water `deep` metres further. */
-static vec through(
-	const struct world *w, const struct ray *r, const struct hit *h, vec behind, float deep)
+static vec through(const struct world *w, const struct ray *r, const struct hit *h, vec behind,
+	float deep, vec mirror)
 {
 	bool water = h->material->kind == MATERIAL_WATER;
-	vec normal = water ? ripple(h) : h->normal;
-	float c = 1 - clamp_unit(-dot(r->direction, normal)), f0 = water ? 0.03f : 0.08f;
+	float c = 1 - clamp_unit(-dot(r->direction, surface_normal(h))), f0 = water ? 0.03f : 0.08f;
 	float share = f0 + (1 - f0) * c * c * c * c * c;
 	vec tint = material_albedo(h->material, h->place, h->normal, 1, 0);
 	vec body = tint * (light_ambient(w, h->place, h->normal) + w->site.light.sun * 0.4f);
 	vec inner = water ? mix(body, behind * tint * 2, expf(-1.5f * deep)) : behind * 0.85f;
-	return mix(inner, mirrored(w, r, h, normal), share);
+	return mix(inner, mirror, share);
 }
 
-vec light_along(const struct world *w, const struct ray *r)
+static void look_through(const struct world *w, const struct ray *r, const struct hit *h,
+	unsigned lanes, vec *ret_light)
 {
-	const struct light *l = &w->site.light;
-	struct hit first, behind;
-	if (!trace_all(w, r, true, &first))
-		return light_sky(l, r->direction, true);
-	if (!hit_is_clear(&first))
-		return shade(w, r, &first, true);
-	bool any = trace_solid(w, r, true, &behind);
-	vec light = any ? shade(w, r, &behind, false) : light_sky(l, r->direction, true);
-	return through(w, r, &first, light, any ? behind.range_m - first.range_m : 50);
+	struct ray back[PACKET];
+	struct hit behind[PACKET], seen[PACKET];
+	vec mirror[PACKET];
+	for (unsigned i = 0; i < PACKET; i++)
+		if (lanes >> i & 1)
+			back[i] = mirrored(r + i, h + i, surface_normal(h + i));
+	unsigned solid = shade_solid(w, r, lanes, behind, ret_light);
+	shade_solid(w, back, lanes, seen, mirror);
+	for (unsigned i = 0; i < PACKET; i++) {
+		float deep = solid >> i & 1 ? behind[i].range_m - h[i].range_m : 50;
+		if (lanes >> i & 1)
+			ret_light[i] = through(w, r + i, h + i, ret_light[i], deep, mirror[i]);
+	}
+}
+
+void light_along(const struct world *w, const struct ray *r, unsigned count, vec *ret_light)
+{
+	struct hit first[PACKET];
+	unsigned lanes = (1U << count) - 1, hits = packet_all(w, r, lanes, first), clear = 0;
+	for (unsigned i = 0; i < PACKET; i++)
+		if (hits >> i & 1 && hit_is_clear(first + i))
+			clear |= 1U << i;
+	add_sky(w, r, lanes & ~hits, ret_light);
+	shade(w, r, first, hits & ~clear, true, ret_light);
+	if (clear)
+		look_through(w, r, first, clear, ret_light);
 }

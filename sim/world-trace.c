@@ -1,5 +1,7 @@
 #include "sim/world-trace.h"
 
+#include <stdalign.h>
+
 /* Geometries of both scenes by their numbers. */
 enum { SOLID_MESH, GLASS_MESH, FIRST_PLACEMENT };
 
@@ -121,19 +123,28 @@ static vec turned(const struct turn *t, vec n)
 	return t->x * n[0] + t->y * n[1] + t->z * n[2];
 }
 
-static void describe(const struct world *w, const struct mesh *m, const struct ray *r,
-	const struct RTCRayHit *e, bool smooth, struct hit *h)
+static const struct mesh *mesh_of(const struct world *w, const struct RTCHit *e)
 {
-	struct face f = g_array_index(m->faces, struct face, e->hit.primID);
-	h->range_m = e->ray.tfar;
-	h->place = r->origin + r->direction * e->ray.tfar;
+	if (e->instID[0] == RTC_INVALID_GEOMETRY_ID)
+		return e->geomID == GLASS_MESH ? &w->site.glass : &w->site.solid;
+	guint i = e->instID[0] - FIRST_PLACEMENT;
+	return model_of(w, g_array_index(w->site.placements, struct placement, i).model);
+}
+
+static void describe(const struct world *w, const struct ray *r, float range_m,
+	const struct RTCHit *e, bool smooth, struct hit *h)
+{
+	const struct mesh *m = mesh_of(w, e);
+	struct face f = g_array_index(m->faces, struct face, e->primID);
+	h->range_m = range_m;
+	h->place = r->origin + r->direction * range_m;
 	h->material = &g_array_index(w->site.materials, struct material, f.material);
 	h->object = f.object;
-	h->face = e->hit.primID / 2;
-	h->normal = (vec){ e->hit.Ng_x, e->hit.Ng_y, e->hit.Ng_z };
-	h->shading = smooth ? smooth_normal(m, &e->hit) : h->normal;
-	if (e->hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
-		guint i = e->hit.instID[0] - FIRST_PLACEMENT;
+	h->face = e->primID / 2;
+	h->normal = (vec){ e->Ng_x, e->Ng_y, e->Ng_z };
+	h->shading = smooth ? smooth_normal(m, e) : h->normal;
+	if (e->instID[0] != RTC_INVALID_GEOMETRY_ID) {
+		guint i = e->instID[0] - FIRST_PLACEMENT;
 		h->object = g_array_index(w->site.placements, struct placement, i).object;
 		h->face += i * 0x10001U;
 		h->normal = turned(&w->turns[i], h->normal);
@@ -148,20 +159,12 @@ static void describe(const struct world *w, const struct mesh *m, const struct r
 		h->shading = -h->shading;
 }
 
-static const struct mesh *mesh_of(const struct world *w, const struct RTCHit *e)
-{
-	if (e->instID[0] == RTC_INVALID_GEOMETRY_ID)
-		return e->geomID == GLASS_MESH ? &w->site.glass : &w->site.solid;
-	guint i = e->instID[0] - FIRST_PLACEMENT;
-	return model_of(w, g_array_index(w->site.placements, struct placement, i).model);
-}
-
 bool trace_all(const struct world *w, const struct ray *r, bool smooth, struct hit *ret_hit)
 {
 	struct RTCRayHit e;
 	if (!trace(w->all, r, &e))
 		return false;
-	describe(w, mesh_of(w, &e.hit), r, &e, smooth, ret_hit);
+	describe(w, r, e.ray.tfar, &e.hit, smooth, ret_hit);
 	return true;
 }
 
@@ -170,7 +173,7 @@ bool trace_solid(const struct world *w, const struct ray *r, bool smooth, struct
 	struct RTCRayHit e;
 	if (!trace(w->solid, r, &e))
 		return false;
-	describe(w, mesh_of(w, &e.hit), r, &e, smooth, ret_hit);
+	describe(w, r, e.ray.tfar, &e.hit, smooth, ret_hit);
 	return true;
 }
 
@@ -179,21 +182,109 @@ bool hit_is_clear(const struct hit *h)
 	return h->material->kind == MATERIAL_GLASS || h->material->kind == MATERIAL_WATER;
 }
 
-float trace_distance(const struct world *w, const struct ray *r)
+static void rays_into(const struct ray *r, unsigned lanes, int valid[PACKET], struct RTCRay8 *e)
 {
-	struct RTCRayHit e;
-	trace(w->solid, r, &e);
-	return e.ray.tfar;
+	for (unsigned i = 0; i < PACKET; i++) {
+		valid[i] = lanes >> i & 1 ? -1 : 0;
+		if (!valid[i])
+			continue;
+		e->org_x[i] = r[i].origin[0], e->org_y[i] = r[i].origin[1],
+		e->org_z[i] = r[i].origin[2];
+		e->dir_x[i] = r[i].direction[0], e->dir_y[i] = r[i].direction[1],
+		e->dir_z[i] = r[i].direction[2];
+		e->tnear[i] = 0, e->tfar[i] = r[i].limit_m;
+		e->time[i] = 0, e->mask[i] = ~0U, e->flags[i] = 0, e->id[i] = i;
+	}
 }
 
-bool trace_blocked(const struct world *w, const struct ray *r)
+static enum RTCIntersectContextFlags context_flags(enum packet_kind kind)
 {
+	return kind == PACKET_LOOK ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+				   : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+}
+
+static void packet(RTCScene scene, const struct ray *r, unsigned lanes, enum packet_kind kind,
+	struct RTCRayHit8 *e)
+{
+	alignas(32) int valid[PACKET];
 	struct RTCIntersectContext context;
-	struct RTCRay e;
 	rtcInitIntersectContext(&context);
-	ray_into(r, &e);
-	rtcOccluded1(w->solid, &context, &e);
-	return e.tfar < 0;
+	context.flags = context_flags(kind);
+	rays_into(r, lanes, valid, &e->ray);
+	for (unsigned i = 0; i < PACKET; i++)
+		e->hit.geomID[i] = e->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+	rtcIntersect8(valid, scene, &context, e);
+}
+
+static struct RTCHit hit_of_lane(const struct RTCHit8 *e, unsigned i)
+{
+	return (struct RTCHit){ .Ng_x = e->Ng_x[i],
+		.Ng_y = e->Ng_y[i],
+		.Ng_z = e->Ng_z[i],
+		.u = e->u[i],
+		.v = e->v[i],
+		.primID = e->primID[i],
+		.geomID = e->geomID[i],
+		.instID = { e->instID[0][i] } };
+}
+
+static unsigned packet_hits(const struct world *w, RTCScene scene, const struct ray *r,
+	unsigned lanes, enum packet_kind kind, struct hit *ret_hit)
+{
+	struct RTCRayHit8 e;
+	unsigned hits = 0;
+	if (!lanes)
+		return 0;
+	packet(scene, r, lanes, kind, &e);
+	for (unsigned i = 0; i < PACKET; i++) {
+		const struct RTCHit one = hit_of_lane(&e.hit, i);
+		if (!(lanes >> i & 1) || one.geomID == RTC_INVALID_GEOMETRY_ID)
+			continue;
+		describe(w, r + i, e.ray.tfar[i], &one, kind == PACKET_LOOK, ret_hit + i);
+		hits |= 1U << i;
+	}
+	return hits;
+}
+
+unsigned packet_all(const struct world *w, const struct ray *r, unsigned lanes, struct hit *ret_hit)
+{
+	return packet_hits(w, w->all, r, lanes, PACKET_LOOK, ret_hit);
+}
+
+unsigned packet_solid(const struct world *w, const struct ray *r, unsigned lanes,
+	enum packet_kind kind, struct hit *ret_hit)
+{
+	return packet_hits(w, w->solid, r, lanes, kind, ret_hit);
+}
+
+void packet_distance(const struct world *w, const struct ray *r, unsigned lanes, float *ret_m)
+{
+	struct RTCRayHit8 e;
+	if (!lanes)
+		return;
+	packet(w->solid, r, lanes, PACKET_LOOK, &e);
+	for (unsigned i = 0; i < PACKET; i++)
+		if (lanes >> i & 1)
+			ret_m[i] = e.ray.tfar[i];
+}
+
+unsigned packet_blocked(
+	const struct world *w, const struct ray *r, unsigned lanes, enum packet_kind kind)
+{
+	alignas(32) int valid[PACKET];
+	struct RTCIntersectContext context;
+	struct RTCRay8 e;
+	unsigned blocked = 0;
+	if (!lanes)
+		return 0;
+	rtcInitIntersectContext(&context);
+	context.flags = context_flags(kind);
+	rays_into(r, lanes, valid, &e);
+	rtcOccluded8(valid, w->solid, &context, &e);
+	for (unsigned i = 0; i < PACKET; i++)
+		if (lanes >> i & 1 && e.tfar[i] < 0)
+			blocked |= 1U << i;
+	return blocked;
 }
 
 float hit_footprint(const struct ray *r, const struct hit *h)

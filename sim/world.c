@@ -186,11 +186,18 @@ bool world_cast(const world *w, const double origin_m[3], const double direction
 	return true;
 }
 
-void world_radiance(
-	const world *w, const double origin_m[3], const double direction[3], float ret_rgb[3])
+void world_radiance(const world *w, const double origin_m[3], const double *direction,
+	uint32_t count, float *ret_rgb)
 {
-	struct ray r = ray_of(origin_m, direction, 2000);
-	vec light = light_along(w, &r);
-	for (unsigned i = 0; i < 3; i++)
-		ret_rgb[i] = light[i];
+	for (uint32_t first = 0; first < count; first += PACKET) {
+		uint32_t some = MIN(PACKET, count - first);
+		struct ray r[PACKET];
+		vec light[PACKET];
+		for (uint32_t i = 0; i < some; i++)
+			r[i] = ray_of(origin_m, direction + 3 * (first + i), 2000);
+		light_along(w, r, some, light);
+		for (uint32_t i = 0; i < some; i++)
+			for (unsigned k = 0; k < 3; k++)
+				ret_rgb[3 * (first + i) + k] = light[i][k];
+	}
 }

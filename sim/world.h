@@ -80,9 +80,10 @@ void world_get_station(const world *w, uint32_t number, struct world_station *re
 bool world_cast(const world *w, const double origin_m[3], const double direction[3], double limit_m,
 	struct surface *ret_surface);
 
-/* Linear RGB radiance that reaches the origin along the ray: sunlit and sky-lit surface, mirrored
- * sky in glass and water, haze, or the sky itself. 1.0 is a white wall in full sun. */
-void world_radiance(
-	const world *w, const double origin_m[3], const double direction[3], float ret_rgb[3]);
+/* Linear RGB radiance that reaches the origin along each of `count` rays (three numbers each, unit directions): sunlit and sky-lit surface, mirrored
+ * sky in glass and water, haze, or the sky itself. 1.0 is a white wall in full sun. Rays that lie next to each other in space should
+ * come next to each other here: eight of them cost half of eight calls. */
+void world_radiance(const world *w, const double origin_m[3], const double *direction,
+	uint32_t count, float *ret_rgb);
 
 #endif

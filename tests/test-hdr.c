@@ -307,7 +307,7 @@ static void light_at(const truth *t, const panorama *p, uint32_t row, uint32_t c
 	for (int i = 0; i < 3; i++)
 		direction[i] = at->rotation[i][0] * local[0] + at->rotation[i][1] * local[1] +
 			       at->rotation[i][2] * local[2];
-	world_radiance(truth_world(t), at->position_m, direction, light);
+	world_radiance(truth_world(t), at->position_m, direction, 1, light);
 	for (int i = 0; i < 3; i++)
 		rgb[i] = light[i] / white;
 }

@@ -412,7 +412,7 @@ static double expected_luma(double azimuth, double u, double v)
 			direction[i] += station->rotation[i][k] * looks[k] / norm;
 		}
 	}
-	world_radiance(truth_world(hall), origin, direction, rgb);
+	world_radiance(truth_world(hall), origin, direction, 1, rgb);
 	return 16 + 65.481 * srgb(rgb[0]) + 128.553 * srgb(rgb[1]) + 24.966 * srgb(rgb[2]);
 }
 

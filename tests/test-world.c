@@ -150,7 +150,7 @@ static void check_radiance(const world *w)
 		double d[3];
 		float rgb[3];
 		spread(i, 3000, d);
-		world_radiance(w, s.position_m, d, rgb);
+		world_radiance(w, s.position_m, d, 1, rgb);
 		for (unsigned k = 0; k < 3; k++) {
 			g_assert_true(isfinite(rgb[k]) && rgb[k] >= 0 && rgb[k] < 10);
 			sum += rgb[k] / 9000;
@@ -158,6 +158,31 @@ static void check_radiance(const world *w)
 	}
 	g_assert_cmpfloat(sum, >, 0.1);
 	g_assert_cmpfloat(sum, <, 1.0);
+}
+
+/* Of a raster, as a camera looks: the same light whether rays are cast one by one or together, but for a few that just miss an edge. */
+static void check_together(const world *w)
+{
+	enum { SIDE = 60, ALL = SIDE * SIDE };
+	g_autofree double *d = g_new(double, 3 * ALL);
+	g_autofree float *together = g_new(float, 3 * ALL);
+	struct world_station s;
+	unsigned off = 0;
+	world_get_station(w, 1, &s);
+	for (unsigned i = 0; i < ALL; i++) {
+		double x = (i % SIDE) / 30.0 - 1, z = (i / SIDE) / 30.0 - 1,
+		       norm = sqrt(x * x + 1 + z * z);
+		d[3 * i] = x / norm, d[3 * i + 1] = 1 / norm, d[3 * i + 2] = z / norm;
+	}
+	world_radiance(w, s.position_m, d, ALL - 3, together);
+	world_radiance(w, s.position_m, d + 3 * (ALL - 3), 3, together + 3 * (ALL - 3));
+	for (unsigned i = 0; i < ALL; i++) {
+		float rgb[3];
+		world_radiance(w, s.position_m, d + 3 * i, 1, rgb);
+		for (unsigned k = 0; k < 3; k++)
+			off += fabsf(rgb[k] - together[3 * i + k]) > 1e-4f;
+	}
+	g_assert_cmpuint(off, <=, 3 * ALL / 1000);
 }
 
 static void test_scene(gconstpointer data)
@@ -168,6 +193,7 @@ static void test_scene(gconstpointer data)
 	g_assert_no_error(error);
 	check_stations(w);
 	check_radiance(w);
+	check_together(w);
 	unsigned seen = 0;
 	for (uint32_t i = 1; i <= world_station_count(w); i++) {
 		struct world_station s;
