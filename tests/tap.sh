@@ -9,9 +9,17 @@ export ASAN_OPTIONS=detect_leaks=1:abort_on_error=1:malloc_context_size=20 UBSAN
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 # What the touch screen looked like on its way through the tests.
 export PLEINAIR_SHOTS="${PLEINAIR_SHOTS:-$PWD/$build/shots}"
-# Programs run side by side: threads that have nothing to do must not keep the processor from the others.
+# Programs run side by side: threads that wait leave the core to the other program; spinning cost instrumented tests of pictures a third.
 export OMP_WAIT_POLICY=passive
+# What it said is kept where it failed: prove counts, and in a long log what went wrong is far from the end (said.sh).
+said=$build/said/$name
+mkdir -p "$build/said"
 case $name in
-fuzz-*) exec timeout --kill-after=5 240 "$program" ;;
-*) exec timeout --kill-after=5 900 "$program" --tap ;;
+fuzz-*) timeout --kill-after=5 240 "$program" >"$said.tap" 2>"$said.err" ;;
+*) timeout --kill-after=5 900 "$program" --tap >"$said.tap" 2>"$said.err" ;;
 esac
+status=$?
+cat "$said.tap"
+cat "$said.err" >&2
+[ $status -ne 0 ] || rm "$said.tap" "$said.err"
+exit $status

@@ -58,12 +58,14 @@ pot:
 
 tests: $(tests) $(fuzzers)
 
-# Each program prints TAP; prove runs them side by side, each with a time limit, and sums up. The longest go first. Threads that wait for
-# each other leave the core to the other program: spinning cost instrumented tests of pictures a third of their time.
+# Each program prints TAP; prove runs them side by side, each with a time limit, and sums up. The longest go first. What a failed one
+# said comes again at the end.
 long_tests := $(addprefix $(BUILD)/tests/,test-kiosk-workflow test-kiosk-hostile test-process-kill test-scan-kill test-commands-damage test-preset test-scan-faults)
 run_tests ?= $(tests) $(fuzzers)
 check-tests: all tests
-	OMP_WAIT_POLICY=passive prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(filter $(run_tests),$(long_tests)) $(filter-out $(long_tests),$(run_tests))
+	@rm -rf $(BUILD)/said
+	prove --jobs $(shell nproc) --timer --exec 'sh tests/tap.sh $(BUILD)' $(filter $(run_tests),$(long_tests)) $(filter-out $(long_tests),$(run_tests)) || \
+		{ sh tests/said.sh $(BUILD); exit 1; }
 
 # Half a minute and more of two cores each: whole scans again and again, killed, damaged, calibrated. They are of make check-slow, which
 # runs wherever main changes (.ci/run).
