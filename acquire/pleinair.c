@@ -1,6 +1,7 @@
 /* pleinair COMMAND ...: runs pleinair-COMMAND, which stands beside this program, in its libexec
  * folder or on the PATH. */
 #include "acquire/cli.h"
+#include "acquire/large-pages.h"
 #include "acquire/version.h"
 #include <errno.h>
 #include <stdio.h>
@@ -9,6 +10,7 @@
 
 static const struct {
 	const char *name, *summary;
+	bool runs_all_day;
 } commands[] = {
 	{ "scan", "record one scan into a site" },
 	{ "import", "import scans of other scanners into a site" },
@@ -23,7 +25,7 @@ static const struct {
 	{ "export", "write the points of a site for other programs" },
 	{ "copy", "copy a site to a drive, and compare" },
 	{ "calibrate", "find where lidar and camera sit on the head, or check it" },
-	{ "kiosk", "show sites on a touch screen, and scan" },
+	{ "kiosk", "show sites on a touch screen, and scan", true },
 	{ "doctor", "check devices, rights, clocks and space" },
 	{ "bench", "measure speed and memory" },
 };
@@ -45,12 +47,13 @@ static char *find_program(const char *command)
 	return g_find_program_in_path(name);
 }
 
-static bool is_known(const char *command)
+/* Or -1. */
+static int known(const char *command)
 {
-	for (size_t i = 0; i < G_N_ELEMENTS(commands); i++)
+	for (int i = 0; i < (int)G_N_ELEMENTS(commands); i++)
 		if (g_str_equal(commands[i].name, command))
-			return true;
-	return false;
+			return i;
+	return -1;
 }
 
 static void print_help(FILE *out)
@@ -82,12 +85,15 @@ int main(int argc, char **argv)
 		return CLI_DONE;
 	}
 	g_autofree char *program = find_program(argv[1]);
+	int command = known(argv[1]);
 	if (program) {
+		if (command >= 0 && !commands[command].runs_all_day)
+			g_setenv(LARGE_PAGES_VARIABLE, LARGE_PAGES_VALUE, FALSE);
 		execv(program, argv + 1);
 		g_printerr("pleinair: %s: %s\n", program, g_strerror(errno));
 		return CLI_FAILED;
 	}
-	if (is_known(argv[1])) {
+	if (command >= 0) {
 		g_printerr("pleinair: pleinair-%s is not there, neither beside this program nor "
 			   "among those installed; 'make' builds it\n",
 			argv[1]);

@@ -1,4 +1,5 @@
 #include "process/job-child.h"
+#include "acquire/large-pages.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <glib-unix.h>
@@ -153,6 +154,7 @@ static GSubprocess *spawn(const char *const *argv, int progress_fd, GError **err
 	g_autofree char *number = g_strdup_printf("%d", PROGRESS_FD);
 	g_subprocess_launcher_take_fd(l, progress_fd, PROGRESS_FD);
 	g_subprocess_launcher_setenv(l, "PLEINAIR_PROGRESS_FD", number, TRUE);
+	g_subprocess_launcher_setenv(l, LARGE_PAGES_VARIABLE, LARGE_PAGES_VALUE, FALSE);
 	g_subprocess_launcher_unsetenv(l, "NOTIFY_SOCKET");
 	g_subprocess_launcher_set_child_setup(l, prepare, NULL, NULL);
 	return g_subprocess_launcher_spawnv(l, argv, error);

@@ -90,6 +90,43 @@ static void test_nothing(void)
 	g_assert_nonnull(strstr(a.err, "Usage:"));
 }
 
+/* What a command gets as GLIBC_TUNABLES; the command is a script beside a copy of pleinair. Caller frees. */
+static char *tunables_of(const char *name, const char *set)
+{
+	g_autofree char *folder = simulated_folder(), *whole = commands_program("pleinair"),
+			*copy = g_build_filename(folder, "pleinair", NULL),
+			*file = g_strconcat("pleinair-", name, NULL),
+			*script = g_build_filename(folder, file, NULL);
+	const char *copies[] = { "cp", whole, copy, NULL }, *argv[] = { copy, name, NULL };
+	g_auto(GStrv) environment = g_environ_unsetenv(g_get_environ(), "GLIBC_TUNABLES");
+	g_autoptr(GError) error = NULL;
+	char *said = NULL;
+	if (set)
+		environment = g_environ_setenv(environment, "GLIBC_TUNABLES", set, TRUE);
+	g_file_set_contents_full(script, "#!/bin/sh\necho \"${GLIBC_TUNABLES-nothing}\"\n", -1,
+		G_FILE_SET_CONTENTS_NONE, 0755, &error);
+	g_assert_no_error(error);
+	g_spawn_sync(NULL, (char **)copies, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, NULL, NULL, NULL,
+		&error);
+	g_assert_no_error(error);
+	g_spawn_sync(NULL, (char **)argv, environment, G_SPAWN_DEFAULT, NULL, NULL, &said, NULL,
+		NULL, &error);
+	g_assert_no_error(error);
+	return g_strchomp(said);
+}
+
+/* In large pages, but for what runs all day, and unless somebody else chose. */
+static void test_large_pages(void)
+{
+	g_autofree char *command = tunables_of("process", NULL),
+			*chosen = tunables_of("process", ""), *all_day = tunables_of("kiosk", NULL),
+			*other = tunables_of("other", NULL);
+	g_assert_nonnull(strstr(command, "glibc.malloc.hugetlb=1"));
+	g_assert_cmpstr(chosen, ==, "");
+	g_assert_cmpstr(all_day, ==, "nothing");
+	g_assert_cmpstr(other, ==, "nothing");
+}
+
 /* ---- results ---- */
 
 static const char scan_files[] = "scans/ scans/0001/ scans/0001/cell.tiff scans/0001/colour.tiff "
@@ -327,6 +364,7 @@ int main(int argc, char **argv)
 	g_test_add_data_func("/commands/help-panoramas", "panoramas --help", test_help);
 	g_test_add_data_func("/commands/help-bench", "bench --help", test_help);
 	g_test_add_func("/commands/nothing", test_nothing);
+	g_test_add_func("/commands/large-pages", test_large_pages);
 	g_test_add_func("/commands/scan", test_scan);
 	g_test_add_func("/commands/panoramas", test_panoramas);
 	g_test_add_func("/commands/develop", test_develop);
