@@ -11,6 +11,11 @@ export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 export PLEINAIR_SHOTS="${PLEINAIR_SHOTS:-$PWD/$build/shots}"
 # Programs run side by side: threads that wait leave the core to the other program; spinning cost instrumented tests of pictures a third.
 export OMP_WAIT_POLICY=passive
+# As pleinair sets it for commands, which tests start by themselves; the touch screen and daemons run without.
+case $name in
+test-kiosk-*) ;;
+*) export GLIBC_TUNABLES="$(grep -o '"glibc[^"]*"' acquire/large-pages.h | tr -d '"\n')" ;;
+esac
 # What it said is kept where it failed: prove counts, and in a long log what went wrong is far from the end (said.sh).
 said=$build/said/$name
 mkdir -p "$build/said"
