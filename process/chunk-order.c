@@ -86,8 +86,8 @@ struct cells {
 	float cell;
 	uint16_t start[COUNT + 1], place[COUNT];
 	float x[COUNT], y[COUNT], z[COUNT];
-	float near2
-		[COUNT]; /* square of how far the next one that was taken is, of those that told */
+	/* Square of how far the next one that was taken is, of those that told it. */
+	float near2[COUNT];
 };
 
 struct darts {
