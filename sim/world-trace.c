@@ -182,17 +182,17 @@ bool hit_is_clear(const struct hit *h)
 	return h->material->kind == MATERIAL_GLASS || h->material->kind == MATERIAL_WATER;
 }
 
+/* Lanes that are not meant are filled with one that is: where Embree has no AVX it checks them all. */
 static void rays_into(const struct ray *r, unsigned lanes, int valid[PACKET], struct RTCRay8 *e)
 {
 	for (unsigned i = 0; i < PACKET; i++) {
 		valid[i] = lanes >> i & 1 ? -1 : 0;
-		if (!valid[i])
-			continue;
-		e->org_x[i] = r[i].origin[0], e->org_y[i] = r[i].origin[1],
-		e->org_z[i] = r[i].origin[2];
-		e->dir_x[i] = r[i].direction[0], e->dir_y[i] = r[i].direction[1],
-		e->dir_z[i] = r[i].direction[2];
-		e->tnear[i] = 0, e->tfar[i] = r[i].limit_m;
+		const struct ray *one = r + (valid[i] ? i : (unsigned)__builtin_ctz(lanes));
+		e->org_x[i] = one->origin[0], e->org_y[i] = one->origin[1],
+		e->org_z[i] = one->origin[2];
+		e->dir_x[i] = one->direction[0], e->dir_y[i] = one->direction[1],
+		e->dir_z[i] = one->direction[2];
+		e->tnear[i] = 0, e->tfar[i] = one->limit_m;
 		e->time[i] = 0, e->mask[i] = ~0U, e->flags[i] = 0, e->id[i] = i;
 	}
 }
