@@ -47,20 +47,31 @@ INLINE void lay_paper(const struct draw_job *j, const struct band *b, struct dra
 struct points_look {
 	const struct points_step *step; /* NULL: shows none */
 	float times;                    /* scene_exposed() */
+	const float *srgb_steps, *light_steps;
 };
 
-static void show_pixel(const struct points_look *look, const float light[3], float ret[3])
+INLINE vf between_steps(const float *of_step, vf part)
+{
+	vf at = clamp01(part) * (LIGHT_STEPS - 1);
+	vi step = __builtin_convertvector(at, vi);
+	vf low = (vf)gather(of_step, step, 4), high = (vf)gather(of_step + 1, step, 4);
+	return low + (at - __builtin_convertvector(step, vf)) * (high - low);
+}
+
+/* What the step makes of eight pixels. */
+INLINE void show_eight(const struct points_look *look, const vf light[3], vf ret[3])
 {
 	const struct points_step *step = look->step;
-	float s[3], grey;
-	for (int k = 0; k < 3; k++)
-		s[k] = ((scene_exposed(look->times, light_to_srgb(light[k])) - 0.5f) *
-				       step->contrast +
-			       0.5f) *
-		       step->brightness;
+	vf s[3], grey;
+	for (int k = 0; k < 3; k++) {
+		vf srgb = between_steps(look->srgb_steps, light[k]);
+		vf exposed =
+			srgb * look->times / (1 + (look->times - 1) * srgb); /* scene_exposed() */
+		s[k] = ((exposed - 0.5f) * step->contrast + 0.5f) * step->brightness;
+	}
 	grey = 0.299f * s[0] + 0.587f * s[1] + 0.114f * s[2];
 	for (int k = 0; k < 3; k++)
-		ret[k] = light_of_srgb(CLAMP(grey + step->saturation * (s[k] - grey), 0, 1));
+		ret[k] = between_steps(look->light_steps, grey + step->saturation * (s[k] - grey));
 }
 
 static bool is_plain(const struct points_look *look)
@@ -99,18 +110,49 @@ static bool light_around(const struct draw_job *j, const struct band *b, const s
 	return sum[3] > 0;
 }
 
-static bool light_at(const struct draw_job *j, const struct band *b, const struct draw_desk *d,
-	uint32_t x, uint32_t y, const struct points_look looks[256], float ret[3])
+/* Of eight pixels; returns those that show points. */
+INLINE vi light_of_eight(const struct draw_job *j, const struct band *b, const struct draw_desk *d,
+	uint32_t x, uint32_t y, vi shown, vf ret[3])
 {
-	int32_t key = mask_key(j->mask, (int32_t)x, (int32_t)y);
 	size_t at = points_at(d, x, y);
-	if (key >= MASK_EMPTY || !looks[key & 255].step)
-		return false;
-	if (!(d->weight[at] > 0))
-		return light_around(j, b, d, x, y, ret);
+	vf weight = load(d->weight + at);
 	for (int k = 0; k < 3; k++)
-		ret[k] = d->light[k][at] / d->weight[at];
-	return true;
+		ret[k] = load(d->light[k] + at) / choose(weight > 0, weight, all(1));
+	for (unsigned bare = bits(shown & ~(weight > 0)); bare; bare &= bare - 1) {
+		int n = __builtin_ctz(bare);
+		float light[3];
+		shown[n] = light_around(j, b, d, x + (uint32_t)n, y, light) ? -1 : 0;
+		for (int k = 0; k < 3; k++)
+			ret[k][n] = light[k];
+	}
+	return shown;
+}
+
+INLINE void show_row(const struct draw_job *j, const struct band *b, struct draw_desk *d,
+	const struct points_look looks[256], uint32_t y)
+{
+	const int32_t *keys = j->mask->key + (size_t)y * j->mask->pitch;
+	for (uint32_t x = 0; x < b->width; x += LANES) {
+		vi key = *(const vi_loose *)(keys + x), shown = { 0 };
+		vf light[3];
+		for (int n = 0; n < (int)MIN(LANES, b->width - x); n++)
+			shown[n] = key[n] < MASK_EMPTY && looks[key[n] & 255].step ? -1 : 0;
+		if (!any(shown))
+			continue;
+		shown = light_of_eight(j, b, d, x, y, shown, light);
+		while (any(shown)) {
+			int32_t pipeline = key[__builtin_ctz(bits(shown))] & 255;
+			vi same = shown & ((key & 255) == pipeline);
+			vf to[3] = { light[0], light[1], light[2] };
+			if (!is_plain(&looks[pipeline]))
+				show_eight(&looks[pipeline], light, to);
+			for (int k = 0; k < 3; k++) {
+				float *row = band_row(b, d->canvas[k], y) + x;
+				store(row, choose(same, to[k], load(row)));
+			}
+			shown &= ~same;
+		}
+	}
 }
 
 static void show_points(const struct draw_job *j, const struct band *b, struct draw_desk *d)
@@ -120,20 +162,11 @@ static void show_points(const struct draw_job *j, const struct band *b, struct d
 		const struct points_step *step = splat_step(j->f, (uint8_t)p);
 		if (step)
 			looks[p] = (struct points_look){ step,
-				scene_exposure_of(j->f->scene, step->exposure) };
+				scene_exposure_of(j->f->scene, step->exposure), light_srgb_steps(),
+				light_of_steps() };
 	}
 	for (uint32_t y = b->from; y < b->from + b->rows; y++)
-		for (uint32_t x = 0; x < b->width; x++) {
-			float light[3];
-			if (!light_at(j, b, d, x, y, looks, light))
-				continue;
-			const struct points_look *look =
-				&looks[mask_key(j->mask, (int32_t)x, (int32_t)y) & 255];
-			if (!is_plain(look))
-				show_pixel(look, light, light);
-			for (int k = 0; k < 3; k++)
-				band_row(b, d->canvas[k], y)[x] = light[k];
-		}
+		show_row(j, b, d, looks, y);
 }
 
 /* What is away from the focus fades to the paper. */

@@ -25,28 +25,39 @@ void filter_room_clear(filter_room *r)
 
 /* ---- the table ---- */
 
+static bool always(const struct step *s)
+{
+	(void)s;
+	return true;
+}
+
+static bool grade_has_segments(const struct step *s)
+{
+	return s->grade.segments > 0;
+}
+
 static const struct row {
 	const char *name; /* of the kind */
 	filter_run *run;
-	bool wants_surface;
+	bool (*wants_surface)(const struct step *s); /* NULL: never */
 } rows[] = {
-	{ "kuwahara", filter_kuwahara, false },
-	{ "anisotropic-kuwahara", filter_anisotropic, false },
-	{ "bilateral", filter_bilateral, false },
-	{ "gaussian", filter_gaussian, false },
-	{ "gaps", filter_gaps, false },
-	{ "quantise", filter_quantise, false },
-	{ "dog", filter_dog, false },
-	{ "edges", filter_edges, true },
-	{ "watercolour", filter_watercolour, false },
-	{ "flow", filter_flow, false },
-	{ "oil", filter_oil, false },
-	{ "pencil", filter_pencil, true },
-	{ "grade", filter_grade, true },
-	{ "warp", filter_warp, false },
-	{ "occlusion", filter_occlusion, false },
-	{ "edl", filter_edl, false },
-	{ "neural", filter_neural, false },
+	{ "kuwahara", filter_kuwahara, NULL },
+	{ "anisotropic-kuwahara", filter_anisotropic, NULL },
+	{ "bilateral", filter_bilateral, NULL },
+	{ "gaussian", filter_gaussian, NULL },
+	{ "gaps", filter_gaps, NULL },
+	{ "quantise", filter_quantise, NULL },
+	{ "dog", filter_dog, NULL },
+	{ "edges", filter_edges, always },
+	{ "watercolour", filter_watercolour, NULL },
+	{ "flow", filter_flow, NULL },
+	{ "oil", filter_oil, NULL },
+	{ "pencil", filter_pencil, always },
+	{ "grade", filter_grade, grade_has_segments },
+	{ "warp", filter_warp, NULL },
+	{ "occlusion", filter_occlusion, NULL },
+	{ "edl", filter_edl, NULL },
+	{ "neural", filter_neural, NULL },
 };
 
 static const struct row *row_of(const struct step *s)
@@ -65,9 +76,11 @@ void filter_apply(struct filter_job *j, const struct step *s)
 
 bool filter_wants_surface(const struct step *filters, uint32_t count)
 {
-	for (uint32_t n = 0; n < count; n++)
-		if (row_of(&filters[n])->wants_surface)
+	for (uint32_t n = 0; n < count; n++) {
+		const struct row *r = row_of(&filters[n]);
+		if (r->wants_surface && r->wants_surface(&filters[n]))
 			return true;
+	}
 	return false;
 }
 

@@ -268,7 +268,7 @@ static void grade(struct gles_filter_job *j, const struct step *s)
 		p.by[4][n] = (float)k->tint[n] / 255;
 	}
 	memcpy(p.by[8], t.curve, sizeof t.curve);
-	p.plane[3] = j->image.surface->name;
+	p.plane[3] = j->image.surface ? j->image.surface->name : 0;
 	gles_pass_run(j, &p);
 	gles_filter_finish(j, k->where, 1, 0);
 }
