@@ -96,6 +96,7 @@ INLINE void find_planes(struct lanes *l, const range_grid *g, const struct norma
 		 * division is slow. */
 		vf least_off = all(ON_PLANE * o->range_noise_m), least_ahead = l->range;
 		vi found = { 0 }, further = steps(g, row, cells);
+#pragma GCC unroll 1
 		for (int w = 0; w < LANES; w++) {
 			size_t k = i + (ptrdiff_t)further[w];
 			vf offset = load_every(offset_at(p, k), every);

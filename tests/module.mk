@@ -1,5 +1,5 @@
 # Building and testing.
-packages += gcc make pkg-config libc6-dev git perl clang clang-format libclang-rt-14-dev libomp-14-dev
+packages += gcc lld make pkg-config libc6-dev git perl clang clang-format libclang-rt-14-dev libomp-14-dev
 # An EGL whose driver fails as told, which only test-gles loads; never instrumented.
 $(BUILD)/tests/fake-egl/libEGL.so.1: tests/fake-egl.c
 	@mkdir -p $(@D)
