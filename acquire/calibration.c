@@ -1,5 +1,6 @@
 #include "acquire/calibration.h"
 #include "acquire/manifest.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -10,7 +10,6 @@
  * angle a has theta = beam_zero + beam_direction * a, and lies in the head frame at  rotation * (0,
  * (r + r0) cos theta, (r + r0) sin theta) + translation. */
 #include <glib.h>
-#include <json-glib/json-glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -8,12 +8,14 @@
  *
  * Errors of the text are of JSON_PARSER_ERROR, those of the file of G_IO_ERROR, those of a value of
  * MANIFEST_ERROR. */
-#include <json-glib/json-glib.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 typedef struct manifest manifest;
+/* Of json-glib, which most of those who include this do without. */
+typedef struct _JsonNode JsonNode;
 
 #define MANIFEST_BYTES_MAX (32 << 20)
 

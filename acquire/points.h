@@ -7,7 +7,7 @@
  * that is not black. Nothing is synced: whoever puts the file into a site does that.
  *
  * Errors are of G_IO_ERROR, one sentence that begins with the path. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

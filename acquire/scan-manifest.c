@@ -5,6 +5,7 @@
 #include "firmware-io/sha256.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -1,6 +1,7 @@
 #include "acquire/site-removal.h"
 #include "acquire/site.h"
 #include "firmware-io/files.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <string.h>
 #include <time.h>

@@ -4,6 +4,7 @@
 #include "acquire/frames.h"
 #include "acquire/manifest.h"
 #include "acquire/marks.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

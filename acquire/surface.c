@@ -1,5 +1,6 @@
 #include "acquire/surface.h"
 #include "firmware-io/files.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <stdio.h>
 #include <string.h>

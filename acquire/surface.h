@@ -5,7 +5,7 @@
  *
  * Errors are of G_IO_ERROR, one sentence that begins with the path. */
 #include "acquire/site.h"
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -3,7 +3,7 @@
 /* What the disk must not forget. A function that returns true has put its change on the disk: a
  * power cut after it does not undo it, and one during it leaves the state before or the state
  * after. Errors are of G_IO_ERROR, one sentence that begins with the path. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
 

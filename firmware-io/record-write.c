@@ -3,6 +3,7 @@
 #include "firmware-io/record.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <gio/gio.h>
 #include <pthread.h>
 #include <signal.h>
 #include <string.h>

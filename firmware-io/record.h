@@ -21,7 +21,7 @@
  * A power cut loses at most the entry that was being written and what the disk had not yet taken: a
  * thread of the writer's own calls fdatasync without end while there is something to sync, so
  * nothing waits for the disk and the disk is never more than one sync behind. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,5 +1,6 @@
 #include "process/align-scans.h"
 #include "process/cloud-align.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 #ifndef PROCESS_BENCH_EXPORT_H
 #define PROCESS_BENCH_EXPORT_H
 /* pleinair bench export: what files for other programs cost. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

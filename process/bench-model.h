@@ -1,7 +1,7 @@
 #ifndef PROCESS_BENCH_MODEL_H
 #define PROCESS_BENCH_MODEL_H
 /* pleinair bench model: what building the model of a site costs. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -1,6 +1,7 @@
 #include "process/bench-other.h"
 #include "firmware-io/files.h"
 #include "process/bench-run.h"
+#include <gio/gio.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
  * stands; and a few scenes as they are, one after the other. Records are removed: the scans do. */
 #include "acquire/preset.h"
 #include "process/pair.h"
-#include <gio/gio.h>
 #include <json-glib/json-glib.h>
 
 /* One tripod position in one state of a site. */

@@ -3,6 +3,7 @@
 #include "firmware-io/files.h"
 #include "process/model-write.h"
 #include "process/segments.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 /* A block is a cube of the lattice, so that the curve goes through one after another. */

@@ -2,7 +2,7 @@
 #define PROCESS_BENCH_TOWN_H
 /* Sites that are larger than memory, for benches: a simulated place again and again, as the blocks of a town, written as any model
  * is. Each block has things of its own, but one ground is below all. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

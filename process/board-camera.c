@@ -1,6 +1,7 @@
 #include "process/board-camera.h"
 #include "process/board-lidar.h"
 #include "process/normal-equations.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

@@ -6,6 +6,7 @@
 #include "process/model-overlaps.h"
 #include "process/model.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 /* Shares of the whole in time, as measured on sites of ten fine scans. */

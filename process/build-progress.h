@@ -2,6 +2,7 @@
 #define PROCESS_BUILD_PROGRESS_H
 /* How far building the model is: each part of the work has its share of the whole. */
 #include "process/build-model.h"
+#include <gio/gio.h>
 
 struct build_progress {
 	const struct build_options *options;

@@ -1,6 +1,7 @@
 #include "process/certificate.h"
 #include "acquire/manifest.h"
 #include "firmware-io/files.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

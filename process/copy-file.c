@@ -2,6 +2,7 @@
 #include "firmware-io/files.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <gio/gio.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>

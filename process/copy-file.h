@@ -1,7 +1,7 @@
 #ifndef PROCESS_COPY_FILE_H
 #define PROCESS_COPY_FILE_H
 /* One file, copied and read back. Errors are of G_IO_ERROR. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

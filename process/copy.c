@@ -3,6 +3,7 @@
 #include "firmware-io/files.h"
 #include "process/copy-file.h"
 #include <errno.h>
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <string.h>
 #include <sys/statvfs.h>

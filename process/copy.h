@@ -6,7 +6,7 @@
  * A file appears there when it is whole. What is there already with the same content is not written again, so that a copy which was
  * cut off goes on. A file there that another program put there is never touched: the copy is refused; and so it is where a folder
  * there is a link. Links of the site are passed over. Errors are of G_IO_ERROR; G_IO_ERROR_CANCELLED when it was told to stop. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -1,5 +1,6 @@
 #include "process/e57-pages.h"
 #include "firmware-io/crc32c.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define CACHE_PAGES 64u

@@ -1,5 +1,6 @@
 #include "process/e57-tree.h"
 #include "process/e57-xml.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

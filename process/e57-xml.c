@@ -1,4 +1,5 @@
 #include "process/e57-xml.h"
+#include <gio/gio.h>
 #include <libxml/parser.h>
 #include <string.h>
 

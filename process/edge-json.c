@@ -1,5 +1,6 @@
 #include "process/edge-json.h"
 #include "process/pose-json.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 const char *edge_standing(const struct edge *e)

@@ -2,7 +2,9 @@
 #define PROCESS_EDGE_JSON_H
 /* An edge of the graph as people and programs are told of it. */
 #include "process/scan-graph.h"
-#include <json-glib/json-glib.h>
+#include <glib.h>
+
+typedef struct _JsonObject JsonObject;
 
 /* "accepted", "accepted by hand", "refused by hand", "contradicts its loops" or "refused". */
 const char *edge_standing(const struct edge *e);

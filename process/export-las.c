@@ -3,6 +3,7 @@
 #include "acquire/version.h"
 #include "process/export-verify.h"
 #include "process/pose-json.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -3,6 +3,7 @@
 #include "process/export-stations.h"
 #include "process/export-walk.h"
 #include <errno.h>
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <math.h>
 #include <string.h>

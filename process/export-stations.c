@@ -3,6 +3,7 @@
 #include "process/export-walk.h"
 #include "process/pose-json.h"
 #include "process/scan-graph.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -2,6 +2,7 @@
 #include "acquire/panorama.h"
 #include "firmware-io/files.h"
 #include "process/export-walk.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

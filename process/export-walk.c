@@ -1,6 +1,7 @@
 #include "process/export-walk.h"
 #include "acquire/scan.h"
 #include "process/scan-segments.h"
+#include <gio/gio.h>
 #include <string.h>
 
 /* So many columns of a mapped grid are gone through before its memory is given back: their records share pages. */

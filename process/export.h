@@ -11,7 +11,7 @@
  * are read; G_IO_ERROR_CANCELLED when progress stopped it. */
 #include "acquire/site.h"
 #include "process/pose.h"
-#include <gio/gio.h>
+#include <glib.h>
 
 struct export_options {
 	const uint32_t *scans; /* numbers; NULL: all */

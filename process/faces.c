@@ -1,5 +1,6 @@
 #include "process/faces.h"
 #include "acquire/manifest.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 #define ENTRIES_BETWEEN_PROGRESS 512

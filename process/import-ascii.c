@@ -8,6 +8,7 @@
 #include "acquire/panorama.h"
 #include "process/import-cloud.h"
 #include "process/import-lines.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

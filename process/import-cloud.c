@@ -1,5 +1,6 @@
 #include "process/import-cloud.h"
 #include "acquire/panorama.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>

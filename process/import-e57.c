@@ -1,6 +1,7 @@
 /* E57 (e57.h) of any maker. Each scan is one: with rows and columns a grid, else a cloud. */
 #include "process/import-e57.h"
 #include "acquire/panorama.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

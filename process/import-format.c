@@ -1,4 +1,5 @@
 #include "process/import.h"
+#include <gio/gio.h>
 #include <string.h>
 
 const struct import_format *const import_formats[] = { &import_e57, &import_ptx, &import_las,

@@ -1,5 +1,6 @@
 #include "process/import-grid.h"
 #include "acquire/panorama.h"
+#include <gio/gio.h>
 #include <math.h>
 
 #define SAMPLES_MAX 20000

@@ -1,7 +1,7 @@
 #ifndef PROCESS_IMPORT_HASH_H
 #define PROCESS_IMPORT_HASH_H
 /* SHA-256 of a file, beside other work. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 
 typedef struct import_hash import_hash;

@@ -1,6 +1,7 @@
 /* LAS 1.0 to 1.4 (ASPRS), point formats 0 to 3 and 6 to 8. One file is one cloud. */
 #include "acquire/panorama.h"
 #include "process/import.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

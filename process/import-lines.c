@@ -1,4 +1,5 @@
 #include "process/import-lines.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define LINE_CHARACTERS_MAX 1000

@@ -2,6 +2,7 @@
 #include "process/import-lines.h"
 #include "process/import-mesh.h"
 #include "process/import-ply.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

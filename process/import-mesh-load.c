@@ -6,6 +6,7 @@
 #include <assimp/cimport.h>
 #include <assimp/material.h>
 #include <assimp/scene.h>
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* Meshes, as OFF, OBJ, PLY with faces and STL: sampled to points, with what the surface does at each. */
 #include "process/import-mesh.h"
 #include "process/mesh-sample.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 #include "process/import-pcd.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

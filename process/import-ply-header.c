@@ -1,4 +1,5 @@
 #include "process/import-ply.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define HEADER_BYTES_MAX (1u << 20)

@@ -1,4 +1,5 @@
 #include "process/import-ply.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

@@ -2,6 +2,7 @@
 #include "acquire/scan.h"
 #include "firmware-io/files.h"
 #include "process/import-scan.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 /* Sites nearer to zero keep the coordinates of the file. */

@@ -1,6 +1,7 @@
 #include "firmware-io/files.h"
 #include "process/import.h"
 #include <errno.h>
+#include <gio/gio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>

@@ -1,5 +1,6 @@
 #include "process/import-cloud.h"
 #include "process/import-number.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

@@ -11,7 +11,9 @@
 #include "acquire/site.h"
 #include "acquire/surface.h"
 #include "process/pose.h"
-#include <json-glib/json-glib.h>
+#include <glib.h>
+
+typedef struct _JsonArray JsonArray;
 
 /* ---- the bytes of a file ---- */
 

@@ -2,6 +2,7 @@
 #include "acquire/large-pages.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <gio/gio.h>
 #include <glib-unix.h>
 #include <signal.h>
 #include <string.h>

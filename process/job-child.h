@@ -2,7 +2,7 @@
 #define PROCESS_JOB_CHILD_H
 /* The process of a job: low in priority, dies with its parent, says on a pipe how far it is (cli.h, PLEINAIR_PROGRESS_FD). Main
  * loop. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 
 struct job_child_watcher {

@@ -1,5 +1,6 @@
 #include "process/mesh-texture.h"
 #include "firmware-io/files.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <png.h>
 #include <string.h>

@@ -1,4 +1,5 @@
 #include "process/model-inputs.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 static void clear_input(gpointer data)

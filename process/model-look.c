@@ -7,6 +7,7 @@
 #include "process/pose-json.h"
 #include <errno.h>
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,6 @@
 #include "process/model-merge.h"
 #include "process/model-thin.h"
+#include <json-glib/json-glib.h>
 
 #define STEP_POINTS  (1u << 18)
 #define WINDOW_BYTES ((size_t)1 << 20)

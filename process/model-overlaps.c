@@ -1,5 +1,6 @@
 #include "process/model-overlaps.h"
 #include "process/overlap.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 #define KIND    "overlap"

@@ -2,6 +2,7 @@
 #include "firmware-io/crc32c.h"
 #include "process/model-overlaps.h"
 #include "process/part-point.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 #define RUN_MIN 65536u

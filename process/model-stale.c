@@ -1,4 +1,5 @@
 #include "process/model-stale.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 void model_stale_free(model_stale *s)

@@ -2,6 +2,7 @@
 #include "firmware-io/crc32c.h"
 #include "process/chunk-order.h"
 #include "process/model-coarse.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 #define BATCH_CHUNKS 64u

@@ -1,5 +1,6 @@
 #include "process/pick-file.h"
 #include "firmware-io/files.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

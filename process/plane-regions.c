@@ -1,5 +1,6 @@
 #include "process/plane-regions.h"
 #include "process/plane-find.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 void plane_regions_free(plane_regions *r)

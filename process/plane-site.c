@@ -1,5 +1,6 @@
 #include "process/plane-site.h"
 #include "process/segments.h"
+#include <gio/gio.h>
 
 static bool say_due(const char *why, bool *ret_due, char **ret_why)
 {

@@ -1,4 +1,5 @@
 #include "process/pose-json.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 static JsonNode *node_of(JsonArray *array)

@@ -2,8 +2,10 @@
 #define PROCESS_POSE_JSON_H
 /* Poses and rows of numbers in JSON: { "rotation": [[...],[...],[...]], "translation_m": [x, y, z] }. */
 #include "process/pose.h"
-#include <json-glib/json-glib.h>
+#include <glib.h>
 #include <stddef.h>
+
+typedef struct _JsonNode JsonNode;
 
 /* An array of exactly count numbers, all finite; node may be NULL. */
 bool json_read_numbers(JsonNode *node, size_t count, double *ret);

@@ -12,11 +12,12 @@
  * name, synced and renamed, so it is whole or not there; a file must not be changed in place while it is mapped.
  * Little-endian. Names are unique; sections do not overlap. Errors are of G_IO_ERROR and PRODUCT_ERROR, one
  * sentence that begins with the path. */
-#include <gio/gio.h>
-#include <json-glib/json-glib.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+typedef struct _JsonObject JsonObject;
 
 #define PRODUCT_ERROR (product_error_quark())
 GQuark product_error_quark(void);

@@ -1,5 +1,6 @@
 #include "process/profile-around.h"
 #include "process/vector3.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 #define CELL_M PROFILE_AROUND_LAYER_M

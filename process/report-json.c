@@ -1,6 +1,7 @@
 #include "process/edge-json.h"
 #include "process/pose-json.h"
 #include "process/report-private.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 /* A number that is not finite is null in JSON. */

@@ -1,6 +1,7 @@
 #include "process/report.h"
 #include "acquire/scan.h"
 #include "process/report-private.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

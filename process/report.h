@@ -4,7 +4,9 @@
  * no script, no network), and the same facts as JSON. */
 #include "acquire/site.h"
 #include "process/scan-graph.h"
-#include <json-glib/json-glib.h>
+#include <glib.h>
+
+typedef struct _JsonObject JsonObject;
 
 struct report_options {
 	bool no_maps; /* without difference maps: nothing is projected again */

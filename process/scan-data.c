@@ -1,6 +1,7 @@
 #include "process/scan-data.h"
 #include "acquire/scan.h"
 #include "process/pose-json.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 /* ---- scans that are kept ---- */

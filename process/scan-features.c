@@ -6,6 +6,7 @@
 #include "process/scan-data.h"
 #include "process/scan-geometry.h"
 #include "process/scan-sources.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

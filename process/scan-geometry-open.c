@@ -1,4 +1,5 @@
 #include "process/scan-geometry.h"
+#include <json-glib/json-glib.h>
 
 static char *path_of(const site *s, uint32_t number)
 {

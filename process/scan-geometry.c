@@ -6,6 +6,7 @@
 #include "process/model.h"
 #include "process/scan-cache.h"
 #include "process/scan-sources.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 /* Grids that stay in memory: the scan itself and the neighbours of the scans next to it are mostly the same. */

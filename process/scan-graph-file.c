@@ -1,6 +1,7 @@
 #include "firmware-io/files.h"
 #include "process/pose-json.h"
 #include "process/scan-graph.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SITE/poses/NNNN.json: a graph for every change, the last one counts; undo appends what was before. */
 #include "firmware-io/files.h"
 #include "process/scan-graph.h"
+#include <gio/gio.h>
 #include <string.h>
 
 static char *folder_of(const site *s)

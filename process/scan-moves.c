@@ -1,4 +1,5 @@
 #include "process/scan-moves.h"
+#include <json-glib/json-glib.h>
 
 #define STILL_M   5e-5
 #define STILL_RAD (0.0005 * G_PI / 180)

@@ -2,7 +2,9 @@
 #define PROCESS_SCAN_MOVES_H
 /* What a change of the graph did to where the scans stand. */
 #include "process/scan-graph.h"
-#include <json-glib/json-glib.h>
+#include <glib.h>
+
+typedef struct _JsonArray JsonArray;
 
 enum scan_move_kind {
 	SCAN_MOVED,

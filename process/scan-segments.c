@@ -1,5 +1,6 @@
 #include "process/scan-segments.h"
 #include "firmware-io/crc32c.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 #define AUTOMATIC "automatic"

@@ -1,5 +1,6 @@
 #include "process/segment-editor.h"
 #include "process/segment-site.h"
+#include <gio/gio.h>
 
 struct segment_editor {
 	site *site;

@@ -2,6 +2,7 @@
 #include "acquire/manifest.h"
 #include "firmware-io/files.h"
 #include "process/product.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

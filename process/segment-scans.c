@@ -1,4 +1,5 @@
 #include "process/segment-scans.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define CACHED 4

@@ -5,6 +5,7 @@
 #include "process/segment-numbers.h"
 #include "process/segment-state.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,6 @@
 #include "process/segment-state.h"
 #include "process/scan-segments.h"
+#include <gio/gio.h>
 #include <stdarg.h>
 #include <string.h>
 

@@ -1,6 +1,7 @@
 #include "process/segment-things.h"
 #include "process/components.h"
 #include "process/single-trees.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,7 @@
  * stray. */
 #include "process/classify.h"
 #include "process/segments.h"
-#include <gio/gio.h>
+#include <glib.h>
 
 struct segment_things {
 	uint16_t *leaf_of_voxel, *leaf_of_surfel;

@@ -5,6 +5,7 @@
 #include "process/segment-things.h"
 #include "process/voxel-shape.h"
 #include "process/water.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define GAP_LEAST_M 0.15

@@ -12,7 +12,7 @@
 #include "process/scan-points.h"
 #include "process/segments.h"
 #include "process/voxels.h"
-#include <gio/gio.h>
+#include <glib.h>
 
 /* Of a person, or of the file that the scan came from. */
 #define LABEL_NONE 255

@@ -21,7 +21,7 @@
  *
  * One owner. Errors are those of manifest.h. */
 #include "process/segment-class.h"
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 
 #define SEGMENT_NONE  0u /* of a cell: it has no point */

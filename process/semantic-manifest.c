@@ -1,5 +1,6 @@
 #include "process/semantic-manifest.h"
 #include "acquire/manifest.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,6 @@
 #include "process/site-lines.h"
 #include "process/segments.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

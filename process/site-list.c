@@ -2,6 +2,7 @@
 #include "firmware-io/files.h"
 #include "process/model.h"
 #include "process/scan-graph.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 
 static void listed_site_free(gpointer data)

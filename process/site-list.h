@@ -1,7 +1,7 @@
 #ifndef PROCESS_SITE_LIST_H
 #define PROCESS_SITE_LIST_H
 /* What can be said at once of the sites in a folder, without reading what they hold. Any thread. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

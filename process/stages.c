@@ -7,6 +7,7 @@
 #include "process/scan-geometry.h"
 #include "process/segment-site.h"
 #include "process/site-lines.h"
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 static bool set_stopped(GError **error)

@@ -3,7 +3,9 @@
 /* What is done to a site after its scans are there, in order: each stage knows whether its products are out of date, and why.
  * A stage can be stopped or killed at any moment; what it had finished is kept, and the next run goes on from there. */
 #include "acquire/site.h"
-#include <json-glib/json-glib.h>
+#include <glib.h>
+
+typedef struct _JsonObject JsonObject;
 
 struct stage_progress {
 	/* 0..1 of the stage, and what is done just now; returns false to stop. */

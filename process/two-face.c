@@ -1,6 +1,7 @@
 #include "process/two-face.h"
 #include "process/normal-equations.h"
 #include "process/two-face-patch.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

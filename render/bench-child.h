@@ -1,7 +1,6 @@
 #ifndef RENDER_BENCH_CHILD_H
 #define RENDER_BENCH_CHILD_H
 /* A bench as a process of its own, so that its memory is its own and its crash nobody else's. */
-#include <gio/gio.h>
 #include <json-glib/json-glib.h>
 #include <stdbool.h>
 

@@ -1,4 +1,5 @@
 #include "render/bench-render-private.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 #include "render/bench-statue.h"
 #include "process/model-write.h"
 #include "render/stroke.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

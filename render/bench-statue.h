@@ -2,7 +2,7 @@
 #define RENDER_BENCH_STATUE_H
 /* A closed thing to draw of any number of points: a tube with bumps along a trefoil knot, three metres across, as if a mesh had been
  * sampled, with normals and curvatures, without colours or features. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

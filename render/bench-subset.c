@@ -1,5 +1,6 @@
 #include "render/bench-subset.h"
 #include "firmware-io/crc32c.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -4,6 +4,7 @@
 #include "process/bench-run.h"
 #include <gio/gio.h>
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <stdio.h>
 #include <string.h>
 

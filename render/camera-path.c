@@ -1,4 +1,5 @@
 #include "render/camera-path.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

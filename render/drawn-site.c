@@ -1,6 +1,7 @@
 #include "render/drawn-site.h"
 #include "process/model-look.h"
 #include "process/site-lines.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,6 @@
 #include "render/film.h"
 #include <errno.h>
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <signal.h>
 #include <string.h>

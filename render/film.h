@@ -5,7 +5,7 @@
  *
  * One thread. The process must have SIGPIPE ignored (cli_catch_interrupts). */
 #include "render/frame.h"
-#include <gio/gio.h>
+#include <glib.h>
 
 /* Whether a path ends in .mp4 or .webm. */
 bool film_is(const char *path);

@@ -3,6 +3,7 @@
 #include "render/light.h"
 #include "render/scene-bend.h"
 #include "render/stroke.h"
+#include <gio/gio.h>
 #include <math.h>
 #ifdef _OPENMP
 #include <omp.h>

@@ -3,6 +3,7 @@
 #include "render/scene-pager.h"
 #include "render/sweep-sheet.h"
 #include <errno.h>
+#include <gio/gio.h>
 
 static struct gallery_options filled_in(const struct gallery_options *o)
 {

@@ -1,5 +1,6 @@
 #include "render/page-scale.h"
 #include "render/page-legend.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

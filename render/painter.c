@@ -1,4 +1,5 @@
 #include "render/painter.h"
+#include <gio/gio.h>
 
 struct painter {
 	const struct painter_ops *ops;

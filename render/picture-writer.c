@@ -1,6 +1,7 @@
 #include "render/picture-writer.h"
 #include "firmware-io/files.h"
 #include <fcntl.h>
+#include <gio/gio.h>
 #include <math.h>
 #include <png.h>
 #include <stdio.h>

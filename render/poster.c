@@ -1,6 +1,7 @@
 #include "render/poster.h"
 #include "render/filter.h"
 #include "render/sheet-plan.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

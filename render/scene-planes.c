@@ -1,5 +1,6 @@
 #include "render/scene-planes.h"
 #include "render/light.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define TEXELS_MOST (30u << 20) /* of a storage block of 128 MB (gles-scene.h) */

@@ -1,6 +1,7 @@
 #include "render/scene-tree.h"
 #include "process/model-coarse.h"
 #include "process/morton.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -5,6 +5,7 @@
 #include "render/scene-paint.h"
 #include "render/scene-planes.h"
 #include "render/scene-take.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

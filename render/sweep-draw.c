@@ -2,6 +2,7 @@
 #include "render/gallery-page.h"
 #include "render/sweep-sheet.h"
 #include <errno.h>
+#include <gio/gio.h>
 #include <string.h>
 
 struct run {

@@ -2,7 +2,7 @@
 #define RENDER_TEXELS_H
 /* Texels are planes of 8-bit values, row by row: what stroke and paper textures have in common.
  * Functions keep no state; any thread. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

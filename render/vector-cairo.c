@@ -1,6 +1,7 @@
 #include "firmware-io/files.h"
 #include "render/vector-private.h"
 #include <cairo-pdf.h>
+#include <gio/gio.h>
 
 #define PT_PER_MM (72 / 25.4)
 

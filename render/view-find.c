@@ -1,5 +1,6 @@
 #include "render/view-find.h"
 #include "render/view-parallel.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

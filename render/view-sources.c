@@ -2,6 +2,7 @@
 #include "process/pose-json.h"
 #include "process/scan-data.h"
 #include "process/scan-geometry.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -2,6 +2,7 @@
 #include "firmware-io/files.h"
 #include "process/pose-json.h"
 #include <errno.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>

@@ -1,6 +1,7 @@
 #include "render/xtoon.h"
 #include "render/colour-text.h"
 #include "render/texels.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

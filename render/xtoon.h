@@ -11,8 +11,7 @@
  * between depths, values go in even steps; beyond the outermost they stay.
  *
  * Const once made; then any thread may read it. */
-#include <gio/gio.h>
-#include <json-glib/json-glib.h>
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -5,6 +5,7 @@
 #include "process/import.h"
 #include "process/segment-site.h"
 #include "process/segment-state.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>

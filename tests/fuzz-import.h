@@ -5,6 +5,7 @@
 #include "process/import-grid.h"
 #include "process/import.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

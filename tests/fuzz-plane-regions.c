@@ -3,6 +3,7 @@
  * the texels what is left. */
 #include "process/plane-regions.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>

@@ -6,6 +6,7 @@
 #include "process/scan-features.h"
 #include "process/scan-segments.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <unistd.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -1,6 +1,7 @@
 /* A small GTK program with one of each thing that a test may touch, for test-kiosk-rig.c. What it notices of fingers stands in
  * its probe's state. */
 #include "render/kiosk/kiosk-probe.h"
+#include <gio/gio.h>
 #include <gtk/gtk.h>
 #include <math.h>
 

@@ -6,6 +6,7 @@
 #include "process/model-write.h"
 #include "process/profile-lines.h"
 #include "render/draw.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

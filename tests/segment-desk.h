@@ -6,6 +6,7 @@
 #include "process/segment-editor.h"
 #include "process/segment-site.h"
 #include "tests/simulated.h"
+#include <gio/gio.h>
 #include <string.h>
 
 /* A site with two drafts, processed to its segments; each test gets a copy. */

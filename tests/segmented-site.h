@@ -5,6 +5,7 @@
 #include "process/scan-points.h"
 #include "process/segment-site.h"
 #include "tests/placed-scans.h"
+#include <json-glib/json-glib.h>
 #include <stdlib.h>
 
 #ifndef STATIONS

@@ -5,6 +5,7 @@
 #include "render/bench-subset.h"
 #include "render/large.h"
 #include "tests/scene-made.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 #define WIDTH  160u

@@ -2,6 +2,7 @@
 #include "process/model-part.h"
 #include "tests/built-model.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 
 /* ---- what is in it ---- */
 

@@ -1,5 +1,6 @@
 /* Cameras: projection and its inverse, what is up, the planes of what they see, and what is no camera. */
 #include "tests/views-made.h"
+#include <gio/gio.h>
 
 static struct camera any_camera(void)
 {

@@ -2,6 +2,7 @@
 #include "process/cloud-align.h"
 #include "tests/cloud-made.h"
 #include "tests/support.h"
+#include <gio/gio.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -2,6 +2,7 @@
 #include "process/cloud.h"
 #include "tests/cloud-made.h"
 #include "tests/support.h"
+#include <gio/gio.h>
 #include <string.h>
 
 static cloud_geometry *estimate(

@@ -1,5 +1,6 @@
 /* What the features of scans leave in a model's points. */
 #include "tests/built-model.h"
+#include <json-glib/json-glib.h>
 
 static void random_direction(GRand *r, int16_t ret[2])
 {

@@ -3,6 +3,7 @@
 #include "process/chunk-order.h"
 #include "process/model-write.h"
 #include "tests/simulated.h"
+#include <json-glib/json-glib.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,6 +4,7 @@
 #include "render/page-scale.h"
 #include "render/vector-page.h"
 #include "tests/scene-made.h"
+#include <gio/gio.h>
 
 #define SCALE 50.0
 

@@ -3,6 +3,7 @@
 #include "process/plane-inside.h"
 #include "tests/planes-made.h"
 #ifdef _OPENMP
+#include <gio/gio.h>
 #include <omp.h>
 #endif
 

@@ -1,6 +1,7 @@
 /* points.ply: what is written is read back, and a header that lies is refused. */
 #include "acquire/points.h"
 #include "tests/simulated.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <string.h>
 #include <unistd.h>

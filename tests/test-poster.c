@@ -5,6 +5,7 @@
 #include "tests/gles-here.h"
 #include "tests/pictures-differ.h"
 #include "tests/scene-made.h"
+#include <gio/gio.h>
 #include <png.h>
 #include <tiffio.h>
 

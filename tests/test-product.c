@@ -5,6 +5,7 @@
 #include "process/product.h"
 #include "tests/simulated.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>

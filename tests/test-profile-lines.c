@@ -7,6 +7,7 @@
 #include "process/vector3.h"
 #include "tests/line-places.h"
 #include "tests/simulated.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

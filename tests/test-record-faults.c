@@ -4,6 +4,7 @@
 #include "tests/known-entries.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <sched.h>
 #include <stdatomic.h>

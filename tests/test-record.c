@@ -3,6 +3,7 @@
 #include "firmware-io/record-format.h"
 #include "firmware-io/record.h"
 #include "tests/known-entries.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <unistd.h>
 

@@ -3,6 +3,7 @@
 #include "process/scan-features.h"
 #include "process/scan-geometry.h"
 #include "tests/hall-site.h"
+#include <json-glib/json-glib.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,6 +4,7 @@
 #include "process/scan-data.h"
 #include "process/scan-geometry.h"
 #include "tests/hall-site.h"
+#include <gio/gio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,6 +2,7 @@
 #include "firmware-io/files.h"
 #include "process/scan-graph.h"
 #include "tests/support.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <math.h>
 #include <string.h>

@@ -4,6 +4,7 @@
 #include "tests/gles-here.h"
 #include "tests/pictures-differ.h"
 #include "tests/scene-made.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <stdio.h>
 #include <unistd.h>

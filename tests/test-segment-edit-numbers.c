@@ -1,5 +1,6 @@
 /* Numbers of segments that people made, and how changes find what they speak of when segments are found anew. */
 #include "tests/segment-desk.h"
+#include <json-glib/json-glib.h>
 
 /* NULL: none. */
 static void set(struct desk *d, const char *key, const char *value)

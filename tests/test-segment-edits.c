@@ -2,6 +2,7 @@
 #include "tests/onnx-made.h"
 #include "tests/segment-desk.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -11,6 +11,7 @@
 #include "tests/simulated.h"
 #include "tests/support.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <string.h>
 
 #define STATIONS 4

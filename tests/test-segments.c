@@ -3,6 +3,7 @@
 #include "firmware-io/files.h"
 #include "process/segments.h"
 #include "tests/simulated.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -3,6 +3,7 @@
 #include "process/site-lines.h"
 #include "tests/built-model.h"
 #include <glib/gstdio.h>
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 /* A hall that all before lines is done of; never removed before the end. */

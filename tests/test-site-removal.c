@@ -3,6 +3,7 @@
 #include "acquire/site.h"
 #include "process/site-list.h"
 #include "tests/simulated.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 
 struct place {

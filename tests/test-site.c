@@ -1,6 +1,7 @@
 /* Site folders: made, locked, filled, and left half-way at every point. */
 #include "acquire/site.h"
 #include "firmware-io/files.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <signal.h>
 #include <sys/stat.h>

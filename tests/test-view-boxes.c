@@ -4,6 +4,7 @@
 #include "firmware-io/files.h"
 #include "render/view-find.h"
 #include "tests/support.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 
 #define POINTS 3000u

@@ -1,5 +1,6 @@
 /* Views of a site: those that people saved, those that every site has, and which one is meant. */
 #include "tests/views-made.h"
+#include <json-glib/json-glib.h>
 
 static void assert_same(const view *a, const view *b)
 {

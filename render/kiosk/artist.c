@@ -2,6 +2,7 @@
 #include "render/kiosk/artist-size.h"
 #include "render/kiosk/light-sum.h"
 #include "render/scene-pager.h"
+#include <gio/gio.h>
 #include <math.h>
 
 enum task { TASK_WAIT, TASK_QUIT, TASK_LOOK, TASK_MORE, TASK_FINER, TASK_SMALL, TASK_SWAY };

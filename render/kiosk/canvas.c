@@ -1,4 +1,5 @@
 #include "render/kiosk/canvas.h"
+#include <gio/gio.h>
 
 /* A second tap comes within this, or the first was alone. */
 #define DOUBLE_TAP_MS 320

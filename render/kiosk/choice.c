@@ -1,4 +1,5 @@
 #include "render/kiosk/choice.h"
+#include <gio/gio.h>
 
 /* More than this are in two columns. */
 #define ONE_COLUMN_MOST 6

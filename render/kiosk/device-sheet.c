@@ -1,4 +1,5 @@
 #include "render/kiosk/device-sheet.h"
+#include <gio/gio.h>
 
 /* %n becomes the number of the scan: a simulated scanner then stands somewhere else each time. */
 static const struct preset {

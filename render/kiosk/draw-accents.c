@@ -2,6 +2,7 @@
 #include "render/kiosk/draw-screen.h"
 #include "render/kiosk/kiosk-probe.h"
 #include "render/kiosk/light-ball.h"
+#include <json-glib/json-glib.h>
 
 /* A finger that goes this part of the picture's height takes the light from the middle of the ball to its edge. */
 #define BALL_REACH  0.3

@@ -1,6 +1,7 @@
 /* The panel beside the picture: what was tapped, and how it is drawn. */
 #include "render/kiosk/draw-screen.h"
 #include "render/kiosk/step-sliders.h"
+#include <json-glib/json-glib.h>
 
 #define PANEL_WIDTH 400
 

@@ -1,5 +1,6 @@
 /* The strip of styles: each drawn small as it would look from here. */
 #include "render/kiosk/draw-screen.h"
+#include <gio/gio.h>
 
 #define SMALL_WIDTH  168
 #define SMALL_HEIGHT 105

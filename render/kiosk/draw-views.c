@@ -2,6 +2,7 @@
 #include "render/kiosk/draw-screen.h"
 #include "render/kiosk/take-words.h"
 #include "render/view-parallel.h"
+#include <gio/gio.h>
 
 #define WALK_SECONDS 1.4
 #define LOOK_SECONDS 0.9

@@ -1,5 +1,6 @@
 #include "render/kiosk/easel.h"
 #include "render/kiosk/kiosk-probe.h"
+#include <gio/gio.h>
 
 /* A view that has not changed for so long stands still. */
 #define STILL_MS       140

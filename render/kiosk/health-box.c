@@ -1,6 +1,7 @@
 #include "render/kiosk/box.h"
 #include "render/kiosk/health.h"
 #include "render/kiosk/status.h"
+#include <gio/gio.h>
 #include <math.h>
 
 #define LOOK_AGAIN_S 2

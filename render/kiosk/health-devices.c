@@ -1,6 +1,7 @@
 #include "render/kiosk/device-sheet.h"
 #include "render/kiosk/health.h"
 #include "render/kiosk/site-words.h"
+#include <gio/gio.h>
 
 struct devices {
 	kiosk *kiosk;

@@ -1,6 +1,7 @@
 #include "acquire/doctor.h"
 #include "render/kiosk/health.h"
 #include "render/kiosk/site-words.h"
+#include <gio/gio.h>
 
 struct doctor {
 	kiosk *kiosk;

@@ -2,6 +2,7 @@
 #include "render/kiosk/drives.h"
 #include "render/kiosk/health.h"
 #include "render/kiosk/journal.h"
+#include <gio/gio.h>
 #include <string.h>
 
 struct health_log {

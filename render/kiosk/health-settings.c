@@ -3,6 +3,7 @@
 #include "render/kiosk/language.h"
 #include "render/kiosk/settings.h"
 #include "render/kiosk/theme.h"
+#include <gio/gio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,5 @@
 #include "render/kiosk/hold-button.h"
+#include <gio/gio.h>
 
 struct hold {
 	GtkWidget *button, *bar, *label;

@@ -1,7 +1,7 @@
 #ifndef RENDER_KIOSK_JOURNAL_H
 #define RENDER_KIOSK_JOURNAL_H
 /* What happened, in words, with its time: the last lines in memory, all in a file that starts anew when it has grown long. */
-#include <gio/gio.h>
+#include <glib.h>
 #include <stdbool.h>
 
 #define JOURNAL_LINES 300

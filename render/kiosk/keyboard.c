@@ -1,4 +1,5 @@
 #include "render/kiosk/keyboard.h"
+#include <gio/gio.h>
 #include <string.h>
 
 /* Of both languages; the last letters of a row are those that only German has. */

@@ -1,5 +1,6 @@
 #include "render/kiosk/kiosk-private.h"
 #include "render/kiosk/site-words.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define TOAST_DOWN    76

@@ -3,6 +3,7 @@
 #include "render/kiosk/screens.h"
 #include "render/kiosk/sleep.h"
 #include "render/kiosk/theme.h"
+#include <gio/gio.h>
 #include <unistd.h>
 
 /* ---- screens ---- */

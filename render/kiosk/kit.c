@@ -1,4 +1,5 @@
 #include "render/kiosk/kit.h"
+#include <gio/gio.h>
 #include <stdarg.h>
 
 GtkWidget *kit_classed(GtkWidget *w, const char *classes)

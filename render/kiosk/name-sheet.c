@@ -1,5 +1,6 @@
 #include "render/kiosk/name-sheet.h"
 #include "render/kiosk/keyboard.h"
+#include <gio/gio.h>
 #include <string.h>
 
 #define LETTERS_MOST 120

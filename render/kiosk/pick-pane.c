@@ -1,4 +1,5 @@
 #include "render/kiosk/pick-pane.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

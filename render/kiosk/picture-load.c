@@ -1,4 +1,5 @@
 #include "render/kiosk/picture-load.h"
+#include <gio/gio.h>
 
 struct wanted {
 	char *path;

@@ -8,6 +8,7 @@
 #include "render/kiosk/settings.h"
 #include "render/kiosk/theme.h"
 #include <errno.h>
+#include <gio/gio.h>
 #include <glib-unix.h>
 #include <string.h>
 #include <unistd.h>

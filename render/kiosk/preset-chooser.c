@@ -1,6 +1,7 @@
 #include "render/kiosk/preset-chooser.h"
 #include "render/kiosk/site-words.h"
 #include "render/kiosk/status.h"
+#include <gio/gio.h>
 
 #define FIRST_PRESET "standard"
 

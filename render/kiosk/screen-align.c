@@ -4,6 +4,7 @@
 #include "render/kiosk/pick-pane.h"
 #include "render/kiosk/screens.h"
 #include "render/kiosk/site-words.h"
+#include <gio/gio.h>
 
 #define SIDE_WIDTH 330
 #define NONE       G_MAXUINT

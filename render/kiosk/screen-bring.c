@@ -5,6 +5,7 @@
 #include "render/kiosk/screens.h"
 #include "render/kiosk/take-jobs.h"
 #include "render/kiosk/take-words.h"
+#include <gio/gio.h>
 
 #define SIDE_WIDTH 460
 

@@ -1,6 +1,7 @@
 /* The site drawn, as large as the screen: look at it, walk through it, choose how it is drawn. */
 #include "render/kiosk/draw-screen.h"
 #include "render/kiosk/screens.h"
+#include <gio/gio.h>
 
 #define ONE_SLIDE_US 2500000
 /* A better one takes over when it stands in the person's own folder; else this is the first. */

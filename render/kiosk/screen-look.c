@@ -1,5 +1,6 @@
 #include "render/kiosk/screen-look.h"
 #include "render/kiosk/picture-load.h"
+#include <gio/gio.h>
 
 struct look {
 	char **paths;

@@ -3,6 +3,7 @@
 #include "render/kiosk/hold-button.h"
 #include "render/kiosk/screens.h"
 #include "render/kiosk/site-words.h"
+#include <gio/gio.h>
 #include <gio/gunixfdlist.h>
 #include <string.h>
 #include <sys/mman.h>

@@ -5,6 +5,7 @@
 #include "render/kiosk/screens.h"
 #include "render/kiosk/site-map.h"
 #include "render/kiosk/site-words.h"
+#include <gio/gio.h>
 
 #define SIDE_WIDTH 420
 #define STYLE      "figure-7c"

@@ -5,6 +5,7 @@
 #include "render/kiosk/site-sheet.h"
 #include "render/kiosk/site-words.h"
 #include "render/kiosk/thumbnail.h"
+#include <gio/gio.h>
 
 #define CARD_WIDTH   372
 #define PICTURE_HIGH 232

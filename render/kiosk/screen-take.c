@@ -6,6 +6,7 @@
 #include "render/kiosk/take-made.h"
 #include "render/kiosk/take-preset.h"
 #include "render/kiosk/take-words.h"
+#include <gio/gio.h>
 
 #define MADE_KINDS   5
 #define CHOICE_WIDTH 200

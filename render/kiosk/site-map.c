@@ -1,4 +1,5 @@
 #include "render/kiosk/site-map.h"
+#include <gio/gio.h>
 #include <math.h>
 
 #define STATION_PX 15.0

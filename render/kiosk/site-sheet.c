@@ -2,6 +2,7 @@
 #include "acquire/site-removal.h"
 #include "acquire/site.h"
 #include "render/kiosk/name-sheet.h"
+#include <json-glib/json-glib.h>
 
 /* So long it can be taken back; as the sentence says. */
 #define KEPT_S 600

@@ -1,4 +1,5 @@
 #include "render/kiosk/site-state.h"
+#include <gio/gio.h>
 #include <glib/gi18n.h>
 #include <math.h>
 

@@ -1,4 +1,5 @@
 #include "render/kiosk/sleep.h"
+#include <gio/gio.h>
 
 struct sleep {
 	GtkWidget *dark;

@@ -1,4 +1,5 @@
 #include "render/kiosk/status.h"
+#include <gio/gio.h>
 #include <math.h>
 #include <string.h>
 

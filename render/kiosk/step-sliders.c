@@ -1,4 +1,5 @@
 #include "render/kiosk/step-sliders.h"
+#include <json-glib/json-glib.h>
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,6 @@
 #include "render/kiosk/take-drives.h"
 #include "render/kiosk/take-words.h"
+#include <gio/gio.h>
 #include <string.h>
 
 struct take_drives {

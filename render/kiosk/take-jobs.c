@@ -1,6 +1,7 @@
 #include "render/kiosk/take-jobs.h"
 #include "render/kiosk/site-words.h"
 #include "render/kiosk/take-words.h"
+#include <gio/gio.h>
 
 struct take_jobs {
 	kiosk *kiosk;

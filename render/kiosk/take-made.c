@@ -2,6 +2,7 @@
 #include "render/kiosk/picture-load.h"
 #include "render/kiosk/screen-look.h"
 #include "render/kiosk/take-words.h"
+#include <gio/gio.h>
 
 #define THUMB_WIDTH  104
 #define THUMB_HEIGHT 72

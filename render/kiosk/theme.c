@@ -1,5 +1,6 @@
 #include "render/kiosk/theme.h"
 #include "render/kiosk/settings.h"
+#include <gio/gio.h>
 #include <gtk/gtk.h>
 
 static char *shared_file(const char *name)

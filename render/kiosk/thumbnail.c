@@ -2,6 +2,7 @@
 #include "render/drawn-site.h"
 #include "render/painter.h"
 #include "render/scene-pager.h"
+#include <gio/gio.h>
 #include <glib/gstdio.h>
 #include <stdbool.h>
 
