@@ -46,7 +46,7 @@ INLINE void lay_paper(const struct draw_job *j, const struct band *b, struct dra
 
 struct points_look {
 	const struct points_step *step; /* NULL: shows none */
-	float times;                    /* scene_exposed() */
+	float times;                    /* SCENE_EXPOSED() */
 	const float *srgb_steps, *light_steps;
 };
 
@@ -65,8 +65,7 @@ INLINE void show_eight(const struct points_look *look, const vf light[3], vf ret
 	vf s[3], grey;
 	for (int k = 0; k < 3; k++) {
 		vf srgb = between_steps(look->srgb_steps, light[k]);
-		vf exposed =
-			srgb * look->times / (1 + (look->times - 1) * srgb); /* scene_exposed() */
+		vf exposed = SCENE_EXPOSED(look->times, srgb);
 		s[k] = ((exposed - 0.5f) * step->contrast + 0.5f) * step->brightness;
 	}
 	grey = 0.299f * s[0] + 0.587f * s[1] + 0.114f * s[2];

@@ -74,10 +74,11 @@ struct scene {
 /* How much longer dark places are exposed, so that their lightest points are about as light as those of others are: 1 with exposure 0,
  * and where they are light enough; with exposure 1 all of it. */
 float scene_exposure_of(const scene *s, float exposure);
-/* sRGB, 0..1: black stays black and white white, and what is dark becomes so many times as light. */
+/* sRGB, 0..1, of one or of lanes of them: black stays black and white white, and what is dark becomes so many times as light. */
+#define SCENE_EXPOSED(times, srgb) ((srgb) * (times) / (1 + ((times)-1) * (srgb)))
 static inline float scene_exposed(float times, float srgb)
 {
-	return srgb * times / (1 + (times - 1) * srgb);
+	return SCENE_EXPOSED(times, srgb);
 }
 
 /* Reads all of the model once, and gives its memory back behind itself; the model must stay as long as the scene, for what is read of it
