@@ -136,20 +136,23 @@ static void sort_places(uint64_t *place, uint64_t *spare, uint32_t count)
 		memcpy(place, from, count * sizeof *place);
 }
 
+#define UNSEEN UINT64_MAX
+
 struct chunk_view *chunk_views_new(const frame *f, uint32_t *ret_count)
 {
 	const scene *s = f->scene;
 	g_autofree struct chunk_view *found = g_new(struct chunk_view, s->chunks + 1);
-	g_autofree bool *seen = g_new(bool, s->chunks + 1);
 	g_autofree uint64_t *place = g_new(uint64_t, s->chunks + 1),
 			    *spare = g_new(uint64_t, s->chunks + 1);
 #pragma omp parallel for schedule(static) if (!f->single_thread)
-	for (uint32_t n = 0; n < s->chunks; n++)
-		seen[n] = chunk_view_find(f, &s->chunk[n], &found[n]);
+	for (uint32_t n = 0; n < s->chunks; n++) {
+		bool is_seen = chunk_view_find(f, &s->chunk[n], &found[n]);
+		place[n] = is_seen ? place_of(found[n].near_m, n) : UNSEEN;
+	}
 	uint32_t count = 0;
 	for (uint32_t n = 0; n < s->chunks; n++)
-		if (seen[n])
-			place[count++] = place_of(found[n].near_m, n);
+		if (place[n] != UNSEEN)
+			place[count++] = place[n];
 	sort_places(place, spare, count);
 	struct chunk_view *v = g_new(struct chunk_view, count + 1);
 #pragma omp parallel for schedule(static) if (!f->single_thread)

@@ -10,21 +10,26 @@ _Static_assert(FEATURE_KINDS == 4, "one in each place of a vector");
 /* Views that are not worth more threads. */
 #define FEW 256u
 
-/* Which view is at which place: by pipelines, then by slabs, then as they are. Each has a bin of its own. */
-static void sort(const gles_scene *g, const struct chunk_view *views, uint32_t count,
-	const uint32_t *slab, uint32_t *ret_view)
+/* Where views of a pipeline and a slab stand: runs are in the order of bins. */
+static uint32_t bin_of(const gles_scene *g, const struct chunk_view *v)
+{
+	return v->pipeline * g->slabs + gles_scene_slab(g, v->chunk);
+}
+
+/* Which view is at which place: by bins, then as they are. */
+static void sort(const gles_scene *g, uint32_t count, const uint32_t *bin, uint32_t *ret_view)
 {
 	uint32_t bins = (UINT8_MAX + 1) * MAX(g->slabs, 1), sum = 0;
 	g_autofree uint32_t *begin = g_new0(uint32_t, bins);
 	for (uint32_t n = 0; n < count; n++)
-		begin[views[n].pipeline * g->slabs + slab[n]]++;
+		begin[bin[n]]++;
 	for (uint32_t k = 0; k < bins; k++) {
 		uint32_t own = begin[k];
 		begin[k] = sum;
 		sum += own;
 	}
 	for (uint32_t n = 0; n < count; n++)
-		ret_view[begin[views[n].pipeline * g->slabs + slab[n]]++] = n;
+		ret_view[begin[bin[n]]++] = n;
 }
 
 static void describe_paint(const frame *f, const struct scene_chunk *c, struct gles_view *ret)
@@ -79,17 +84,19 @@ static uint8_t slices_of(const struct gles_view *v)
 	return (uint8_t)((discs + GLES_SLICE - 1) / GLES_SLICE);
 }
 
-static void add_to_runs(
-	gles_views *v, const frame *f, uint32_t at, uint32_t slab, uint32_t pipeline)
+/* bin: of the views as they came, whose order it is. */
+static void find_runs(gles_views *v, const frame *f, const gles_scene *g, const uint32_t *bin,
+	const uint32_t *order)
 {
-	struct gles_run *last =
-		v->runs->len ? &g_array_index(v->runs, struct gles_run, v->runs->len - 1) : NULL;
-	if (last && last->slab == slab && last->pipeline == pipeline) {
-		last->count++;
-		return;
+	g_array_set_size(v->runs, 0);
+	for (uint32_t n = 0, end; n < v->count; n = end) {
+		uint32_t slab = bin[order[n]] % g->slabs, pipeline = bin[order[n]] / g->slabs;
+		for (end = n + 1; end < v->count && bin[order[end]] == bin[order[n]];)
+			end++;
+		struct gles_run next = { slab, n, end - n, (uint8_t)pipeline,
+			splat_step(f, pipeline) != NULL };
+		g_array_append_val(v->runs, next);
 	}
-	struct gles_run next = { slab, at, 1, (uint8_t)pipeline, splat_step(f, pipeline) != NULL };
-	g_array_append_val(v->runs, next);
 }
 
 bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const gles_scene *g,
@@ -97,32 +104,33 @@ bool gles_views_fill(const gles_context *c, gles_views *v, const frame *f, const
 {
 	v->view = views;
 	v->count = count;
-	g_autofree uint32_t *slab = g_new(uint32_t, count + 1), *order = g_new(uint32_t, count + 1);
+	g_autofree uint32_t *bin = g_new(uint32_t, count + 1), *order = g_new(uint32_t, count + 1);
 	g_autofree struct gles_view *block = g_new(struct gles_view, count + 1);
 	bool alone = f->single_thread || count < FEW;
 #pragma omp parallel for schedule(static) if (!alone)
 	for (uint32_t n = 0; n < count; n++)
-		slab[n] = gles_scene_slab(g, views[n].chunk);
-	sort(g, views, count, slab, order);
+		bin[n] = bin_of(g, &views[n]);
+	sort(g, count, bin, order);
 	if (!v->runs) {
 		v->runs = g_array_new(FALSE, FALSE, sizeof(struct gles_run));
 		v->slices = g_byte_array_new();
 	}
 	g_byte_array_set_size(v->slices, count);
-	g_array_set_size(v->runs, 0);
-	v->points = 0;
-	v->leaf = count ? (int32_t)views[0].chunk->leaf : -1;
+	find_runs(v, f, g, bin, order);
 	struct lens lens = lens_of(&f->camera);
-#pragma omp parallel for schedule(static) if (!alone)
-	for (uint32_t n = 0; n < count; n++)
-		describe(f, &lens, &g->slab[slab[order[n]]], &views[order[n]], &block[n]);
+	uint64_t points = 0;
+	uint32_t first_leaf = count ? views[0].chunk->leaf : 0, others = 0;
+	/* What is asked of all is asked here, where they are at hand. */
+#pragma omp parallel for schedule(static) reduction(+ : points, others) if (!alone)
 	for (uint32_t n = 0; n < count; n++) {
-		add_to_runs(v, f, n, slab[order[n]], block[n].pipeline[0]);
-		v->points += block[n].at[2];
+		const struct chunk_view *one = &views[order[n]];
+		describe(f, &lens, &g->slab[bin[order[n]] % g->slabs], one, &block[n]);
 		v->slices->data[n] = slices_of(&block[n]);
-		if ((int32_t)views[n].chunk->leaf != v->leaf)
-			v->leaf = -1;
+		points += one->chunk->count;
+		others += one->chunk->leaf != first_leaf;
 	}
+	v->points = points;
+	v->leaf = count && !others ? (int32_t)first_leaf : -1;
 	GLsizeiptr bytes = (GLsizeiptr)(v->count * sizeof *block);
 	return gles_buffer_put(c, &v->buffer, block, bytes, "the chunks in view", error);
 }
