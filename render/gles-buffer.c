@@ -68,15 +68,29 @@ bool gles_buffer_put(const gles_context *c, struct gles_buffer *b, const void *f
 	return true;
 }
 
-bool gles_buffer_read(
-	const gles_context *c, const struct gles_buffer *b, size_t bytes, void *to, GError **error)
+/* ---- to the processor ---- */
+
+/* What one thread takes at a time. */
+#define PIECE_BYTES ((size_t)512 << 10)
+
+static bool hold_landing(const gles_context *c, size_t bytes, GError **error)
 {
-	c->gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-	c->gl.BindBuffer(GL_COPY_READ_BUFFER, b->name);
-	const void *from =
+	struct gles_buffer *l = c->landing;
+	if (l->name && l->bytes >= (int64_t)bytes)
+		return true;
+	gles_buffer_clear(c, l);
+	return make_store(c, l, (int64_t)bytes, GL_STREAM_READ, "what is read", error);
+}
+
+/* Bound as COPY_READ_BUFFER. */
+static bool fetch_landing(const gles_context *c, size_t bytes, void *to, GError **error)
+{
+	const uint8_t *from =
 		c->gl.MapBufferRange(GL_COPY_READ_BUFFER, 0, (GLsizeiptr)bytes, GL_MAP_READ_BIT);
 	if (from) {
-		memcpy(to, from, bytes);
+#pragma omp parallel for schedule(static) if (bytes > PIECE_BYTES)
+		for (size_t n = 0; n < bytes; n += PIECE_BYTES)
+			memcpy((uint8_t *)to + n, from + n, MIN(PIECE_BYTES, bytes - n));
 		c->gl.UnmapBuffer(GL_COPY_READ_BUFFER);
 		return true;
 	}
@@ -85,6 +99,35 @@ bool gles_buffer_read(
 			"the GPU does not give back what it made");
 	return false;
 }
+
+bool gles_buffer_read(
+	const gles_context *c, const struct gles_buffer *b, size_t bytes, void *to, GError **error)
+{
+	if (!hold_landing(c, bytes, error))
+		return false;
+	c->gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+	c->gl.BindBuffer(GL_COPY_READ_BUFFER, b->name);
+	c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->landing->name);
+	c->gl.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, (GLsizeiptr)bytes);
+	c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->landing->name);
+	return fetch_landing(c, bytes, to, error);
+}
+
+bool gles_pixels_read(
+	const gles_context *c, uint32_t width, uint32_t height, uint8_t (*to)[4], GError **error)
+{
+	size_t bytes = (size_t)width * height * 4;
+	if (!hold_landing(c, bytes, error))
+		return false;
+	c->gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
+	c->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, c->landing->name);
+	c->gl.ReadPixels(0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, NULL);
+	c->gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+	c->gl.BindBuffer(GL_COPY_READ_BUFFER, c->landing->name);
+	return fetch_landing(c, bytes, to, error);
+}
+
+/* ---- rest ---- */
 
 void gles_buffer_clear(const gles_context *c, struct gles_buffer *b)
 {

@@ -141,6 +141,7 @@ gles_context *gles_context_open(const struct gles_about *found, GError **error)
 	GArray **stores[] = { &c->spent, &c->gone, &c->spare };
 	for (size_t n = 0; n < G_N_ELEMENTS(stores); n++)
 		*stores[n] = g_array_new(FALSE, FALSE, sizeof(struct gles_buffer));
+	c->landing = g_new0(struct gles_buffer, 1);
 	c->about.platform = found->platform;
 	c->about.display = found->display;
 	c->display = gles_display_get(found->platform, found->display, error);
@@ -166,5 +167,6 @@ void gles_context_free(gles_context *c)
 	g_array_unref(c->spent);
 	g_array_unref(c->gone);
 	g_array_unref(c->spare);
+	g_free(c->landing);
 	g_free(c);
 }

@@ -10,11 +10,14 @@
 #include "render/gles-display.h"
 #include "render/gles-functions.h"
 
+struct gles_buffer;
 typedef struct gles_context gles_context;
 struct gles_context {
 	struct gles_about about;
 	struct gles_functions gl;
-	GArray *spent, *gone, *spare; /* gles-buffer.c's: of struct gles_buffer */
+	/* gles-buffer.c's. */
+	GArray *spent, *gone, *spare; /* of struct gles_buffer */
+	struct gles_buffer *landing;
 	/* The rest is gles-context.c's. */
 	const struct gles_display *display;
 	EGLContext handle;

@@ -121,22 +121,13 @@ bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **er
 bool gles_draw_strokes(
 	gles_draw *d, uint32_t layers, uint32_t *ret_count, bool *ret_whole, GError **error)
 {
-	const struct gles_functions *gl = &d->c->gl;
 	*ret_count = 0;
 	*ret_whole = true;
 	if (!layers)
 		return true;
-	gl->BindBuffer(GL_COPY_READ_BUFFER, d->commands.name);
-	const struct gles_commands *mapped =
-		gl->MapBufferRange(GL_COPY_READ_BUFFER, 0, sizeof *mapped, GL_MAP_READ_BIT);
-	if (!mapped) {
-		if (gles_context_check(d->c, "counting the strokes", error))
-			g_set_error(error, GLES_ERROR, GLES_ERROR_DRIVER,
-				"the GPU does not tell how many strokes it drew");
+	struct gles_commands all;
+	if (!gles_buffer_read(d->c, &d->commands, sizeof all, &all, error))
 		return false;
-	}
-	struct gles_commands all = *mapped;
-	gl->UnmapBuffer(GL_COPY_READ_BUFFER);
 	for (uint32_t n = 0; n < layers; n++) {
 		*ret_count += all.total[n];
 		if (all.total[n] <= capacity_of(&d->strokes[n]))

@@ -134,14 +134,6 @@ static bool set_camera(gles_draw *d, const frame *f, GError **error)
 	return true;
 }
 
-static void read_back(gles_draw *d, struct picture_buffer *to)
-{
-	const struct gles_functions *gl = &d->c->gl;
-	gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
-	gl->ReadPixels(
-		0, 0, (GLsizei)to->width, (GLsizei)to->height, GL_RGBA, GL_UNSIGNED_BYTE, to->rgba);
-}
-
 double gles_draw_lap(const gles_draw *d, bool is_timed, int64_t *since_us)
 {
 	if (!is_timed)
@@ -263,8 +255,8 @@ bool gles_draw_frame(gles_draw *d, const frame *f, struct picture_buffer *to,
 				 : draw_plain(d, f, &t, is_timed, error)))
 		return false;
 	int64_t drawn_us = g_get_monotonic_time();
-	if (is_drawn)
-		read_back(d, to);
+	if (is_drawn && !gles_pixels_read(d->c, to->width, to->height, to->rgba, error))
+		return false;
 	t.draw_s += (double)(g_get_monotonic_time() - drawn_us) * 1e-6;
 	t.all_s = (double)(g_get_monotonic_time() - begin_us) * 1e-6;
 	if (ret_times)
