@@ -3,6 +3,16 @@
 /* Strokes of a layer that there is room for at first. */
 #define STROKES_LEAST (1u << 16)
 
+/* Of marks.glsl: words of a view, and for all; views that a group goes through where they are those of few. */
+#define MARKS      259
+#define MARKS_MORE 1
+#define AT_ONCE    16u
+
+/* A command of choose-count.glsl. */
+struct asked {
+	uint32_t groups[3];
+};
+
 static uint32_t capacity_of(const struct gles_buffer *b)
 {
 	return (uint32_t)(b->bytes / (4 * GLES_STROKE_WORDS));
@@ -42,30 +52,67 @@ static struct choice choice_of(const gles_draw *d, const frame *f, uint32_t laye
 	return c;
 }
 
-static void go_through(gles_draw *d, const struct choice *c, enum gles_use use)
+/* Views of one run that one dispatch goes through, since it has not more groups. */
+struct window {
+	const struct gles_run *run;
+	uint32_t first, count;
+};
+
+static GArray *windows_of(const gles_draw *d, const struct choice *c)
+{
+	GArray *ret = g_array_new(FALSE, FALSE, sizeof(struct window));
+	for (guint k = c->run; k < c->run_end; k++) {
+		const struct gles_run *r = gles_draw_run(d, k);
+		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
+			struct window w = { r, r->first + n, MIN(r->count - n, GLES_GROUPS_MAX) };
+			g_array_append_val(ret, w);
+		}
+	}
+	return ret;
+}
+
+static void bind_points(gles_draw *d, const struct choice *c, const struct gles_run *r)
+{
+	const struct gles_slab *slab = &d->scene.slab[r->slab];
+	gles_draw_bind_storage(d, 0, slab->points);
+	if (c->is_stipple)
+		return;
+	gles_draw_bind_storage(d, 3, slab->looks);
+	gles_draw_bind_storage(d, 4, slab->lists);
+	gles_draw_bind_storage(d, 7,
+		c->is_paint   ? slab->paint
+		: slab->bends ? slab->bends
+			      : slab->lists);
+}
+
+/* Those of few, or all others, of which the GPU knows how many there are. */
+static void go_through_windows(
+	gles_draw *d, const struct choice *c, const GArray *windows, bool few)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	for (guint k = 0; k < windows->len; k++) {
+		const struct window *w = &g_array_index(windows, struct window, k);
+		bind_points(d, c, w->run);
+		gl->Uniform1ui(0, w->first);
+		gl->Uniform3ui(9, few, w->first + w->count, k);
+		if (few)
+			gl->DispatchCompute((w->count + AT_ONCE - 1) / AT_ONCE, 1, 1);
+		else
+			gl->DispatchComputeIndirect((GLintptr)(k * sizeof(struct asked)));
+	}
+}
+
+static void go_through(
+	gles_draw *d, const struct choice *c, const GArray *windows, enum gles_use use)
 {
 	const struct gles_functions *gl = &d->c->gl;
 	gl->UseProgram(d->program[use]);
-	gl->Uniform1ui(1, c->view);
+	gl->Uniform2ui(1, c->view, c->count);
 	if (use == GLES_WRITE || use == GLES_STIPPLE_WRITE)
 		gl->Uniform1ui(2, c->capacity);
-	for (guint k = c->run; k < c->run_end; k++) {
-		const struct gles_run *r = gles_draw_run(d, k);
-		const struct gles_slab *slab = &d->scene.slab[r->slab];
-		gles_draw_bind_storage(d, 0, slab->points);
-		if (!c->is_stipple) {
-			gles_draw_bind_storage(d, 3, slab->looks);
-			gles_draw_bind_storage(d, 4, slab->lists);
-			gles_draw_bind_storage(d, 7,
-				c->is_paint   ? slab->paint
-				: slab->bends ? slab->bends
-					      : slab->lists);
-		}
-		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
-			gl->Uniform1ui(0, r->first + n);
-			gl->DispatchCompute(MIN(r->count - n, GLES_GROUPS_MAX), 1, 1);
-		}
-	}
+	go_through_windows(d, c, windows, true);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+	go_through_windows(d, c, windows, false);
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
@@ -81,19 +128,29 @@ static void number(gles_draw *d, const struct choice *c)
 	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-static void choose_layer(gles_draw *d, const struct choice *c)
+static bool choose_layer(gles_draw *d, const struct choice *c, GError **error)
 {
+	g_autoptr(GArray) windows = windows_of(d, c);
+	g_autofree struct asked *none = g_new(struct asked, windows->len);
+	for (guint k = 0; k < windows->len; k++)
+		none[k] = (struct asked){ { 0, 1, 1 } };
+	if (!gles_buffer_put(d->c, &d->asked, none, windows->len * sizeof *none,
+		    "the chunks in view", error))
+		return false;
+	d->c->gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, d->asked.name);
 	gles_draw_bind_storage(d, 1, d->views.buffer.name);
 	gles_draw_bind_storage(d, 5, d->marks.name);
-	go_through(d, c, c->is_stipple ? GLES_STIPPLE_COUNT : GLES_COUNT);
+	gles_draw_bind_storage(d, 6, d->asked.name);
+	go_through(d, c, windows, c->is_stipple ? GLES_STIPPLE_COUNT : GLES_COUNT);
 	number(d, c);
 	gles_draw_bind_storage(d, 6, d->strokes[c->layer].name);
-	go_through(d, c, c->is_stipple ? GLES_STIPPLE_WRITE : GLES_WRITE);
+	go_through(d, c, windows, c->is_stipple ? GLES_STIPPLE_WRITE : GLES_WRITE);
+	return true;
 }
 
 bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **error)
 {
-	int64_t marks = ((int64_t)d->views.count + 1) * GLES_MARKS * 4;
+	int64_t marks = ((int64_t)d->views.count * MARKS + MARKS_MORE) * 4;
 	if (!gles_buffer_reserve(d->c, &d->marks, marks, "the chunks in view", error) ||
 		!gles_buffer_reserve(
 			d->c, &d->commands, sizeof(struct gles_commands), "the layers", error))
@@ -110,8 +167,8 @@ bool gles_draw_choose(gles_draw *d, const frame *f, uint64_t layers, GError **er
 		if (f->layer[n].is_profile && c.count) {
 			if (!gles_draw_profile(d, f, n, error))
 				return false;
-		} else
-			choose_layer(d, &c);
+		} else if (!choose_layer(d, &c, error))
+			return false;
 	}
 	d->c->gl.MemoryBarrier(GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
 			       GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -11,9 +11,8 @@
 #include "render/gles-targets.h"
 #include "render/gles-views.h"
 
-/* Words of a stroke in its buffer (choose-write.glsl), of a view's marks (choose.glsl). */
+/* Words of a stroke in its buffer (choose-write.glsl). */
 #define GLES_STROKE_WORDS 10
-#define GLES_MARKS        257
 /* Groups of one dispatch. */
 #define GLES_GROUPS_MAX 65535u
 
@@ -46,7 +45,7 @@ struct gles_draw {
 	gles_layers layers;
 	gles_views views;
 	gles_targets targets;
-	struct gles_buffer keys, sums, marks, commands, strokes[FRAME_LAYERS_MAX];
+	struct gles_buffer keys, sums, marks, asked, commands, strokes[FRAME_LAYERS_MAX];
 	struct gles_buffer links,
 		shown; /* of profile lines: struct profile_link, and how far each is to be seen */
 	struct gles_buffer camera;

@@ -4,11 +4,12 @@
 #include <float.h>
 #include <string.h>
 
-#define SLICES     (MODEL_CHUNK_POINTS / GLES_SLICE) /* a whole chunk */
+/* Of a view: few of them have more points than these have threads. */
+#define GROUPS     4
 #define SPOT_BYTES 12
 
 /* Of stipple.glsl. */
-enum { PLANE = 3, GRID, KEYS, SHARE, TREE_OF, REACH };
+enum { PLANE = 3, GRID, KEYS, SHARE, TREE_OF, REACH, ALL_SPOTS = 10 };
 
 /* ---- kept ---- */
 
@@ -86,7 +87,7 @@ static void go_through(const gles_draw *d, GArray *runs)
 		gles_draw_bind_storage(d, 0, d->scene.slab[r->slab].points);
 		for (uint32_t n = 0; n < r->count; n += GLES_GROUPS_MAX) {
 			gl->Uniform1ui(0, r->first + n);
-			gl->DispatchCompute(SLICES, MIN(r->count - n, GLES_GROUPS_MAX), 1);
+			gl->DispatchCompute(GROUPS, MIN(r->count - n, GLES_GROUPS_MAX), 1);
 		}
 	}
 	barrier(d);
@@ -197,23 +198,26 @@ static bool is_lit(const struct gles_stippled *s, const frame *f)
 	return f->light.amount > 0 && s->plan->light_plane.columns;
 }
 
-static bool renew(
-	gles_draw *d, struct gles_stippled *s, const frame *f, uint32_t layer, GError **error)
+static void tell_spots(const gles_draw *d, const struct gles_stippled *s, const frame *f)
 {
-	if (stipple_plan_is_of(s->plan, f, layer))
-		return true;
-	forget(d->c, s);
-	s->plan = stipple_plan_new(f, layer);
+	static const enum gles_use uses[] = { GLES_STIPPLE_PUT, GLES_STIPPLE_ASK,
+		GLES_STIPPLE_DECIDE, GLES_STIPPLE_COUNT, GLES_STIPPLE_WRITE };
+	for (size_t n = 0; n < G_N_ELEMENTS(uses); n++) {
+		d->c->gl.UseProgram(d->program[uses[n]]);
+		d->c->gl.Uniform1ui(ALL_SPOTS, s->plan->slot[f->scene->chunks]);
+	}
+}
+
+/* What is the same for all eyes. */
+static bool begin(gles_draw *d, struct gles_stippled *s, const frame *f, GError **error)
+{
 	int64_t bytes = ((int64_t)s->plan->slot[f->scene->chunks] + 1) * SPOT_BYTES,
 		tree = (int64_t)8 << (2 * s->plan->levels);
-	bool good = upload_parts(d->c, s, f, error) &&
-		    gles_buffer_reserve(d->c, &s->eye, bytes, "the points", error) &&
-		    gles_buffer_reserve(d->c, &s->light, bytes, "the points", error) &&
-		    gles_buffer_reserve(d->c, &d->stipple.tree, tree, "the light", error) &&
-		    (!is_lit(s, f) || look_from_light(d, s, f, error));
-	if (!good)
-		forget(d->c, s);
-	return good;
+	return upload_parts(d->c, s, f, error) &&
+	       gles_buffer_reserve(d->c, &s->eye, bytes, "the points", error) &&
+	       gles_buffer_reserve(d->c, &s->light, bytes, "the points", error) &&
+	       gles_buffer_reserve(d->c, &d->stipple.tree, tree, "the light", error) &&
+	       (!is_lit(s, f) || look_from_light(d, s, f, error));
 }
 
 /* ---- the eye ---- */
@@ -276,7 +280,15 @@ static bool look_from_eye(
 bool gles_draw_stipple(gles_draw *d, const frame *f, uint32_t layer, GError **error)
 {
 	struct gles_stippled *s = &d->stipple.layer[layer];
-	if (!renew(d, s, f, layer, error))
+	bool is_kept = stipple_plan_is_of(s->plan, f, layer);
+	if (!is_kept) {
+		forget(d->c, s);
+		s->plan = stipple_plan_new(f, layer);
+	}
+	tell_spots(d, s, f);
+	if (!is_kept && !begin(d, s, f, error)) {
+		forget(d->c, s);
 		return false;
+	}
 	return look_from_eye(d, s, f, layer, error);
 }

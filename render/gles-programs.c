@@ -7,7 +7,7 @@
 /* What a program is put together of. A part that begins with a dot is the shader of the step of that name. */
 static const struct row {
 	const char *name;
-	const char *common[12];
+	const char *common[14];
 	const char *vertex, *fragment, *compute;
 	const char
 		*before[2]; /* of the fragment shader alone: vertex shaders may have no storage */
@@ -17,13 +17,13 @@ static const struct row {
 	[GLES_HOLES] = { "holes", { "common" }, .compute = "holes" },
 	[GLES_POINTS] = { "points", { "common", "chunks", "discs" }, .compute = ".points" },
 	[GLES_COUNT] = { "choose-count",
-		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "paint",
-			"givers" },
+		{ "common", "chunks", "marks", "layer", "choose", "hatch", "contour", "cut",
+			"paint", "givers" },
 		.compute = "choose-count" },
 	[GLES_SCAN] = { "choose-scan", { "prefix" }, .compute = "choose-scan" },
 	[GLES_WRITE] = { "choose-write",
-		{ "common", "chunks", "layer", "choose", "hatch", "contour", "cut", "paint",
-			"givers", "hatch-write", "paint-write", "prefix" },
+		{ "common", "chunks", "marks", "layer", "choose", "hatch", "contour", "cut",
+			"paint", "givers", "hatch-write", "paint-write", "prefix", "marked" },
 		.compute = "choose-write" },
 	[GLES_SPRITES] = { "sprites", { "common", "layer", ".sprites", "pen" }, "stroke.vert",
 		"stroke.frag" },
@@ -53,10 +53,11 @@ static const struct row {
 	[GLES_STIPPLE_DECIDE] = { "stipple-decide", { "common", "chunks", ".stipple" },
 		.compute = "stipple-decide" },
 	[GLES_STIPPLE_COUNT] = { "stipple-count",
-		{ "common", "chunks", "layer", ".stipple", "stipple-dot" },
+		{ "common", "chunks", "marks", "layer", ".stipple", "stipple-dot" },
 		.compute = "choose-count" },
 	[GLES_STIPPLE_WRITE] = { "stipple-write",
-		{ "common", "chunks", "layer", ".stipple", "stipple-dot", "prefix" },
+		{ "common", "chunks", "marks", "layer", ".stipple", "stipple-dot", "prefix",
+			"marked" },
 		.compute = "stipple-write" },
 	[GLES_FILTER_FINISH] = { "filter-finish", { "common", "filter" },
 		.compute = "filter-finish" },

@@ -1,5 +1,5 @@
 #version 310 es
-/* Writes the strokes that were marked, as instances of quads. A group: a view. */
+/* Writes the strokes that were marked, as instances of quads. */
 layout(local_size_x = 256) in;
 layout(location = 2) uniform uint capacity;
 
@@ -53,16 +53,13 @@ void write_stroke(uint at, candidate c, choice one, hatch h)
 
 void main()
 {
-	uint n = first_view + gl_WorkGroupID.x, row = (n - layer_view) * MARKS;
-	uint from = marks[row + THREADS];
-	if (from == marks[row + MARKS + THREADS])
+	uint lane, n = view_here(lane), word, at;
+	if (!strokes_begin(n, lane, word, at))
 		return;
-	uint thread = gl_LocalInvocationIndex, word = marks[row + thread];
-	uint at = from + before(thread, word >> 16);
-	for (uint mark = word & 0xffffu; mark != 0u; mark &= mark - 1u) {
+	for (uint mark = first_mark(word); mark != 0u; mark = next_mark(mark)) {
 		giver g;
 		candidate c;
-		if (giver_of(n, uint(findLSB(mark)) * THREADS + thread, g))
+		if (giver_of(n, point_at(word, mark, lane), g))
 			for (begin(); has_more(g) && at < capacity; next(g)) {
 				choice one = choice_of(g, c);
 				uint count = strokes_of(g, c, one);

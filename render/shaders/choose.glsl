@@ -5,16 +5,9 @@ layout(std430, binding = 3) readonly buffer Looks {
 layout(std430, binding = 4) readonly buffer Lists {
 	uint lists[]; /* index in the chunk, list_spacing */
 };
-/* Of each view of the layer: a word of each thread, whose lower half has a bit for each of its points that gives strokes, and whose
- * upper half is how many; and how many there are in all, then how many there are before. One more at the end. */
-layout(std430, binding = 5) buffer Marks {
-	uint marks[];
-};
-layout(location = 1) uniform uint layer_view;
 /* The copy of a point (stroke.h) that is looked at. */
 uint copy = 0u;
 
-const uint THREADS = 256u, MARKS = 257u;
 const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u, LEAVES_COPIES = 4u;
 const uint SALT_LENGTH = 1u, SALT_ANGLE = 2u, SALT_OPACITY = 3u, SALT_VARIANT = 4u, SALT_ACROSS = 5u, SALT_DOWN = 6u, SALTS = 8u;
 const float COSINE_LEAST = 0.1, COSINE_UNKNOWN = 1.0, FORESHORTENED = 0.25;

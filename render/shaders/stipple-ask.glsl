@@ -1,6 +1,6 @@
 #version 310 es
 /* Whether the points of stippled leaves are seen on a plane, and how many texels around are their own; what the eye sees goes into
- * the light's quadtree. Groups: slices of 256 points x views. */
+ * the light's quadtree. Groups: some x views. */
 layout(local_size_x = 256) in;
 layout(std430, binding = 4) readonly buffer Light {
 	uint lit[];
@@ -34,12 +34,8 @@ uint count_own(int place, uint key)
 	return count;
 }
 
-void main()
+void ask(uint at)
 {
-	uint n = first_view + gl_WorkGroupID.y;
-	uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex, at;
-	if (!spot_of(n, i, at) || parts[views[n].pipeline.y].z == 0u)
-		return;
 	uint place = spots[at + PLACE], key = spots[at + KEY];
 	if (place == OUTSIDE || !is_seen(int(place), key)) {
 		spots[at + ANSWER] = UNSEEN;
@@ -49,4 +45,12 @@ void main()
 	if (tree_of.w != 0u && lit[at + PLACE] != OUTSIDE)
 		atomicMin(tree[tree_place(tree_of.x, tree_of.x, texel_of(lit[at + PLACE], tree_of.z))],
 			lit[at + KEY]);
+}
+
+void main()
+{
+	uint n = first_view + gl_WorkGroupID.y;
+	if (parts[views[n].pipeline.y].z != 0u)
+		for (ALL_POINTS(n, i))
+			ask(parts[views[n].pipeline.y].x + i);
 }

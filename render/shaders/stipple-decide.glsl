@@ -1,5 +1,5 @@
 #version 310 es
-/* Which points are drawn, and which the light leaves out, as stipple.c has it. Groups: slices of 256 points x views. */
+/* Which points are drawn, and which the light leaves out, as stipple.c has it. Groups: some x views. */
 layout(local_size_x = 256) in;
 layout(std430, binding = 4) readonly buffer Light {
 	uint lit[];
@@ -25,21 +25,22 @@ bool is_highlight(uint n, uint i, uint own, uint from)
 	return share.z > 0.0 && from_light - from_eye > share.z;
 }
 
+uint decided(uint n, uint i, uint at)
+{
+	uint own = spots[at + ANSWER];
+	if (own == UNSEEN)
+		return NOT_DRAWN;
+	if (tree_of.w == 0u || lit[at + ANSWER] == UNSEEN)
+		return WHOLE;
+	uint texel = tree_place(tree_of.x, tree_of.y, texel_of(lit[at + PLACE], tree_of.z));
+	return tree[texel] == lit[at + KEY] || is_highlight(n, i, own, lit[at + ANSWER]) ? LEFT_OUT : WHOLE;
+}
+
 void main()
 {
 	uint n = first_view + gl_WorkGroupID.y;
-	uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex, at;
-	if (!spot_of(n, i, at))
-		return;
-	uint own = spots[at + ANSWER];
-	if (own == UNSEEN) {
-		spots[at + ANSWER] = NOT_DRAWN;
-		return;
+	for (ALL_POINTS(n, i)) {
+		uint at = parts[views[n].pipeline.y].x + i;
+		spots[at + ANSWER] = decided(n, i, at);
 	}
-	spots[at + ANSWER] = WHOLE;
-	if (tree_of.w == 0u || lit[at + ANSWER] == UNSEEN)
-		return;
-	uint texel = tree_place(tree_of.x, tree_of.y, texel_of(lit[at + PLACE], tree_of.z));
-	if (tree[texel] == lit[at + KEY] || is_highlight(n, i, own, lit[at + ANSWER]))
-		spots[at + ANSWER] = LEFT_OUT;
 }

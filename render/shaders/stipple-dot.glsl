@@ -1,10 +1,4 @@
 /* A point as a dot. */
-layout(std430, binding = 5) buffer Marks {
-	uint marks[]; /* as choose.glsl has them */
-};
-layout(location = 1) uniform uint layer_view;
-
-const uint THREADS = 256u, MARKS = 257u;
 const float ALPHA_LEAST = 1.0 / 255.0;
 
 /* at: as the camera sees it. 0: nothing is drawn. */
@@ -24,7 +18,7 @@ float alpha_of(uint n, uint i, out vec3 at)
 void asked_of(uint n, out uvec4 begin_of, out uvec4 end_of)
 {
 	begin_of = uvec4(0u);
-	end_of = uvec4(views[n].at.z);
+	end_of = uvec4(views[n].at.z, uvec3(0u));
 }
 
 uint strokes_at(uint n, uint i)

@@ -1,5 +1,5 @@
 #version 310 es
-/* Puts points on a plane: the least key at each texel. Groups: slices of 256 points x views. */
+/* Puts points on a plane: the least key at each texel. Groups: some x views. */
 layout(local_size_x = 256) in;
 layout(std430, binding = 6) buffer Keys {
 	uint texels[];
@@ -22,16 +22,20 @@ uint place_on_plane(vec3 at)
 	return uint(int(there.y) * grid.z + int(there.x));
 }
 
-void main()
+void put(uint n, uint i)
 {
-	uint n = first_view + gl_WorkGroupID.y;
-	uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex, at;
-	if (!spot_of(n, i, at))
-		return;
+	uint at = parts[views[n].pipeline.y].x + i;
 	vec3 seen = place_of(n, points[views[n].at.x + i]);
 	uint place = place_on_plane(seen), key = key_of(seen.z, views[n].at.y + i);
 	spots[at + PLACE] = place;
 	spots[at + KEY] = key;
 	if (place != OUTSIDE && key < texels[place])
 		atomicMin(texels[place], key);
+}
+
+void main()
+{
+	uint n = first_view + gl_WorkGroupID.y;
+	for (ALL_POINTS(n, i))
+		put(n, i);
 }

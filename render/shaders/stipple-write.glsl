@@ -1,5 +1,5 @@
 #version 310 es
-/* Writes the dots of the points that were marked, as choose-write.glsl does strokes. A group: a view. */
+/* Writes the dots of the points that were marked, as choose-write.glsl does strokes. */
 layout(local_size_x = 256) in;
 layout(std430, binding = 6) writeonly buffer Strokes {
 	uint strokes[];
@@ -28,15 +28,12 @@ void write_dot(uint at, vec3 seen, float half_px, float alpha)
 
 void main()
 {
-	uint n = first_view + gl_WorkGroupID.x, row = (n - layer_view) * MARKS;
-	uint from = marks[row + THREADS];
-	if (from == marks[row + MARKS + THREADS])
+	uint lane, n = view_here(lane), word, at;
+	if (!strokes_begin(n, lane, word, at))
 		return;
-	uint thread = gl_LocalInvocationIndex, word = marks[row + thread];
-	uint at = from + before(thread, word >> 16);
-	for (uint mark = word & 0xffffu; mark != 0u && at < capacity; mark &= mark - 1u) {
+	for (uint mark = first_mark(word); mark != 0u && at < capacity; mark = next_mark(mark)) {
 		vec3 seen;
-		uint i = uint(findLSB(mark)) * THREADS + thread;
+		uint i = point_at(word, mark, lane);
 		float alpha = alpha_of(n, i, seen);
 		write_dot(at++, seen, radius_of(n, i, seen.z), alpha);
 	}

@@ -9,7 +9,11 @@ layout(location = 3) uniform vec4 plane; /* scale, middle x and y, near_m */
 layout(location = 4) uniform ivec4 grid; /* columns, rows, pitch, 1: parallel */
 layout(location = 5) uniform ivec4 keys; /* low, shift, step, rings */
 
-const uint SPOT_WORDS = 3u, PLACE = 0u, KEY = 1u, ANSWER = 2u;
+layout(location = 10) uniform uint all_spots; /* words of each of the three are together: nearly all passes ask for some of them */
+
+#define PLACE 0u
+#define KEY all_spots
+#define ANSWER (2u * all_spots)
 const uint OUTSIDE = 0xffffffffu, UNSEEN = 255u;
 /* Instead of a count, once it is decided. */
 const uint NOT_DRAWN = 0u, WHOLE = 1u, LEFT_OUT = 2u;
@@ -20,9 +24,12 @@ const float EDGE = 2.0;
 bool spot_of(uint n, uint i, out uint at)
 {
 	uvec4 part = parts[views[n].pipeline.y];
-	at = (part.x + i) * SPOT_WORDS;
+	at = part.x + i;
 	return i < part.y;
 }
+
+/* Groups are so many for a view: each goes on until its points are through. */
+#define ALL_POINTS(n, i) uint i = gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex; i < parts[views[n].pipeline.y].y; i += gl_NumWorkGroups.x * 256u
 
 /* Formula (2). */
 uint tree_place(uint levels, uint level, uvec2 texel)
