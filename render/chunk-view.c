@@ -1,5 +1,6 @@
 #include "render/chunk-view.h"
 #include "render/disc-lanes.h"
+#include "render/splat.h"
 #include "render/stroke.h"
 #include <math.h>
 #include <string.h>
@@ -46,14 +47,17 @@ static void bound(const frame *f, const double at[3], double half[3][3], struct 
 	}
 }
 
-/* The largest disc of the chunk's pipeline. */
+/* The largest disc of the chunk's pipeline, in the mask or as coloured points. */
 static float disc_margin_px(const frame *f, const struct chunk_view *v)
 {
-	float disc = frame_pipeline(f, v->pipeline)->mask.disc;
+	const struct points_step *points = splat_step(f, v->pipeline);
+	float disc = fmaxf(
+		frame_pipeline(f, v->pipeline)->mask.disc, points ? points->size : 0);
 	float radius = 0.5f * disc * v->chunk->disc_most_m * (float)f->camera.focal_px /
 		       camera_scale_f(&f->camera, v->near_m);
+	float least = fmaxf(DISC_RADIUS_LEAST, points ? points->least_px * f->px / 2 : 0);
 	/* Those that stand for others are larger, but not much larger than a pixel. */
-	return MIN(MAX(radius, DISC_RADIUS_LEAST + 2 * disc), disc_radius_most(f)) + 1;
+	return MIN(MAX(radius, least + 2 * disc), MAX(disc_radius_most(f), least)) + 1;
 }
 
 bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_view *ret)

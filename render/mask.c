@@ -73,17 +73,37 @@ static bool tiles_of(
 	return true;
 }
 
-bool mask_hides(const visibility_mask *m, const struct chunk_view *v, float behind)
+static bool hides(const visibility_mask *m, const struct chunk_view *v, float behind,
+	const uint32_t low[2], const uint32_t high[2])
 {
-	uint32_t low[2], high[2];
-	if (!tiles_of(m, v, low, high)) /* beside the picture; its strokes may reach into it */
-		return false;
 	for (uint32_t down = low[1]; down <= high[1]; down++)
 		for (uint32_t across = low[0]; across <= high[0]; across++)
 			if (m->deepest_m[down * m->tiles_across + across] * (1 + behind) >=
 				v->nearest_m)
 				return false;
 	return true;
+}
+
+bool mask_hides(const visibility_mask *m, const struct chunk_view *v, float behind)
+{
+	uint32_t low[2], high[2];
+	if (!tiles_of(m, v, low, high)) /* beside the picture; its strokes may reach into it */
+		return false;
+	return hides(m, v, behind, low, high);
+}
+
+/* Discs are held against keys, which are deeper than what tiles have by the bits of a pipeline. */
+#define KEY_BEHIND 1e-4f
+
+bool mask_hides_rows(
+	const visibility_mask *m, const struct chunk_view *v, uint32_t from, uint32_t end)
+{
+	uint32_t low[2], high[2];
+	if (!tiles_of(m, v, low, high))
+		return true;
+	low[1] = MAX(low[1], from / MASK_TILE);
+	high[1] = MIN(high[1], (end - 1) / MASK_TILE);
+	return hides(m, v, KEY_BEHIND, low, high);
 }
 
 /* ---- all ---- */

@@ -28,7 +28,8 @@ void splat_band(const struct band *b, const frame *f, const visibility_mask *m,
 					  (float)f->camera.focal_px /
 					  camera_scale_f(&f->camera, views[n].near_m);
 		if (step && views[n].high_px[1] + reach >= (float)b->from &&
-			views[n].low_px[1] - reach <= (float)(b->from + b->rows))
+			views[n].low_px[1] - reach <= (float)(b->from + b->rows) &&
+			!mask_hides_rows(m, &views[n], b->from, b->from + b->rows))
 			LANES_OF(f->lanes, splat_chunk)(b, f, m, &views[n], step, light, weight);
 	}
 }

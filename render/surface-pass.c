@@ -48,7 +48,8 @@ static void do_band(const frame *f, const visibility_mask *m, const struct chunk
 					  views[n].chunk->disc_most_m * (float)f->camera.focal_px /
 					  camera_scale_f(&f->camera, views[n].near_m);
 		if (views[n].high_px[1] + reach >= (float)b->from &&
-			views[n].low_px[1] - reach <= (float)(b->from + b->rows))
+			views[n].low_px[1] - reach <= (float)(b->from + b->rows) &&
+			!mask_hides_rows(m, &views[n], b->from, b->from + b->rows))
 			LANES_OF(f->lanes, surface_chunk)(b, f, m, &views[n], &d);
 	}
 	put(b, m, &d, to);
