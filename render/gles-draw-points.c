@@ -1,4 +1,5 @@
 #include "render/gles-draw-private.h"
+#include "render/mask.h"
 
 /* Views that are dispatched at once: of each as many groups as the one of them wants that wants most. */
 #define AT_ONCE 1024u
@@ -61,6 +62,28 @@ bool gles_draw_mask(gles_draw *d, const frame *f, GError **error)
 	for (guint n = 0; n < d->views.runs->len; n++)
 		gles_draw_points_of(d, gles_draw_run(d, n));
 	gles_draw_keys(d, GLES_HOLES);
+	return true;
+}
+
+bool gles_draw_hide(gles_draw *d, GError **error)
+{
+	const struct gles_functions *gl = &d->c->gl;
+	GLuint across = (d->targets.width + MASK_TILE - 1) / MASK_TILE,
+	       down = (d->targets.height + MASK_TILE - 1) / MASK_TILE;
+	_Static_assert(MASK_TILE == 16, "as deepest.glsl and hide.glsl have it");
+	if (!gles_buffer_reserve(d->c, &d->deepest, (int64_t)across * down * 4,
+		    "the depths of such a picture", error))
+		return false;
+	gl->UseProgram(d->program[GLES_DEEPEST]);
+	gles_draw_bind_storage(d, 2, d->deepest.name);
+	gl->DispatchCompute(across, down, 1);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+	gl->UseProgram(d->program[GLES_HIDE]);
+	gles_draw_bind_storage(d, 1, d->views.buffer.name);
+	gles_draw_bind_storage(d, 3, d->views.buffer.name);
+	gl->Uniform1ui(1, d->views.count);
+	gl->DispatchCompute((d->views.count + 63) / 64, 1, 1);
+	gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 	return true;
 }
 

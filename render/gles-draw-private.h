@@ -45,7 +45,7 @@ struct gles_draw {
 	gles_layers layers;
 	gles_views views;
 	gles_targets targets;
-	struct gles_buffer keys, sums, marks, asked, commands, strokes[FRAME_LAYERS_MAX];
+	struct gles_buffer keys, deepest, sums, marks, asked, commands, strokes[FRAME_LAYERS_MAX];
 	struct gles_buffer links,
 		shown; /* of profile lines: struct profile_link, and how far each is to be seen */
 	struct gles_buffer camera;
@@ -72,6 +72,8 @@ bool gles_draw_hold(gles_draw *d, const frame *f, GError **error);
 /* All points of a run, by the program that is used; its views are bound. */
 void gles_draw_points_of(gles_draw *d, const struct gles_run *r);
 bool gles_draw_mask(gles_draw *d, const frame *f, GError **error);
+/* Of views that the mask hides nothing is drawn any more. */
+bool gles_draw_hide(gles_draw *d, GError **error);
 /* From the storage that is bound into the texture that all that comes later looks the mask up in. */
 void gles_draw_keys(gles_draw *d, enum gles_use use);
 /* layers: a bit for each one that is drawn, here and below. */

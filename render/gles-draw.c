@@ -51,8 +51,8 @@ void gles_draw_free(gles_draw *d)
 {
 	if (!d)
 		return;
-	struct gles_buffer *buffers[] = { &d->keys, &d->sums, &d->marks, &d->asked, &d->commands,
-		&d->links, &d->shown, &d->ink, &d->camera };
+	struct gles_buffer *buffers[] = { &d->keys, &d->deepest, &d->sums, &d->marks, &d->asked,
+		&d->commands, &d->links, &d->shown, &d->ink, &d->camera };
 	for (size_t n = 0; n < G_N_ELEMENTS(buffers); n++)
 		gles_buffer_clear(d->c, buffers[n]);
 	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
@@ -188,7 +188,8 @@ static bool draw_canvas(gles_draw *d, const frame *f, const struct gles_part *p,
 		!gles_views_fill(d->c, &d->views, f, &d->scene, p->view, p->count, error))
 		return false;
 	t->cull_s += gles_draw_lap(d, is_timed, &since_us);
-	if (!p->is_over && !gles_draw_mask(d, f, error))
+	if ((!p->is_over && !gles_draw_mask(d, f, error)) ||
+		(wants_views && !gles_draw_hide(d, error)))
 		return false;
 	t->mask_s += gles_draw_lap(d, is_timed, &since_us);
 	if (!gles_draw_choose(d, f, p->layers, error))

@@ -15,6 +15,8 @@ static const struct row {
 	[GLES_CLEAR] = { "clear", { NULL }, .compute = "clear" },
 	[GLES_MASK] = { "mask", { "common", "chunks", "discs" }, .compute = ".mask" },
 	[GLES_HOLES] = { "holes", { "common" }, .compute = "holes" },
+	[GLES_DEEPEST] = { "deepest", { "common" }, .compute = "deepest" },
+	[GLES_HIDE] = { "hide", { "common", "chunks" }, .compute = "hide" },
 	[GLES_POINTS] = { "points", { "common", "chunks", "discs" }, .compute = ".points" },
 	[GLES_COUNT] = { "choose-count",
 		{ "common", "chunks", "marks", "layer", "choose", "hatch", "contour", "cut",

@@ -7,6 +7,8 @@ enum gles_use {
 	GLES_CLEAR,
 	GLES_MASK,
 	GLES_HOLES,
+	GLES_DEEPEST,
+	GLES_HIDE,
 	GLES_POINTS,
 	GLES_COUNT, /* choosing strokes */
 	GLES_SCAN,

@@ -6,6 +6,8 @@
 #include <string.h>
 
 _Static_assert(FEATURE_KINDS == 4, "one in each place of a vector");
+_Static_assert(sizeof(struct gles_view) == 4 * 52 && offsetof(struct gles_view, at[3]) == 4 * 43,
+	"as chunks.glsl has them");
 
 /* Views that are not worth more threads. */
 #define FEW 256u
@@ -67,6 +69,11 @@ static void describe(const frame *f, const struct lens *l, const struct gles_sla
 	ret->base[3] = v->near_m;
 	for (int k = 0; k < 3; k++)
 		memcpy(ret->axis[k], v->axis[k], sizeof v->axis[k]);
+	ret->axis[0][3] = v->nearest_m;
+	for (int k = 0; k < 2; k++) {
+		ret->box[k] = v->low_px[k] - v->margin_px;
+		ret->box[2 + k] = v->high_px[k] + v->margin_px;
+	}
 	memcpy(ret->spacing_most_m, c->list_spacing_most_m, sizeof ret->spacing_most_m);
 	memcpy(ret->kind_end, c->kind_end, sizeof ret->kind_end);
 	if (f->is_painted)

@@ -20,7 +20,7 @@ struct gles_run {
 
 /* chunk_view of chunks.glsl. */
 struct gles_view {
-	float base[4], axis[3][4], mask[4], splat[4], spacing_most_m[4], crown[4];
+	float base[4], axis[3][4], box[4], mask[4], splat[4], spacing_most_m[4], crown[4];
 	uint32_t kind_end[4], at[4], pipeline[4], paint[4];
 };
 

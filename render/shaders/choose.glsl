@@ -309,6 +309,9 @@ float need_most(uint n, uint kind)
 void asked_of(uint n, out uvec4 begin_of, out uvec4 end_of)
 {
 	uvec4 end = is_whole() ? uvec4(views[n].at.z) : views[n].kind_end;
+	begin_of = end_of = uvec4(0u);
+	if ((views[n].at.w & NO_STROKES) != 0u)
+		return;
 	begin_of = uvec4(0u, end.xyz);
 	for (uint kind = 0u; kind < 4u; kind++) {
 		uint many = end[kind] - begin_of[kind];

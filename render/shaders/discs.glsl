@@ -35,14 +35,14 @@ bool tilt_disc(uvec4 p, float radius_least, bool backs_hidden, inout disc d)
 /* How many of the first points of a view may be drawn. */
 uint disc_end(uint n)
 {
-	return views[n].at.w & 0x7fffffffu;
+	return views[n].at.w & ~(PLANES_STAND | NO_STROKES);
 }
 
 /* Point i of view n, if it is drawn here: not where a plane stands for it. */
 bool disc_of(uint n, uint i, float factor, float radius_least, out disc d)
 {
 	uvec4 p = points[views[n].at.x + i];
-	if ((views[n].at.w >> 31 & p.z >> 15 & 1u) != 0u)
+	if ((views[n].at.w & PLANES_STAND) != 0u && (p.z >> 15 & 1u) != 0u)
 		return false;
 	vec3 at = place_of(n, p);
 	float deep = scale_m(at.z), scale = lens.x / deep;
