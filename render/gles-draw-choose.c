@@ -6,7 +6,7 @@
 /* Of marks.glsl: words of a view, and for all; views that a group goes through where they are those of few. */
 #define MARKS      259
 #define MARKS_MORE 1
-#define AT_ONCE    16u
+#define AT_ONCE    8u
 
 /* A command of choose-count.glsl. */
 struct asked {

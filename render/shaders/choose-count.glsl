@@ -4,7 +4,7 @@ layout(local_size_x = 256) in;
 layout(std430, binding = 6) buffer Asked {
 	uint asked[]; /* of each window, the command that goes through its views of more than a few */
 };
-shared uint total[16]; /* of each view: THREADS / FEW */
+shared uint total[8]; /* of each view: THREADS / LANES */
 
 uint many_of(uvec4 from, uvec4 to)
 {
@@ -30,19 +30,25 @@ bool has_asked(uint slice, uvec4 from, uvec4 to)
 	return any(bvec4(uvec4(lessThan(begin, to)) & uvec4(lessThan(from, begin + THREADS))));
 }
 
-/* Its word in the row. */
-uint mark_of(uint n, uint lane, uvec4 from, uvec4 to)
+/* How many strokes the thread's points give; marks them. */
+uint count_here(uint n, uint lane, uvec4 from, uvec4 to)
 {
-	uint slices = are_few() ? 1u : (views[n].at.z + THREADS - 1u) / THREADS, mark = 0u, own = 0u;
-	for (uint slice = 0u; slice < slices; slice++) {
-		if (!are_few() && !has_asked(slice, from, to))
+	uint many = are_few() ? many_of(from, to) : views[n].at.z, step = are_few() ? LANES : THREADS;
+	uint mark = 0u, own = 0u;
+	for (uint slice = 0u; slice * step < many; slice++) {
+		uint k = slice * step + lane;
+		if (are_few() ? k >= many : !has_asked(slice, from, to))
 			continue;
-		uint i = are_few() ? entry_of(lane, from, to) : slice * THREADS + lane, given = strokes_at(n, i);
-		if (given != 0u)
-			mark |= are_few() ? i : 1u << slice;
+		uint i = are_few() ? entry_of(k, from, to) : k, given = strokes_at(n, i);
+		if (are_few())
+			marks[row_at(n) + k] = i | given << 16;
+		else if (given != 0u)
+			mark |= 1u << slice;
 		own += given;
 	}
-	return mark | own << 16;
+	if (!are_few())
+		marks[row_at(n) + lane] = mark | own << 16;
+	return own;
 }
 
 void main()
@@ -53,24 +59,20 @@ void main()
 	if (goes)
 		asked_of(n, from, to);
 	if (goes && are_few()) {
-		bool has_few = many_of(from, to) <= FEW;
+		uint many = many_of(from, to);
+		goes = many <= FEW;
 		if (lane == 0u)
-			marks[few_at(n)] = uint(has_few);
-		if (lane == 0u && !has_few)
+			marks[few_at(n)] = goes ? many + 1u : 0u;
+		if (lane == 0u && !goes)
 			marks[list_at(first_view) + atomicAdd(asked[3u * pass_of.z], 1u)] = n;
-		goes = has_few;
 	}
-	if (thread < THREADS / FEW)
+	if (thread < THREADS / LANES)
 		total[thread] = 0u;
 	memoryBarrierShared();
 	barrier();
-	uint of = are_few() ? thread / FEW : 0u;
-	if (goes) {
-		uint word = mark_of(n, lane, from, to);
-		marks[row_at(n) + lane] = word;
-		if (word >> 16 != 0u)
-			atomicAdd(total[of], word >> 16);
-	}
+	uint own = goes ? count_here(n, lane, from, to) : 0u, of = are_few() ? thread / LANES : 0u;
+	if (own != 0u)
+		atomicAdd(total[of], own);
 	memoryBarrierShared();
 	barrier();
 	if (goes && lane == 0u)

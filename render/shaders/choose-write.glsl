@@ -56,10 +56,10 @@ void main()
 	uint lane, n = view_here(lane), word, at;
 	if (!strokes_begin(n, lane, word, at))
 		return;
-	for (uint mark = first_mark(word); mark != 0u; mark = next_mark(mark)) {
+	for (uint mark = word & 0xffffu; mark != 0u; mark = next_mark(mark)) {
 		giver g;
 		candidate c;
-		if (giver_of(n, point_at(word, mark, lane), g))
+		if (giver_of(n, point_at(n, mark, lane), g))
 			for (begin(); has_more(g) && at < capacity; next(g)) {
 				choice one = choice_of(g, c);
 				uint count = strokes_of(g, c, one);

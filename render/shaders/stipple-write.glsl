@@ -31,9 +31,9 @@ void main()
 	uint lane, n = view_here(lane), word, at;
 	if (!strokes_begin(n, lane, word, at))
 		return;
-	for (uint mark = first_mark(word); mark != 0u && at < capacity; mark = next_mark(mark)) {
+	for (uint mark = word & 0xffffu; mark != 0u && at < capacity; mark = next_mark(mark)) {
 		vec3 seen;
-		uint i = point_at(word, mark, lane);
+		uint i = point_at(n, mark, lane);
 		float alpha = alpha_of(n, i, seen);
 		write_dot(at++, seen, radius_of(n, i, seen.z), alpha);
 	}
