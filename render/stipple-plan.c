@@ -56,31 +56,28 @@ static void take_part(stipple_plan *p, const frame *f)
 
 /* ---- how often depths are spread ---- */
 
-struct width {
-	float texels;
-	uint32_t points;
+/* Points by how many passes close the gaps between them. */
+struct gaps {
+	uint64_t points[PASSES_MOST + 1], all;
 };
 
-static int by_width(const void *a, const void *b)
+/* points that are so far apart. So many passes are squares of 2 passes + 1. */
+static void add_gaps(struct gaps *g, float texels, uint32_t points)
 {
-	const struct width *x = a, *y = b;
-	return (x->texels > y->texels) - (x->texels < y->texels);
+	g->points[(uint32_t)CLAMP(ceilf((texels * GAP - 1) / 2), 1, PASSES_MOST)] += points;
+	g->all += points;
 }
 
-/* As often as closes the gaps of most points: so many passes are squares of 2 passes + 1. */
-static uint32_t passes_for(const stipple_plan *p, const frame *f, struct width *w, uint32_t count)
+/* As often as closes the gaps of most points. */
+static uint32_t passes_for(const stipple_plan *p, const frame *f, const struct gaps *g)
 {
-	uint64_t all = 0, sum = 0;
-	uint32_t n = 0;
+	uint64_t sum = 0;
+	uint32_t n = 1;
 	if (f->layer[p->layer].stipple->passes >= 0.5f)
 		return (uint32_t)(f->layer[p->layer].stipple->passes + 0.5f);
-	qsort(w, count, sizeof *w, by_width);
-	for (uint32_t i = 0; i < count; i++)
-		all += w[i].points;
-	while (n + 1 < count && (double)(sum += w[n].points) < CLOSED_PART * (double)all)
+	while (n < PASSES_MOST && (double)(sum += g->points[n]) < CLOSED_PART * (double)g->all)
 		n++;
-	float gap = count ? w[n].texels * GAP : 0;
-	return (uint32_t)CLAMP(ceilf((gap - 1) / 2), 1, PASSES_MOST);
+	return n;
 }
 
 /* ---- the light ---- */
@@ -208,9 +205,8 @@ static void set_light(stipple_plan *p, const frame *f)
 
 static void set_light_passes(stipple_plan *p, const frame *f)
 {
-	g_autofree struct width *w = g_new(struct width, f->scene->chunks + 1);
+	struct gaps g = { 0 };
 	p->light_scale = g_new0(float, f->scene->chunks + 1);
-	uint32_t count = 0;
 	for (uint32_t n = 0; n < f->scene->chunks; n++) {
 		struct chunk_view v;
 		stipple_plane_view(&p->light, f->scene, &f->scene->chunk[n], &v);
@@ -219,9 +215,9 @@ static void set_light_passes(stipple_plan *p, const frame *f)
 			scale /= fmaxf((v.near_m + v.far_m) / 2, 1e-3f);
 		p->light_scale[n] = scale;
 		if (p->is_lit[n])
-			w[count++] = (struct width){ p->spacing_m[n] * scale, p->part[n] };
+			add_gaps(&g, p->spacing_m[n] * scale, p->part[n]);
 	}
-	p->light_plane.passes = passes_for(p, f, w, count);
+	p->light_plane.passes = passes_for(p, f, &g);
 }
 
 /* ---- all ---- */
@@ -270,7 +266,7 @@ struct stipple_plane stipple_plan_eye(
 	float far_m = (float)c->near_m, near_m = INFINITY;
 	int32_t columns = (int32_t)ceilf((float)c->width / px),
 		rows = (int32_t)ceilf((float)c->height / px);
-	g_autofree struct width *w = g_new(struct width, count + 1);
+	struct gaps g = { 0 };
 	stipple_plane_set_size(&eye, columns, rows);
 	eye.middle[0] = STIPPLE_BORDER + (float)c->width / 2 / px;
 	eye.middle[1] = STIPPLE_BORDER + (float)c->height / 2 / px;
@@ -279,11 +275,11 @@ struct stipple_plane stipple_plan_eye(
 		uint32_t chunk = (uint32_t)(v->chunk - f->scene->chunk);
 		float middle_m = fmaxf((v->near_m + v->far_m) / 2, (float)c->near_m);
 		float scale = eye.scale / camera_scale_f(c, middle_m);
-		w[n] = (struct width){ p->spacing_m[chunk] * scale, p->part[chunk] };
+		add_gaps(&g, p->spacing_m[chunk] * scale, p->part[chunk]);
 		near_m = fminf(near_m, v->near_m);
 		far_m = fmaxf(far_m, v->far_m);
 	}
-	eye.passes = passes_for(p, f, w, count);
+	eye.passes = passes_for(p, f, &g);
 	if (is_parallel)
 		eye.scale /= (float)c->parallel_m;
 	stipple_plane_set_depths(
