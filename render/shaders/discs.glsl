@@ -2,6 +2,7 @@
 const float DISC_CROWD = 5.0;
 const float DISC_RADIUS_MOST = 48.0;
 const float DISC_STEEPEST = 40.0;
+const float DISC_ROUNDING = 1e-3;
 
 struct disc {
 	vec2 at;
@@ -59,8 +60,10 @@ bool disc_of(uint n, uint i, float factor, float radius_least, out disc d)
 		return false;
 	if (!tilt_disc(p, radius_least, views[n].mask.w > 0.0, d))
 		return false;
-	d.box.xy = max(ivec2(floor(d.at - d.radius)), ivec2(0));
-	d.box.zw = min(ivec2(floor(d.at + d.radius)), ivec2(size.xy) - 1);
+	/* Flat discs have flat boxes. */
+	vec2 half_px = d.radius * sqrt((1.0 + d.squash.yx * d.squash.yx) / (1.0 + dot(d.squash, d.squash))) + DISC_ROUNDING;
+	d.box.xy = max(ivec2(floor(d.at - half_px)), ivec2(0));
+	d.box.zw = min(ivec2(floor(d.at + half_px)), ivec2(size.xy) - 1);
 	return true;
 }
 
