@@ -51,8 +51,7 @@ static void bound(const frame *f, const double at[3], double half[3][3], struct 
 static float disc_margin_px(const frame *f, const struct chunk_view *v)
 {
 	const struct points_step *points = splat_step(f, v->pipeline);
-	float disc = fmaxf(
-		frame_pipeline(f, v->pipeline)->mask.disc, points ? points->size : 0);
+	float disc = fmaxf(frame_pipeline(f, v->pipeline)->mask.disc, points ? points->size : 0);
 	float radius = 0.5f * disc * v->chunk->disc_most_m * (float)f->camera.focal_px /
 		       camera_scale_f(&f->camera, v->near_m);
 	float least = fmaxf(DISC_RADIUS_LEAST, points ? points->least_px * f->px / 2 : 0);

@@ -1,6 +1,7 @@
 /* The visibility mask against one that is drawn point by point and pixel by pixel in doubles; and what it is for: surfaces without
  * holes, which do not hide themselves, and hide what is behind. */
 #include "render/mask.h"
+#include "render/splat.h"
 #include "tests/scene-made.h"
 #include <omp.h>
 
@@ -499,6 +500,62 @@ static void test_culls(void)
 	g_assert_cmpuint(hidden, >, 0);
 }
 
+/* Sums of light and weights of the band; free it. */
+static float *colours_of(const frame *f, const visibility_mask *m, const struct band *b,
+	const struct chunk_view *views, uint32_t count)
+{
+	size_t plane = (size_t)b->pitch * b->rows;
+	float *sums = g_new0(float, 4 * plane),
+	      *light[3] = { sums, sums + plane, sums + 2 * plane };
+	splat_band(b, f, m, views, count, light, sums + 3 * plane);
+	return sums;
+}
+
+/* Chunks of which nothing shows in the band; and that sums are the same with them. */
+static uint32_t assert_culled(const frame *f, const visibility_mask *m, const struct band *b,
+	const struct chunk_view *views, uint32_t count)
+{
+	g_autofree struct chunk_view *near = g_memdup2(views, count * sizeof *views);
+	uint32_t hidden = 0;
+	for (uint32_t k = 0; k < count; k++) {
+		hidden += mask_hides_rows(m, &views[k], b->from, b->from + b->rows);
+		near[k].nearest_m = 0;
+	}
+	g_autofree float *culled = colours_of(f, m, b, views, count),
+			 *whole = colours_of(f, m, b, near, count);
+	/* Vectors write beyond the last column, too. */
+	for (size_t at = BAND_MARGIN; at < 4 * (size_t)b->pitch * b->rows; at += b->pitch)
+		g_assert_cmpmem(culled + at, 4 * b->width, whole + at, 4 * b->width);
+	return hidden;
+}
+
+/* Nor are coloured points another picture, which here reach over much more than the mask's discs. */
+static void test_culls_colours(void)
+{
+	g_auto(made) m = plane_made(MADE_REGULAR, 0.6);
+	g_autoptr(drawing) d = made_drawing(MADE_SITE("{\"step\":\"points\",\"size\":12}"));
+	uint32_t hidden = 0;
+	for (size_t n = 0; n < G_N_ELEMENTS(looks) + G_N_ELEMENTS(slants_deg); n++) {
+		const struct look *l = &looks[MIN(n, G_N_ELEMENTS(looks) - 1)];
+		bool is_court = n < G_N_ELEMENTS(looks);
+		struct camera c =
+			is_court
+				? camera_look_at(l->eye, l->target, l->fov_deg, l->width, l->height)
+				: slanted(slants_deg[n - G_N_ELEMENTS(looks)], 4, 400, 300);
+		g_autoptr(frame) f = made_frame(is_court ? made_shared_court() : m.scene, d, &c);
+		uint32_t count;
+		g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+		g_autoptr(visibility_mask) mask = visibility_mask_new(f, views, count);
+		for (uint32_t from = 0; from < c.height; from += BAND_ROWS) {
+			struct band b = { c.width, from, MIN(BAND_ROWS, c.height - from),
+				(c.width + 2 * BAND_MARGIN + 7) / 8 * 8 };
+			hidden += assert_culled(f, mask, &b, views, count);
+		}
+	}
+	g_test_message("%u chunks left out", hidden);
+	g_assert_cmpuint(hidden, >, 0);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -516,5 +573,6 @@ int main(int argc, char **argv)
 	g_test_add_data_func("/mask/hides/regular", GINT_TO_POINTER(1), test_hides);
 	g_test_add_data_func("/mask/hides/jittered-large", NULL, test_hides);
 	g_test_add_func("/mask/culls", test_culls);
+	g_test_add_func("/mask/culls/colours", test_culls_colours);
 	return g_test_run();
 }
