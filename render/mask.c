@@ -95,15 +95,15 @@ bool mask_hides(const visibility_mask *m, const struct chunk_view *v, float behi
 /* Discs are held against keys, which are deeper than what tiles have by the bits of a pipeline. */
 #define KEY_BEHIND 1e-4f
 
-bool mask_hides_rows(
+bool mask_may_show(
 	const visibility_mask *m, const struct chunk_view *v, uint32_t from, uint32_t end)
 {
 	uint32_t low[2], high[2];
 	if (!tiles_of(m, v, low, high))
-		return true;
+		return false;
 	low[1] = MAX(low[1], from / MASK_TILE);
 	high[1] = MIN(high[1], (end - 1) / MASK_TILE);
-	return hides(m, v, KEY_BEHIND, low, high);
+	return !hides(m, v, KEY_BEHIND, low, high);
 }
 
 /* ---- all ---- */

@@ -49,8 +49,8 @@ visibility_mask *visibility_mask_join(
 #define MASK_TILE 16 /* pixels a side */
 /* Whether all of the chunk is farther behind what is seen than this part of the depth: conservative. */
 bool mask_hides(const visibility_mask *m, const struct chunk_view *v, float behind);
-/* The same of what of it is in rows from .. end: no part of a disc of it shows there. */
-bool mask_hides_rows(
+/* Whether any disc of it may reach into rows from .. end and show there. */
+bool mask_may_show(
 	const visibility_mask *m, const struct chunk_view *v, uint32_t from, uint32_t end);
 
 static inline int32_t mask_key(const visibility_mask *m, int32_t x, int32_t y)

@@ -24,12 +24,7 @@ void splat_band(const struct band *b, const frame *f, const visibility_mask *m,
 	add_planes(b, f, m, light, weight);
 	for (uint32_t n = 0; n < count; n++) {
 		const struct points_step *step = splat_step(f, views[n].pipeline);
-		float reach = 2 + (step ? step->size : 0) * views[n].chunk->disc_most_m *
-					  (float)f->camera.focal_px /
-					  camera_scale_f(&f->camera, views[n].near_m);
-		if (step && views[n].high_px[1] + reach >= (float)b->from &&
-			views[n].low_px[1] - reach <= (float)(b->from + b->rows) &&
-			!mask_hides_rows(m, &views[n], b->from, b->from + b->rows))
+		if (step && mask_may_show(m, &views[n], b->from, b->from + b->rows))
 			LANES_OF(f->lanes, splat_chunk)(b, f, m, &views[n], step, light, weight);
 	}
 }

@@ -44,12 +44,7 @@ static void do_band(const frame *f, const visibility_mask *m, const struct chunk
 	for (uint32_t n = 0; m->planes && n < m->planes->count; n++)
 		LANES_OF(f->lanes, plane_surface)(b, m, m->planes, n, &d);
 	for (uint32_t n = 0; n < count; n++) {
-		float reach = 2 + frame_pipeline(f, views[n].pipeline)->mask.disc *
-					  views[n].chunk->disc_most_m * (float)f->camera.focal_px /
-					  camera_scale_f(&f->camera, views[n].near_m);
-		if (views[n].high_px[1] + reach >= (float)b->from &&
-			views[n].low_px[1] - reach <= (float)(b->from + b->rows) &&
-			!mask_hides_rows(m, &views[n], b->from, b->from + b->rows))
+		if (mask_may_show(m, &views[n], b->from, b->from + b->rows))
 			LANES_OF(f->lanes, surface_chunk)(b, f, m, &views[n], &d);
 	}
 	put(b, m, &d, to);

@@ -511,18 +511,21 @@ static float *colours_of(const frame *f, const visibility_mask *m, const struct 
 	return sums;
 }
 
-/* Chunks of which nothing shows in the band; and that sums are the same with them. */
+/* Sums are the same with what cannot show, by how it reaches or by what is before it; how many chunks that is in a band that they reach. */
 static uint32_t assert_culled(const frame *f, const visibility_mask *m, const struct band *b,
 	const struct chunk_view *views, uint32_t count)
 {
-	g_autofree struct chunk_view *near = g_memdup2(views, count * sizeof *views);
+	g_autofree struct chunk_view *all = g_memdup2(views, count * sizeof *views);
 	uint32_t hidden = 0;
 	for (uint32_t k = 0; k < count; k++) {
-		hidden += mask_hides_rows(m, &views[k], b->from, b->from + b->rows);
-		near[k].nearest_m = 0;
+		all[k].nearest_m = 0;
+		hidden += mask_may_show(m, &all[k], b->from, b->from + b->rows) &&
+			  !mask_may_show(m, &views[k], b->from, b->from + b->rows);
+		all[k].margin_px = 1e6f;
+		g_assert_true(mask_may_show(m, &all[k], b->from, b->from + b->rows));
 	}
 	g_autofree float *culled = colours_of(f, m, b, views, count),
-			 *whole = colours_of(f, m, b, near, count);
+			 *whole = colours_of(f, m, b, all, count);
 	/* Vectors write beyond the last column, too. */
 	for (size_t at = BAND_MARGIN; at < 4 * (size_t)b->pitch * b->rows; at += b->pitch)
 		g_assert_cmpmem(culled + at, 4 * b->width, whole + at, 4 * b->width);
