@@ -20,6 +20,7 @@ bool strokes_begin(uint n, uint lane, out uint word, out uint at)
 		return false;
 	word = are_few() ? word_of_few(n, lane) : marks[row_at(n) + lane];
 	at += before(thread, word >> 16);
+	/* Which counts from the group's first view on; its sums are still there. */
 	if (first != 0u)
 		at -= sums[first - 1u];
 	return true;
