@@ -11,8 +11,6 @@
 /* Straight pieces of a curve pass each other: where they do so are both cut off, no more of either than this part, and no more than nobody
  * could tell from the other. */
 #define CROSS_PART     0.45
-#define CROSS_OFF_M    0.03
-#define CROSS_SPACINGS 0.7
 #define CROSS_SAME_COS 0.97  /* of a face that both lie on */
 #define CROSS_SINE2    0.003 /* 3 degrees */
 #define CROSS_STEP_M   0.2
@@ -134,7 +132,7 @@ static bool find_crossing(const struct ends *e, struct link *l, double cosine)
 {
 	const struct profile_piece *p = piece_of_end(e, l->a), *q = piece_of_end(e, l->b);
 	double ways[2][3], at[2], sine = sqrt(fmax(1 - cosine * cosine, 0)), from[2][3],
-				  off_m = CROSS_OFF_M + CROSS_SPACINGS * spacing_of(e, l->a, l->b);
+				  off_m = profile_piece_off_m(spacing_of(e, l->a, l->b));
 	for (int k = 0; k < 3; k++) {
 		ways[0][k] = end_way(e, l->a, k);
 		ways[1][k] = end_way(e, l->b, k);

@@ -170,15 +170,7 @@ static bool absorb(profile_joiner *j, uint32_t number, struct profile_piece *p)
 /* All that may have to do with it, in order; caller unrefs. */
 static GArray *pieces_near(const profile_joiner *j, const struct profile_piece *p, double reach_m)
 {
-	struct places_found near = places_found_new(j->pieces->len);
-	double from = p->from_m - reach_m, to = p->to_m + reach_m;
-	uint32_t steps = places_steps(from, to);
-	for (uint32_t s = 0; s <= steps; s++) {
-		double at[3];
-		straight_place(&p->line, from + (to - from) * s / MAX(steps, 1), at);
-		places_find(&j->places, at, &near);
-	}
-	return places_found_take(&near);
+	return places_near(&j->places, j->pieces->len, p, reach_m);
 }
 
 /* Whether the place is on the piece, as exactly as feature points tell it. */

@@ -1,5 +1,6 @@
 #include "process/profile-lines.h"
 #include "process/profile-chain.h"
+#include "process/profile-cross.h"
 #include "process/profile-join.h"
 #include "process/profile-rim.h"
 #include <math.h>
@@ -151,6 +152,8 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 		return NULL;
 	g_autoptr(profile_joiner) joiner = fit_rims(around, pieces, &o);
 	g_autoptr(GArray) whole = profile_joiner_pieces(joiner);
+	g_array_sort(whole, by_length);
+	profile_cross_cut(whole, &o);
 	profile_lines *lines = profile_chain(whole, origin_m, &o);
 	to_metres(lines, unit_m);
 	return lines;

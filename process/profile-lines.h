@@ -12,7 +12,8 @@
  *    longer than what they were found by are looked at again, by all of their length, for that tells their direction the better; those
  *    that are not found again keep about what they were found by.
  * 4. Where a face ends, all beams along the end tell at last where exactly (profile-rim.h).
- * 5. Chaining (profile-chain.h): what follows each other is a curve, and ends that nearly meet in a corner meet.
+ * 5. What runs through another edge is cut off there (profile-cross.h).
+ * 6. Chaining (profile-chain.h): what follows each other is a curve, and ends that nearly meet in a corner meet.
  *
  * The same model gives the same bytes on any number of threads. */
 #include "process/model.h"

@@ -23,6 +23,11 @@ static inline double profile_piece_length(const struct profile_piece *p)
 {
 	return p->to_m - p->from_m;
 }
+/* How far a place may lie beside the line of a piece that nobody could tell it from one on it. */
+static inline double profile_piece_off_m(double spacing_m)
+{
+	return 0.03 + 0.7 * spacing_m;
+}
 
 /* All that grow in the feature points of a model, in the order in which they were found: the surest first. Lengths are divided by unit_m
  * (profile-around.h). Array of struct profile_piece; NULL: progress stopped it. */

@@ -123,3 +123,17 @@ void places_find(const struct places *p, const double at[3], struct places_found
 		}
 	}
 }
+
+GArray *places_near(
+	const struct places *p, uint32_t numbers, const struct profile_piece *piece, double reach_m)
+{
+	struct places_found near = places_found_new(numbers);
+	double from = piece->from_m - reach_m, to = piece->to_m + reach_m;
+	uint32_t steps = places_steps(from, to);
+	for (uint32_t s = 0; s <= steps; s++) {
+		double at[3];
+		straight_place(&piece->line, from + (to - from) * s / MAX(steps, 1), at);
+		places_find(p, at, &near);
+	}
+	return places_found_take(&near);
+}

@@ -26,5 +26,8 @@ struct places_found places_found_new(uint32_t numbers);
 void places_find(const struct places *p, const double at[3], struct places_found *ret);
 /* In order; caller unrefs. */
 GArray *places_found_take(struct places_found *f);
+/* Of so many pieces those that may be near this one, or near where it would be if it were longer by reach_m, in order; caller unrefs. */
+GArray *places_near(const struct places *p, uint32_t numbers, const struct profile_piece *piece,
+	double reach_m);
 
 #endif

@@ -2,6 +2,7 @@
 #include "process/line-grow.h"
 #include "process/model-write.h"
 #include "process/profile-chain.h"
+#include "process/profile-cross.h"
 #include "process/profile-lines.h"
 #include "process/profile-rim.h"
 #include "process/vector3.h"
@@ -558,6 +559,38 @@ static void test_crossing(void)
 	}
 }
 
+/* The shorter of two that run through each other ends there, if it is not of a building, and goes where too little is left; not where they
+ * meet in a corner, one passes the other, or both are rails. */
+static void test_through(void)
+{
+	static const uint8_t classes[2] = { CLASS_STRUCTURE, CLASS_BUILDING };
+	const struct profile_options options = { .length_least_m = 0.2f, .leaf_class = classes };
+	static const struct {
+		double from, to, height_m, left_m; /* of the second one, across the first */
+		uint16_t leaf;
+		uint8_t kind;
+	} way[] = { { -0.4, 0.7, 0, 0.7, 0, PROFILE_CREASE },
+		{ -0.9, 0.2, 0.05, 0.9, 0, PROFILE_END }, { -0.15, 0.15, 0, 0, 0, PROFILE_CREASE },
+		{ -0.02, 0.7, 0, 0.72, 0, PROFILE_CREASE },
+		{ -0.4, 0.7, 0.08, 1.1, 0, PROFILE_CREASE },
+		{ -0.4, 0.7, 0, 1.1, 1, PROFILE_CREASE }, { -0.4, 0.7, 0, 1.1, 0, PROFILE_THIN } };
+	for (size_t n = 0; n < G_N_ELEMENTS(way); n++) {
+		g_autoptr(GArray) pieces = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
+		add_straight(pieces, (double[]){ -2, 0 }, (double[]){ 1, 0 });
+		add_straight(pieces, (double[]){ 0, way[n].from }, (double[]){ 0, way[n].to });
+		struct profile_piece *p = &g_array_index(pieces, struct profile_piece, 0);
+		p[1].line.at[2] += way[n].height_m;
+		p[1].leaf = way[n].leaf;
+		p[0].kind = p[1].kind = way[n].kind;
+		profile_cross_cut(pieces, &options);
+		g_assert_cmpuint(pieces->len, ==, way[n].left_m > 0 ? 2 : 1);
+		g_assert_cmpfloat(fabs(profile_piece_length(p) - 3), <, 1e-9);
+		if (pieces->len == 2)
+			g_assert_cmpfloat(
+				fabs(profile_piece_length(p + 1) - way[n].left_m), <, 1e-9);
+	}
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -568,6 +601,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/profile-lines/rim", test_rim);
 	g_test_add_func("/profile-lines/round", test_round);
 	g_test_add_func("/profile-lines/crossing", test_crossing);
+	g_test_add_func("/profile-lines/through", test_through);
 	g_test_add_func("/profile-lines/threads", test_threads);
 	g_test_add_func("/profile-lines/stopped", test_stopped);
 	return g_test_run();
