@@ -14,6 +14,9 @@
  * Up to there the distorted radius grows. */
 static bool folds(const double *k, double r2)
 {
+	/* Most lie where the terms together are too small for it. */
+	if (r2 * (3 * fabs(k[0]) + r2 * (5 * fabs(k[1]) + r2 * 7 * fabs(k[4]))) < 0.9)
+		return false;
 	for (int i = 1; i <= 8; i++) {
 		double x = r2 * i / 8;
 		if (1 + x * (3 * k[0] + x * (5 * k[1] + x * 7 * k[4])) <= 0)
@@ -70,11 +73,31 @@ static void sample_photo(const struct photo *photo, double u, double v, float rg
 	rgb[2] = y + 2.017f * cb;
 }
 
-static void to_head_frame(const double point_m[3], double front_rad, double ret_m[3])
+/* A photo, with what is the same for all cells. */
+struct turned {
+	const struct photo *photo;
+	double front_rad;    /* within a turn */
+	double sine, cosine; /* of where the head was turned */
+};
+
+/* 0 to a whole turn. */
+static double within_turn(double rad)
 {
-	double s = sin(front_rad), c = cos(front_rad);
-	ret_m[0] = point_m[0] * c - point_m[1] * s;
-	ret_m[1] = point_m[0] * s + point_m[1] * c;
+	double off = remainder(rad, 2 * G_PI);
+	return off < 0 ? off + 2 * G_PI : off;
+}
+
+static struct turned turned_of(const struct photo *photo, const struct calibration *c)
+{
+	double head_rad = photo->front_rad + c->stage.azimuth_zero_rad;
+	return (struct turned){ photo, within_turn(photo->front_rad), sin(head_rad),
+		cos(head_rad) };
+}
+
+static void to_head_frame(const double point_m[3], const struct turned *t, double ret_m[3])
+{
+	ret_m[0] = point_m[0] * t->cosine - point_m[1] * t->sine;
+	ret_m[1] = point_m[0] * t->sine + point_m[1] * t->cosine;
 	ret_m[2] = point_m[2];
 }
 
@@ -86,15 +109,15 @@ static double weight_at(double share)
 }
 
 /* Adds one photo's view of the point; the weight that it was given. */
-static double add_photo(const struct photo *photo, const struct calibration *c,
+static double add_photo(const struct turned *photo, const struct calibration *c,
 	const double point_m[3], double weight, float sum[3])
 {
 	double head[3], u, v;
 	float rgb[3];
-	to_head_frame(point_m, photo->front_rad + c->stage.azimuth_zero_rad, head);
+	to_head_frame(point_m, photo, head);
 	if (!colour_project(&c->camera, head, &u, &v))
 		return 0;
-	sample_photo(photo, u, v, rgb);
+	sample_photo(photo->photo, u, v, rgb);
 	for (int k = 0; k < 3; k++)
 		sum[k] += (float)weight * rgb[k];
 	return weight;
@@ -103,25 +126,17 @@ static double add_photo(const struct photo *photo, const struct calibration *c,
 /* The photos before and after an azimuth, clockwise. There may be several of one angle (a scan that
  * was resumed or went back for photos), so nothing can be said from their number. */
 struct neighbours {
-	const struct photo *before, *after;
+	const struct turned *before, *after;
 	double before_rad, after_rad; /* how far off */
 };
 
-/* 0 to a whole turn. */
-static double within_turn(double rad)
-{
-	double off = remainder(rad, 2 * G_PI);
-	return off < 0 ? off + 2 * G_PI : off;
-}
-
-/* turned_rad: of each photo, within a turn. */
 static struct neighbours find_neighbours(
-	double front_rad, const struct photo *photos, const double *turned_rad, uint32_t count)
+	double front_rad, const struct turned *photos, uint32_t count)
 {
 	struct neighbours n = { .before_rad = INFINITY, .after_rad = INFINITY };
 	double here = within_turn(front_rad);
 	for (uint32_t k = 0; k < count; k++) {
-		double off = here - turned_rad[k], behind = off < 0 ? off + 2 * G_PI : off,
+		double off = here - photos[k].front_rad, behind = off < 0 ? off + 2 * G_PI : off,
 		       ahead = 2 * G_PI - behind;
 		if (behind < n.before_rad) {
 			n.before_rad = behind;
@@ -153,13 +168,12 @@ static void set_rgb(panorama *p, uint32_t row, uint32_t column, const float sum[
 		rgb[k] = (uint8_t)CLAMP(lrintf(sum[k] / (float)total), 0, 255);
 }
 
-static void colour_cell(panorama *p, uint32_t row, uint32_t column, const struct photo *photos,
-	const double *turned_rad, uint32_t count, const struct calibration *c)
+static void colour_cell(panorama *p, uint32_t row, uint32_t column, const struct turned *photos,
+	uint32_t count, const struct calibration *c)
 {
 	double azimuth = panorama_azimuth_rad(p, row, column), point[3];
 	find_point(p, row, column, point);
-	struct neighbours n =
-		find_neighbours(azimuth - c->stage.azimuth_zero_rad, photos, turned_rad, count);
+	struct neighbours n = find_neighbours(azimuth - c->stage.azimuth_zero_rad, photos, count);
 	double gap = n.before_rad + n.after_rad, before = weight_at(n.before_rad / gap), total = 0;
 	float sum[3] = { 0 };
 	if (before > 0)
@@ -177,15 +191,15 @@ void colour_panorama(panorama *p, const struct photo *photos, uint32_t count,
 {
 	if (count == 0)
 		return;
-	g_autofree double *turned_rad = g_new(double, count);
+	g_autofree struct turned *turned = g_new(struct turned, count);
 	for (uint32_t k = 0; k < count; k++)
-		turned_rad[k] = within_turn(photos[k].front_rad);
+		turned[k] = turned_of(&photos[k], calibration);
 	g_free(p->rgb);
 	p->rgb = g_malloc0((size_t)p->desc.columns * p->desc.rows * 3);
 #pragma omp parallel for schedule(dynamic, 8)
 	for (uint32_t row = 0; row < p->desc.rows; row++)
 		for (uint32_t column = 0; column < p->desc.columns; column++)
-			colour_cell(p, row, column, photos, turned_rad, count, calibration);
+			colour_cell(p, row, column, turned, count, calibration);
 }
 
 /* ---- one photo ---- */
@@ -238,6 +252,7 @@ static bool *reach_of(const panorama *p, const struct photo *photo, const struct
 void colour_one_photo(panorama *p, const struct photo *photo, const struct calibration *c)
 {
 	g_autofree bool *may = reach_of(p, photo, c);
+	const struct turned turned = turned_of(photo, c);
 	if (!p->rgb)
 		p->rgb = g_malloc0((size_t)p->desc.columns * p->desc.rows * 3);
 #pragma omp parallel for schedule(dynamic, 8)
@@ -248,6 +263,6 @@ void colour_one_photo(panorama *p, const struct photo *photo, const struct calib
 			if (!may[column] && !(range > 0 && range < NEAR_M))
 				continue;
 			find_point(p, row, column, point);
-			set_rgb(p, row, column, sum, add_photo(photo, c, point, 1, sum));
+			set_rgb(p, row, column, sum, add_photo(&turned, c, point, 1, sum));
 		}
 }

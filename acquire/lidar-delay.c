@@ -178,14 +178,19 @@ static bool shift_of_line(
 	return true;
 }
 
+/* Of struct shift, in the order of the lines. */
 static GArray *find_shifts(const lidar_delay *d, const panorama *p)
 {
 	GArray *shifts = g_array_new(FALSE, FALSE, sizeof(struct shift));
-	for (guint i = 0; i < d->lines->len; i++) {
-		struct shift shift;
-		if (shift_of_line(d, p, &g_array_index(d->lines, struct back_line, i), &shift))
-			g_array_append_val(shifts, shift);
-	}
+	g_autofree struct shift *shift = g_new(struct shift, d->lines->len);
+	g_autofree bool *is_there = g_new(bool, d->lines->len);
+#pragma omp parallel for schedule(dynamic, 8)
+	for (guint i = 0; i < d->lines->len; i++)
+		is_there[i] = shift_of_line(
+			d, p, &g_array_index(d->lines, struct back_line, i), &shift[i]);
+	for (guint i = 0; i < d->lines->len; i++)
+		if (is_there[i])
+			g_array_append_val(shifts, shift[i]);
 	return shifts;
 }
 

@@ -65,6 +65,7 @@ void panorama_set_means(panorama *p, const GArray *beams)
 {
 	size_t cells = (size_t)p->desc.columns * p->desc.rows;
 	g_autofree uint32_t *first = NULL, *order = order_by_cell(beams, cells, &first);
+#pragma omp parallel for schedule(static)
 	for (size_t i = 0; i < cells; i++) {
 		struct sums sums = { 0 };
 		for (uint32_t k = first[i]; k < first[i + 1] && p->cell[i] == CELL_MEASURED; k++) {
