@@ -2,6 +2,11 @@
 #include "render/gles-probe.h"
 #include <string.h>
 
+/* What drivers of GPUs are known by in /dev: that of the kernel's graphics, of NVIDIA, of Windows' Linux, and of boards (Mali, Adreno,
+ * Tegra, Vivante, PowerVR). */
+static const char *const gpu_files[] = { "dri", "nvidia", "dxg", "mali", "kgsl", "nvhost", "nvmap",
+	"galcore", "pvr" };
+
 void backend_choice_clear(backend_choice *c)
 {
 	g_clear_pointer(&c->why, g_free);
@@ -60,10 +65,27 @@ bool backend_choose(enum backend_wish wish, const struct gles_about *found, cons
 	return true;
 }
 
+bool backend_may_have_gpu(const char *devices)
+{
+	g_autoptr(GDir) all = g_dir_open(devices, 0, NULL);
+	const char *name;
+	while (all && (name = g_dir_read_name(all)))
+		for (size_t i = 0; i < G_N_ELEMENTS(gpu_files); i++)
+			if (g_str_has_prefix(name, gpu_files[i]))
+				return true;
+	return !all;
+}
+
 bool backend_choose_here(enum backend_wish wish, backend_choice *ret, GError **error)
 {
 	struct gles_about found;
 	g_autoptr(GError) why_none = NULL;
+	/* Then all that could be found is software, for which three programs would have to look. */
+	if (wish == BACKEND_WISH_AUTO && !g_getenv("PLEINAIR_EGL") &&
+		!backend_may_have_gpu("/dev")) {
+		*ret = (backend_choice){ .why = g_strdup("cpu: there is no GPU here") };
+		return true;
+	}
 	bool is_found = wish != BACKEND_WISH_CPU && gles_context_probe(NULL, &found, &why_none);
 	return backend_choose(wish, is_found ? &found : NULL, why_none, ret, error);
 }

@@ -24,7 +24,10 @@ bool backend_wish_parse(const char *text, enum backend_wish *ret, GError **error
 bool backend_choose(enum backend_wish wish, const struct gles_about *found, const GError *why_none,
 	backend_choice *ret, GError **error);
 
-/* Probes this machine, unless the wish is cpu: read gles-probe.h for when. */
+/* By the files of drivers in devices, which is /dev but in tests; true where that cannot be read. */
+bool backend_may_have_gpu(const char *devices);
+
+/* Probes this machine, where it may have a GPU or gles is wished: read gles-probe.h for when. */
 bool backend_choose_here(enum backend_wish wish, backend_choice *ret, GError **error);
 
 #endif

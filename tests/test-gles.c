@@ -7,6 +7,7 @@
 #include "render/gles-program.h"
 #include "render/gles-trial.h"
 #include <dlfcn.h>
+#include <glib/gstdio.h>
 #include <link.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -461,6 +462,25 @@ static void choose(const struct choosing *c)
 			c->why, choice.backend == BACKEND_GLES ? "gles: " : "cpu: "));
 }
 
+static void test_no_gpu(void)
+{
+	static const char *const some[] = { "nvidia0", "dri", "dxg", "mali0" };
+	g_autofree char *folder = g_dir_make_tmp("gpu-XXXXXX", NULL),
+			*other = g_build_filename(folder, "null", NULL),
+			*missing = g_build_filename(folder, "none", NULL);
+	g_assert_true(backend_may_have_gpu(missing));
+	g_assert_true(g_file_set_contents(other, "", -1, NULL));
+	g_assert_false(backend_may_have_gpu(folder));
+	for (size_t n = 0; n < G_N_ELEMENTS(some); n++) {
+		g_autofree char *file = g_build_filename(folder, some[n], NULL);
+		g_assert_true(g_file_set_contents(file, "", -1, NULL));
+		g_assert_true(backend_may_have_gpu(folder));
+		g_assert_cmpint(g_remove(file), ==, 0);
+	}
+	g_assert_cmpint(g_remove(other), ==, 0);
+	g_assert_cmpint(g_rmdir(folder), ==, 0);
+}
+
 static void test_choice(void)
 {
 	for (size_t i = 0; i < G_N_ELEMENTS(choosings); i++)
@@ -506,6 +526,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/gles/renderers", test_renderers);
 	g_test_add_func("/gles/wish", test_wish);
 	g_test_add_func("/gles/choice", test_choice);
+	g_test_add_func("/gles/no-gpu", test_no_gpu);
 	g_test_add_func("/gles/context", test_context);
 	g_test_add_func("/gles/stores", test_stores);
 	g_test_add_func("/gles/found", test_found);
