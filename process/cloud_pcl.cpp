@@ -18,6 +18,8 @@ namespace
 constexpr float RADIUS_M = 0.06f;
 constexpr uint32_t BLOCK_POINTS = 400000;
 constexpr int NEIGHBOURS = 16, SIZE_NEIGHBOURS = 8;
+/* On the points of a square grid the third neighbour has 0.71 of the distance of the eighth, on most others less. */
+constexpr float ALONE = 0.8f;
 /* A neighbourhood narrower than this, in variance, is a line: it is widened. */
 constexpr float LINE = 0.03f;
 constexpr int WIDENINGS = 2;
@@ -246,20 +248,24 @@ Eigen::Vector3f mended(
 	return ret;
 }
 
-/* So many points lie in a disc of the distance of the last of them. */
-float size_of(const surroundings &s, const pcl::PointXYZ &p, scratch &t)
+/* So many points lie in a disc of the distance of the last of them; but where the third is nearly as far away it stands alone, or with one or
+ * two beside it. */
+float size_of(const surroundings &s, const pcl::PointXYZ &p, scratch &t, uint8_t *ret_alone)
 {
+	*ret_alone = false;
 	int k = int(std::min<size_t>(SIZE_NEIGHBOURS + 1, s.all->size())); /* the first is itself */
-	if (k < 2 || s.all_tree.nearestKSearch(p, k, t.index, t.distance2) < 2)
+	int found = k < 2 ? 0 : s.all_tree.nearestKSearch(p, k, t.index, t.distance2);
+	if (found < 2)
 		return NAN;
+	*ret_alone = found > 3 && t.distance2[3] > ALONE * ALONE * t.distance2.back();
 	return std::sqrt(t.distance2.back() * float(M_PI) / float(k - 1));
 }
 
-/* Where points hang in the air, as leaves do and what was met by chance, the eighth neighbour tells nothing of a patch, and may be
- * metres away: none of them is larger than so many medians of all. */
+/* Where points hang in the air, as leaves do and what was met by chance, or stand alone, the eighth neighbour tells nothing of a patch, and
+ * may be metres away: none of them is larger than so many medians of all. */
 constexpr float LOOSE_CURVATURE = 0.04f, LOOSE_MEDIANS = 2.5f;
 
-void limit_sizes(cloud_geometry *g)
+void limit_sizes(cloud_geometry *g, const std::vector<uint8_t> &alone)
 {
 	std::vector<float> sizes;
 	for (uint64_t i = 0; i < g->count; i++)
@@ -270,7 +276,8 @@ void limit_sizes(cloud_geometry *g)
 	std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
 	float most = LOOSE_MEDIANS * sizes[sizes.size() / 2];
 	for (uint64_t i = 0; i < g->count; i++)
-		if (!(g->curvature[i] <= LOOSE_CURVATURE) && g->point_size_m[i] > most)
+		if ((alone[i] || !(g->curvature[i] <= LOOSE_CURVATURE)) &&
+			g->point_size_m[i] > most)
 			g->point_size_m[i] = most;
 }
 
@@ -339,7 +346,7 @@ void put(cloud_geometry *g, uint32_t i, const fit &f, float size, bool turn)
 }
 
 void estimate_block(const struct cloud_view *v, const std::vector<uint32_t> &order, const block &b,
-	const surroundings &s, bool single_thread, cloud_geometry *ret)
+	const surroundings &s, bool single_thread, cloud_geometry *ret, std::vector<uint8_t> &alone)
 {
 	heights h(v->has_viewpoint ? cloud_xyz() : *s.all,
 		std::clamp(4 * plan_spacing(*s.all), 0.1f, 2.0f));
@@ -353,12 +360,13 @@ void estimate_block(const struct cloud_view *v, const std::vector<uint32_t> &ord
 #pragma omp for schedule(dynamic, 1024)
 		for (size_t i = 0; i < s.own; i++) {
 			const pcl::PointXYZ &p = (*s.all)[i];
-			float size = size_of(s, p, t);
+			uint32_t to = order[b.begin + i];
+			float size = size_of(s, p, t, &alone[to]);
 			fit f = fits[i];
 			f.normal = mended(s, fits, i, size, t);
 			bool right = v->has_viewpoint ? looks_to(v, s, p, f.normal)
 						      : looks_out(h, p, f.normal);
-			put(ret, order[b.begin + i], f, size, !right);
+			put(ret, to, f, size, !right);
 		}
 	}
 }
@@ -397,6 +405,7 @@ bool estimate(const struct cloud_view *v, const struct cloud_geometry_options *o
 	GError **error)
 {
 	std::vector<uint32_t> order(v->count);
+	std::vector<uint8_t> alone(v->count);
 	std::vector<block> blocks;
 	std::iota(order.begin(), order.end(), 0);
 	if (v->count)
@@ -410,9 +419,9 @@ bool estimate(const struct cloud_view *v, const struct cloud_geometry_options *o
 		}
 		gather(v, order, blocks, b, s);
 		prepare(s, o->radius_m > 0 ? o->radius_m : RADIUS_M);
-		estimate_block(v, order, b, s, o->single_thread, g);
+		estimate_block(v, order, b, s, o->single_thread, g, alone);
 	}
-	limit_sizes(g);
+	limit_sizes(g, alone);
 	return true;
 }
 } // namespace

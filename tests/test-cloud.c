@@ -295,6 +295,30 @@ static void test_loose(void)
 	made_clear(&m);
 }
 
+/* Two and three points beside a floor, on its plane, are no metres large either; but where the floor is sparse nearly all of its points keep
+ * the size that closes it. */
+static void test_alone(void)
+{
+	struct made m = made_new(23);
+	for (int i = 0; i < 20000; i++)
+		made_add(&m, g_rand_double_range(m.rand, 0, 5), g_rand_double_range(m.rand, 0, 5),
+			0);
+	for (int i = 0; i < 1000; i++)
+		made_add(&m, g_rand_double_range(m.rand, 10, 15), g_rand_double_range(m.rand, 0, 5),
+			0);
+	for (int i = 0; i < 5; i++)
+		made_add(&m, i < 2 ? -4 : 22, 2.5 + 0.02 * i, 0);
+	struct cloud_view v = made_view(&m);
+	g_autoptr(cloud_geometry) g = estimate(&v, NULL);
+	uint32_t limited = 0;
+	for (size_t i = 20000; i < 21000; i++)
+		limited += g->point_size_m[i] < 0.09f;
+	g_assert_cmpuint(limited, <, 80);
+	for (size_t i = 21000; i < v.count; i++)
+		g_assert_cmpfloat(g->point_size_m[i], <, 0.12);
+	made_clear(&m);
+}
+
 /* ---- rings ---- */
 
 /* A room of 12 x 8 x 3 m from its middle, as a lidar of 32 rings sees it. */
@@ -435,6 +459,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/cloud/degenerate", test_degenerate);
 	g_test_add_func("/cloud/stopped", test_stopped);
 	g_test_add_func("/cloud/loose", test_loose);
+	g_test_add_func("/cloud/alone", test_alone);
 	g_test_add_func("/cloud/aerial", test_aerial);
 	g_test_add_func("/cloud/rings", test_rings);
 	g_test_add_func("/cloud/no-rings", test_no_rings);
