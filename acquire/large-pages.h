@@ -6,8 +6,8 @@
  * ld.so alone (glibc's manual, "Memory Allocation Tunables"). Not for programs that run all day: they would never give anything back. */
 #define LARGE_PAGES_VARIABLE "GLIBC_TUNABLES"
 #define LARGE_PAGES_VALUE                                                                          \
-	"glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=4294967296:"                           \
-	"glibc.malloc.trim_threshold=4294967296:glibc.malloc.top_pad=67108864:glibc.malloc.arena_" \
-	"max=2"
+	"glibc.malloc.hugetlb=1:glibc.malloc.arena_max=2:"                                         \
+	"glibc.malloc.mmap_threshold=4294967296:"                                                  \
+	"glibc.malloc.trim_threshold=4294967296:glibc.malloc.top_pad=67108864"
 
 #endif

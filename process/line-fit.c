@@ -57,3 +57,18 @@ void straight_place(const struct straight *l, double along_m, double ret[3])
 	for (int k = 0; k < 3; k++)
 		ret[k] = l->at[k] + along_m * l->along[k];
 }
+
+bool straight_nearest(const double p[3], const double along[3], const double q[3],
+	const double way[3], double sine2_least, double ret[2])
+{
+	double cosine = 0, a = 0, b = 0;
+	for (int k = 0; k < 3; k++) {
+		cosine += along[k] * way[k];
+		a += (q[k] - p[k]) * along[k];
+		b += (p[k] - q[k]) * way[k];
+	}
+	double sine2 = 1 - cosine * cosine;
+	ret[0] = (a + cosine * b) / sine2;
+	ret[1] = (b + cosine * a) / sine2;
+	return sine2 > sine2_least;
+}

@@ -20,5 +20,9 @@ bool line_sums_fit(const struct line_sums *s, struct straight *ret, double *ret_
 double straight_along(const struct straight *l, const double at[3]);
 double straight_off(const struct straight *l, const double at[3]);
 void straight_place(const struct straight *l, double along_m, double ret[3]);
+/* Where the lines through p and q, along and way, unit vectors, come nearest to each other: how far along each from there. false: they are
+ * too parallel, and the square of their angle's sine is no more than the least. */
+bool straight_nearest(const double p[3], const double along[3], const double q[3],
+	const double way[3], double sine2_least, double ret[2]);
 
 #endif

@@ -68,23 +68,6 @@ static GArray *ends_near(const struct ends *e, uint32_t end)
 	return places_found_take(&near);
 }
 
-/* Where two lines come nearest to each other: how far along each from a place on it; false: they are too
- * parallel. */
-static bool nearest(const double p[3], const double along[3], const double q[3],
-	const double way[3], double sine2_least, double ret[2])
-{
-	double cosine = 0, a = 0, b = 0;
-	for (int k = 0; k < 3; k++) {
-		cosine += along[k] * way[k];
-		a += (q[k] - p[k]) * along[k];
-		b += (p[k] - q[k]) * way[k];
-	}
-	double sine2 = 1 - cosine * cosine;
-	ret[0] = (a + cosine * b) / sine2;
-	ret[1] = (b + cosine * a) / sine2;
-	return sine2 > sine2_least;
-}
-
 /* Where it is, and where others may cut it off. */
 static void add_places(struct ends *e, uint32_t end)
 {
@@ -137,8 +120,9 @@ static bool find_crossing(const struct ends *e, struct link *l, double cosine)
 		ways[0][k] = end_way(e, l->a, k);
 		ways[1][k] = end_way(e, l->b, k);
 	}
-	if (!nearest(e->at[l->a], ways[0], e->at[l->b], ways[1], CROSS_SINE2, at) || at[0] > 0 ||
-		at[1] > 0 || !shares_face(p, q) || -at[0] > CROSS_PART * profile_piece_length(p) ||
+	if (!straight_nearest(e->at[l->a], ways[0], e->at[l->b], ways[1], CROSS_SINE2, at) ||
+		at[0] > 0 || at[1] > 0 || !shares_face(p, q) ||
+		-at[0] > CROSS_PART * profile_piece_length(p) ||
 		-at[1] > CROSS_PART * profile_piece_length(q) || -at[0] * sine > off_m ||
 		-at[1] * sine > off_m)
 		return false;
@@ -213,7 +197,8 @@ static void meet_corners(struct ends *e)
 				ways[1][k] = end_way(e, b, k);
 			}
 			if (b / 2 == a / 2 || e->link[b] != UINT32_MAX ||
-				!nearest(e->at[a], ways[0], e->at[b], ways[1], CORNER_SINE2, at) ||
+				!straight_nearest(
+					e->at[a], ways[0], e->at[b], ways[1], CORNER_SINE2, at) ||
 				fabs(at[0]) > reach || fabs(at[1]) > reach)
 				continue;
 			double p[3], q[3];

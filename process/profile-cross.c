@@ -6,32 +6,28 @@
  * before that is a corner, or part of a round edge. */
 #define NEAR_M        0.05
 #define NEAR_SPACINGS 1.0
-#define CROSS_COS     0.95 /* 18 degrees */
+#define CROSS_SINE2   0.0975 /* 18 degrees */
 
-/* How far along both they come nearest to each other, where they cross. */
-static bool cross(const struct profile_piece *p, const struct profile_piece *q, double ret[2])
+/* Whether it goes on farther than that to either side of a place along it. */
+static bool goes_on(const struct profile_piece *p, double along_m, double past_m)
 {
-	double cosine = 0, a = 0, b = 0, spacing_m = (double)fmaxf(p->spacing_m, q->spacing_m),
-	       square = 0;
-	for (int k = 0; k < 3; k++) {
-		cosine += p->line.along[k] * q->line.along[k];
-		a += (q->line.at[k] - p->line.at[k]) * p->line.along[k];
-		b += (p->line.at[k] - q->line.at[k]) * q->line.along[k];
-	}
-	if (fabs(cosine) > CROSS_COS)
+	return along_m >= p->from_m + past_m && along_m <= p->to_m - past_m;
+}
+
+/* How far along p, where they cross. */
+static bool cross(const struct profile_piece *p, const struct profile_piece *q, double *ret_along_m)
+{
+	double at[2], cosine = 0, place[3], spacing_m = (double)fmaxf(p->spacing_m, q->spacing_m);
+	if (!straight_nearest(
+		    p->line.at, p->line.along, q->line.at, q->line.along, CROSS_SINE2, at))
 		return false;
-	double past_m = profile_piece_off_m(spacing_m) / sqrt(1 - cosine * cosine);
-	ret[0] = (a + cosine * b) / (1 - cosine * cosine);
-	ret[1] = (b + cosine * a) / (1 - cosine * cosine);
-	if (ret[0] < p->from_m + past_m || ret[0] > p->to_m - past_m ||
-		ret[1] < q->from_m + past_m || ret[1] > q->to_m - past_m)
-		return false;
-	double at[2][3];
-	straight_place(&p->line, ret[0], at[0]);
-	straight_place(&q->line, ret[1], at[1]);
 	for (int k = 0; k < 3; k++)
-		square += (at[0][k] - at[1][k]) * (at[0][k] - at[1][k]);
-	return sqrt(square) < NEAR_M + NEAR_SPACINGS * spacing_m;
+		cosine += p->line.along[k] * q->line.along[k];
+	double past_m = profile_piece_off_m(spacing_m) / sqrt(1 - cosine * cosine);
+	straight_place(&p->line, at[0], place);
+	*ret_along_m = at[0];
+	return goes_on(p, at[0], past_m) && goes_on(q, at[1], past_m) &&
+	       straight_off(&q->line, place) < NEAR_M + NEAR_SPACINGS * spacing_m;
 }
 
 /* Rails do, and colours. */
@@ -47,13 +43,13 @@ static bool is_of_building(const struct profile_piece *p, const struct profile_o
 
 static void cut(struct profile_piece *p, const struct profile_piece *q)
 {
-	double at[2];
-	if (may_cross(p, q) || !cross(p, q, at))
+	double along_m;
+	if (may_cross(p, q) || !cross(p, q, &along_m))
 		return;
-	if (at[0] - p->from_m > p->to_m - at[0])
-		p->to_m = at[0];
+	if (along_m - p->from_m > p->to_m - along_m)
+		p->to_m = along_m;
 	else
-		p->from_m = at[0];
+		p->from_m = along_m;
 }
 
 void profile_cross_cut(GArray *pieces, const struct profile_options *o)
