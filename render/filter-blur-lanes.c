@@ -3,11 +3,14 @@
 #include "render/project-lanes.h"
 
 struct blur_desk {
-	uint32_t line; /* floats of a row, without what is beside it */
-	uint32_t rows; /* in the ring */
-	size_t pitch;  /* of these */
-	float *wide;   /* a row with what is beside it */
+	/* Colours of bytes lie apart, so that none is blurred that is 255 everywhere. */
+	uint32_t planes, line; /* floats of a row of a plane, without what is beside it */
+	uint32_t apart;        /* from one place of a plane to the next pixel's, in floats */
+	size_t pitch;          /* of planes in rows */
+	uint32_t rows;         /* in the ring */
+	float *wide;           /* a row of a plane with what is beside it */
 	float *ring;
+	float *sums;                                       /* a row on its way to bytes */
 	const float *row[2 * FILTER_BLUR_RADIUS_MOST + 1]; /* of the ring, from above to below */
 };
 
@@ -16,43 +19,58 @@ struct blur_desk {
 
 INLINE void set_up(struct blur_desk *d, const struct filter_blur *b)
 {
-	d->line = b->width * b->channels;
+	d->planes = b->is_bytes ? 3 : 1;
+	d->apart = b->is_bytes ? 1 : b->channels;
+	d->line = b->width * d->apart;
 	d->rows = 2 * b->radius + 1;
-	d->pitch = (d->line + BLOCK + 7) / 8 * 8;
-	size_t wide = d->line + 2 * (size_t)b->radius * b->channels + 2 * BLOCK;
-	d->wide = g_new(float, wide + d->pitch * d->rows);
-	memset(d->wide + wide - 2 * BLOCK, 0, 2 * BLOCK * sizeof *d->wide);
-	d->ring = d->wide + wide;
+	d->pitch = (d->line + BLOCK - 1) / BLOCK * BLOCK;
+	size_t row = d->pitch * d->planes,
+	       wide = d->pitch + 2 * (size_t)b->radius * d->apart + BLOCK;
+	d->wide = g_new(float, wide + row * (d->rows + 1));
+	memset(d->wide, 0, wide * sizeof *d->wide);
+	d->sums = d->wide + wide;
+	d->ring = d->sums + row;
 }
 
-INLINE void fetch(struct blur_desk *d, const struct filter_blur *b, int32_t y)
+/* One colour of a row. */
+INLINE void fetch_bytes(float *to, const uint8_t *rgba, uint32_t width, uint32_t plane)
 {
-	size_t row = (size_t)CLAMP(y, 0, (int32_t)b->height - 1) * d->line,
-	       margin = (size_t)b->radius * b->channels;
+	uint32_t x = 0;
+	for (; x + LANES <= width; x += LANES) {
+		vi p = *(const vi_loose *)(const void *)(rgba + 4 * (size_t)x);
+		store(to + x, __builtin_convertvector(p >> (int)(8 * plane) & 255, vf));
+	}
+	for (; x < width; x++)
+		to[x] = rgba[4 * (size_t)x + plane];
+}
+
+/* A row of a plane, and what is beside it; the return value is where it begins. */
+INLINE const float *fetch(
+	struct blur_desk *d, const struct filter_blur *b, int32_t y, uint32_t plane)
+{
+	size_t row = (size_t)CLAMP(y, 0, (int32_t)b->height - 1) * b->width,
+	       margin = (size_t)b->radius * d->apart;
 	float *middle = d->wide + margin;
-	if (b->is_bytes) {
-		const uint8_t *from = (const uint8_t *)b->from + row;
-		for (uint32_t n = 0; n < d->line; n++)
-			middle[n] = from[n];
-	} else {
-		memcpy(middle, (const float *)b->from + row, d->line * sizeof *middle);
-	}
+	if (b->is_bytes)
+		fetch_bytes(middle, (const uint8_t *)b->from + 4 * row, b->width, plane);
+	else
+		memcpy(middle, (const float *)b->from + row * d->apart, d->line * sizeof *middle);
 	for (uint32_t n = 0; n < margin; n++) {
-		d->wide[n] = middle[n % b->channels];
-		middle[d->line + n] = middle[d->line - b->channels + n % b->channels];
+		d->wide[n] = middle[n % d->apart];
+		middle[d->line + n] = middle[d->line - d->apart + n % d->apart];
 	}
+	return middle;
 }
 
-INLINE void blur_row(struct blur_desk *d, const struct filter_blur *b, int32_t y, float *to)
+INLINE void blur_row(
+	const struct blur_desk *d, const struct filter_blur *b, const float *middle, float *to)
 {
-	fetch(d, b, y);
-	const float *middle = d->wide + (size_t)b->radius * b->channels;
 	for (uint32_t n = 0; n < d->line; n += BLOCK) {
 		vf sum[BLOCK / LANES];
 		for (int c = 0; c < BLOCK / LANES; c++)
 			sum[c] = load(middle + n + c * LANES) * b->weight[0];
 		for (uint32_t k = 1; k <= b->radius; k++) {
-			size_t away = (size_t)k * b->channels;
+			size_t away = (size_t)k * d->apart;
 			for (int c = 0; c < BLOCK / LANES; c++)
 				sum[c] += (load(middle + n + c * LANES - away) +
 						  load(middle + n + c * LANES + away)) *
@@ -65,39 +83,43 @@ INLINE void blur_row(struct blur_desk *d, const struct filter_blur *b, int32_t y
 
 INLINE float *ring_row(const struct blur_desk *d, int32_t number)
 {
-	return d->ring + (size_t)((uint32_t)number % d->rows) * d->pitch;
-}
-
-typedef uint8_t vb8 __attribute__((vector_size(8)));
-
-INLINE void put(const struct filter_blur *b, size_t at, uint32_t count, vf sum)
-{
-	if (!b->is_bytes) {
-		memcpy((float *)b->to + at, &sum, count * sizeof(float));
-		return;
-	}
-	vb8 bytes = __builtin_convertvector(__builtin_convertvector(sum + 0.5f, vi), vb8);
-	memcpy((uint8_t *)b->to + at, &bytes, count);
+	return d->ring + (size_t)((uint32_t)number % d->rows) * d->pitch * d->planes;
 }
 
 /* Of the rows in d->row. */
-INLINE void blur_columns(const struct blur_desk *d, const struct filter_blur *b, uint32_t y)
+INLINE void blur_columns(const struct blur_desk *d, const struct filter_blur *b)
 {
-	size_t row = (size_t)y * d->line;
-	uint32_t radius = b->radius;
-	for (uint32_t n = 0; n < d->line; n += BLOCK) {
+	for (size_t n = 0; n < d->pitch * d->planes; n += BLOCK) {
 		vf sum[BLOCK / LANES];
 		for (int c = 0; c < BLOCK / LANES; c++)
-			sum[c] = load(d->row[radius] + n + c * LANES) * b->weight[0];
-		for (uint32_t k = 1; k <= radius; k++) {
-			const float *above = d->row[radius - k] + n,
-				    *below = d->row[radius + k] + n;
+			sum[c] = load(d->row[b->radius] + n + c * LANES) * b->weight[0];
+		for (uint32_t k = 1; k <= b->radius; k++) {
+			const float *above = d->row[b->radius - k] + n,
+				    *below = d->row[b->radius + k] + n;
 			for (int c = 0; c < BLOCK / LANES; c++)
 				sum[c] += (load(above + c * LANES) + load(below + c * LANES)) *
 					  b->weight[k];
 		}
-		for (uint32_t c = 0; c < BLOCK / LANES && n + c * LANES < d->line; c++)
-			put(b, row + n + c * LANES, MIN(LANES, d->line - n - c * LANES), sum[c]);
+		for (int c = 0; c < BLOCK / LANES; c++)
+			store(d->sums + n + c * LANES, sum[c]);
+	}
+}
+
+INLINE void put(const struct blur_desk *d, const struct filter_blur *b, uint32_t y)
+{
+	size_t row = (size_t)y * b->width;
+	if (!b->is_bytes) {
+		memcpy((float *)b->to + row * d->apart, d->sums, d->line * sizeof(float));
+		return;
+	}
+	uint8_t *to = (uint8_t *)b->to + 4 * row;
+	const float *sums = d->sums;
+	for (uint32_t x = 0; x < b->width; x += LANES) {
+		vi p = (vi){ 0 } - (1 << 24); /* the last byte */
+		for (uint32_t k = 0; k < 3; k++)
+			p |= __builtin_convertvector(load(sums + k * d->pitch + x) + 0.5f, vi)
+			     << (int)(8 * k);
+		memcpy(to + 4 * (size_t)x, &p, 4 * (size_t)MIN(LANES, b->width - x));
 	}
 }
 
@@ -108,12 +130,15 @@ void LANES_NAME(filter_blur_rows)(const void *data, uint32_t from, uint32_t end)
 	int32_t radius = (int32_t)b->radius, first = (int32_t)from - radius;
 	set_up(&d, b);
 	for (int32_t y = first; y < (int32_t)end + radius; y++) {
-		blur_row(&d, b, y, ring_row(&d, y - first));
+		for (uint32_t plane = 0; plane < d.planes; plane++)
+			blur_row(&d, b, fetch(&d, b, y, plane),
+				ring_row(&d, y - first) + plane * d.pitch);
 		if (y < (int32_t)from + radius)
 			continue;
 		for (uint32_t k = 0; k < d.rows; k++)
 			d.row[k] = ring_row(&d, y - first - 2 * radius + (int32_t)k);
-		blur_columns(&d, b, (uint32_t)(y - radius));
+		blur_columns(&d, b);
+		put(&d, b, (uint32_t)(y - radius));
 	}
 	g_free(d.wide);
 }
