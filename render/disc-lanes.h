@@ -116,11 +116,11 @@ INLINE void bend_lanes(const struct disc_pass *p, vf length2, vf along, vf ray2,
 }
 
 /* Its depth no steeper than DISC_STEEPEST, or a third of the distance. */
-INLINE void tilt_lanes(const struct disc_pass *p, const int16_t (*packed)[2], float flat_radius,
-	struct disc_lanes *d)
+INLINE void tilt_lanes(
+	const struct disc_pass *p, vi packed, float flat_radius, struct disc_lanes *d)
 {
 	vf site[3], n[3];
-	unpack_lanes(*(const vi_loose *)packed, site);
+	unpack_lanes(packed, site);
 	for (int k = 0; k < 3; k++)
 		n[k] = p->turn[k][0] * site[0] + p->turn[k][1] * site[1] + p->turn[k][2] * site[2];
 	vf right = (d->x - p->lens.middle_x) * (p->lens.fan / p->lens.focal_px),
@@ -167,17 +167,16 @@ INLINE vi is_in_picture(const struct disc_pass *p, const struct disc_lanes *d)
 	       (d->y < p->lens.height + d->radius);
 }
 
-/* Of drawn, and of x, y, depth, radius and rank: the rest only where some are drawn, and those with less than flat_radius have no
- * bend and half. */
-INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const struct chunk_view *v,
-	uint32_t i, float flat_radius, struct disc_lanes *d)
+/* All but normals: whether any of them is drawn. */
+INLINE bool disc_lanes_place(const scene *s, const struct disc_pass *p, const struct chunk_view *v,
+	uint32_t i, struct disc_lanes *d)
 {
 	uint32_t at = v->chunk->first + i;
 	vf disc = load_u16(s->disc + at);
 	vi on_plane = disc >= (float)SCENE_DISC_PLANE;
 	if (p->has_planes && !any(~on_plane)) {
 		d->drawn = on_plane ^ on_plane;
-		return;
+		return false;
 	}
 	disc = disc_sizes(disc);
 	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
@@ -194,8 +193,21 @@ INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const str
 		d->drawn &= is_in_picture(p, d);
 	if (p->end - i < LANES)
 		d->drawn &= lane_number < (float)(p->end - i);
-	if (any(d->drawn))
-		tilt_lanes(p, s->normal + at, flat_radius, d);
+	return any(d->drawn);
+}
+
+INLINE vi disc_normals(const scene *s, const struct chunk_view *v, uint32_t i)
+{
+	return *(const vi_loose *)(const void *)(s->normal + v->chunk->first + i);
+}
+
+/* Of drawn, and of x, y, depth, radius and rank: the rest only where some are drawn, and those with less than flat_radius have no
+ * bend and half. */
+INLINE void disc_lanes_find(const scene *s, const struct disc_pass *p, const struct chunk_view *v,
+	uint32_t i, float flat_radius, struct disc_lanes *d)
+{
+	if (disc_lanes_place(s, p, v, i, d))
+		tilt_lanes(p, disc_normals(s, v, i), flat_radius, d);
 }
 
 /* One of them, as it is drawn pixel by pixel: what splat-lanes.c and surface-pass-lanes.c share. */

@@ -64,20 +64,81 @@ INLINE void draw_columns(const struct mask_target *t, const struct discs *d, int
 
 /* ---- points ---- */
 
-/* Discs are reckoned some at a time before they are drawn, by how many rows they have, which is hard to foresee: nothing that takes
- * long should wait for it. Those of few rows are drawn as if they had a few more. */
+/* How far the mask lies behind them: by what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
+INLINE vf push(const struct mask_step *s, const struct lens *l, const struct disc_lanes *d)
+{
+	return d->depth_m * (1 + s->offset_relative) + s->offset_m +
+	       SLANT * d->radius * LENS_SCALE_M(l, d->depth_m) * (1 / l->focal_px);
+}
+
+/* Points that wait, some at a time, for what is next done to them, side by side: few of a vector are wide, and how many rows these have is
+ * hard to foresee, so that nothing which takes long should wait for it. */
 #define SHEET 32
-enum { DOT, LOW, MIDDLE, HIGH, SIZES };
+enum { LOW, MIDDLE, HIGH, SIZES };
+/* Those of few rows are drawn as if they had a few more. */
 #define ROWS_LOW    2
 #define ROWS_MIDDLE 4
 
 struct sheet {
+	/* Of dots the pixel and its key; some more are written than dots, as in the other lists. */
+	int32_t dot_at[SHEET * LANES + LANES], dot_key[SHEET * LANES + LANES];
+	uint32_t dots;
+	/* Wider ones, before their normals are known. */
+	float x[SHEET * LANES + LANES], y[SHEET * LANES + LANES], depth_m[SHEET * LANES + LANES],
+		radius[SHEET * LANES + LANES];
+	int32_t normal[SHEET * LANES + LANES];
+	uint32_t wide;
 	struct discs discs[SHEET];
-	vi dot_at[SHEET], dot_key[SHEET];
-	/* Of each size: places in the sheet, of which some more are written than count. */
+	/* Of each size: places in the sheet. */
 	uint16_t place[SIZES][SHEET * LANES + LANES];
 	uint32_t count[SIZES];
 };
+
+INLINE void put_dots(const struct mask_target *t, const struct disc_lanes *d, vf pushed_m,
+	int32_t pipeline, struct sheet *to)
+{
+	vi inside =
+		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
+	vi column = __builtin_convertvector(where(inside, d->x), vi),
+	   row = __builtin_convertvector(where(inside, d->y), vi);
+	vf depth_m = pushed_m +
+		     d->slope * d->aside[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
+		     d->slope * d->aside[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
+	unsigned which = bits(d->drawn & inside);
+	vi order = order_of(which), at = row * (int32_t)t->pitch + column,
+	   key = keys_of(depth_m, pipeline);
+	store_mask(to->dot_at + to->dots, (vi)put_in_order((vf)at, order));
+	store_mask(to->dot_key + to->dots, (vi)put_in_order((vf)key, order));
+	to->dots += (uint32_t)__builtin_popcount(which);
+}
+
+INLINE void put_wide(const struct disc_lanes *d, vi wide, vi normal, struct sheet *to)
+{
+	unsigned which = bits(wide);
+	vi order = order_of(which);
+	store(to->x + to->wide, put_in_order(d->x, order));
+	store(to->y + to->wide, put_in_order(d->y, order));
+	store(to->depth_m + to->wide, put_in_order(d->depth_m, order));
+	store(to->radius + to->wide, put_in_order(d->radius, order));
+	store_mask(to->normal + to->wide, (vi)put_in_order((vf)normal, order));
+	to->wide += (uint32_t)__builtin_popcount(which);
+}
+
+INLINE void lay_out(const struct mask_step *step, const scene *s, const struct mask_target *t,
+	const struct chunk_view *v, const struct disc_pass *p, uint32_t i, struct sheet *to)
+{
+	struct disc_lanes d;
+	if (!disc_lanes_place(s, p, v, i, &d))
+		return;
+	vi normal = disc_normals(s, v, i), dots = d.drawn & (d.radius < MASK_DOT_RADIUS);
+	/* Also where there is none: whether there is one is hard to foresee. */
+	put_wide(&d, d.drawn & ~dots, normal, to);
+	if (!any(dots))
+		return;
+	d.drawn = dots;
+	tilt_lanes(p, normal, MASK_DOT_RADIUS, &d);
+	put_dots(t, &d, push(step, &p->lens, &d), v->pipeline, to);
+}
 
 /* Of each set of four lanes the members, in front. */
 typedef uint16_t four __attribute__((vector_size(8)));
@@ -96,43 +157,20 @@ INLINE void sort_in(struct sheet *to, uint32_t n, int size, vi are)
 	}
 }
 
-/* Whether they are in the picture. */
-INLINE vi place_dots(const struct mask_target *t, const struct disc_lanes *d, vf pushed_m,
-	int32_t pipeline, vi *ret_at, vi *ret_key)
+/* Wide ones of the vector n. */
+INLINE void lay_out_wide(const struct mask_step *step, const struct mask_target *t,
+	const struct disc_pass *p, uint32_t n, struct sheet *to)
 {
-	vi inside =
-		(d->x >= 0) & (d->y >= 0) & (d->x < (float)t->width) & (d->y < (float)t->height);
-	vi column = __builtin_convertvector(where(inside, d->x), vi),
-	   row = __builtin_convertvector(where(inside, d->y), vi);
-	vf depth_m = pushed_m +
-		     d->slope * d->aside[0] * (__builtin_convertvector(column, vf) + 0.5f - d->x) +
-		     d->slope * d->aside[1] * (__builtin_convertvector(row, vf) + 0.5f - d->y);
-	*ret_at = row * (int32_t)t->pitch + column;
-	*ret_key = keys_of(depth_m, pipeline);
-	return inside;
-}
-
-INLINE void lay_out(const frame *f, const struct mask_target *t, const struct chunk_view *v,
-	const struct disc_pass *p, uint32_t i, struct sheet *to, uint32_t n)
-{
-	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
-	struct disc_lanes d;
-	disc_lanes_find(f->scene, p, v, i, MASK_DOT_RADIUS, &d);
-	if (!any(d.drawn))
-		return;
-	vi dots = d.drawn & (d.radius < MASK_DOT_RADIUS), wide = d.drawn & ~dots;
-	/* By what the style says, and by the disc's own size, for it is not quite where its neighbours are. */
-	vf pushed_m = d.depth_m * (1 + step->offset_relative) + step->offset_m +
-		      SLANT * d.radius * LENS_SCALE_M(&p->lens, d.depth_m) * (1 / p->lens.focal_px);
-	if (any(dots))
-		sort_in(to, n, DOT,
-			dots & place_dots(t, &d, pushed_m, v->pipeline, &to->dot_at[n],
-				       &to->dot_key[n]));
-	if (!any(wide))
-		return;
-	const struct discs *w = &to->discs[n];
-	find_discs(t, &d, pushed_m, &to->discs[n]);
-	wide &= (w->columns > 0) & (w->rows > 0);
+	uint32_t at = n * LANES;
+	struct disc_lanes d = { .x = load(to->x + at),
+		.y = load(to->y + at),
+		.depth_m = load(to->depth_m + at),
+		.radius = load(to->radius + at),
+		.drawn = lane_number < (float)(to->wide - at) };
+	tilt_lanes(p, load_mask(to->normal + at), MASK_DOT_RADIUS, &d);
+	struct discs *w = &to->discs[n];
+	find_discs(t, &d, push(step, &p->lens, &d), w);
+	vi wide = d.drawn & (w->columns > 0) & (w->rows > 0);
 	vi narrow = w->columns <= LANES;
 	vi low = narrow & (w->rows <= ROWS_LOW), middle = narrow & (w->rows <= ROWS_MIDDLE);
 	sort_in(to, n, LOW, wide & low);
@@ -154,32 +192,40 @@ INLINE void draw_size(
 	}
 }
 
-INLINE void draw_sheet(const struct mask_target *t, struct sheet *s, int32_t pipeline)
+INLINE void draw_dots(const struct mask_target *t, struct sheet *s)
 {
-	for (uint32_t i = 0; i < s->count[DOT]; i++) {
-		uint32_t n = s->place[DOT][i] / LANES, k = s->place[DOT][i] % LANES;
-		int32_t *at = t->key + s->dot_at[n][k];
-		*at = MIN(*at, s->dot_key[n][k]);
+	for (uint32_t i = 0; i < s->dots; i++) {
+		int32_t *at = t->key + s->dot_at[i];
+		*at = MIN(*at, s->dot_key[i]);
 	}
+	s->dots = 0;
+}
+
+INLINE void draw_wide(const struct mask_step *step, const struct mask_target *t,
+	const struct disc_pass *p, int32_t pipeline, struct sheet *s)
+{
+	memset(s->count, 0, sizeof s->count);
+	for (uint32_t n = 0; n * LANES < s->wide; n++)
+		lay_out_wide(step, t, p, n, s);
+	s->wide = 0;
 	draw_size(t, s, LOW, ROWS_LOW, pipeline);
 	draw_size(t, s, MIDDLE, ROWS_MIDDLE, pipeline);
 	draw_size(t, s, HIGH, 0, pipeline);
-	memset(s->count, 0, sizeof s->count);
 }
 
 void LANES_NAME(mask_draw)(const frame *f, const struct mask_target *t, const struct chunk_view *v)
 {
-	struct disc_pass p =
-		disc_pass_of(f, v, frame_pipeline(f, v->pipeline)->mask.disc, DISC_RADIUS_LEAST);
+	const struct mask_step *step = &frame_pipeline(f, v->pipeline)->mask;
+	struct disc_pass p = disc_pass_of(f, v, step->disc, DISC_RADIUS_LEAST);
 	struct sheet sheet;
-	uint32_t n = 0;
-	memset(sheet.count, 0, sizeof sheet.count);
+	sheet.dots = sheet.wide = 0;
 	for (uint32_t i = 0; i < p.end; i += LANES) {
-		lay_out(f, t, v, &p, i, &sheet, n);
-		if (++n < SHEET && i + LANES < p.end)
-			continue;
-		draw_sheet(t, &sheet, v->pipeline);
-		n = 0;
+		bool is_last = i + LANES >= p.end;
+		lay_out(step, f->scene, t, v, &p, i, &sheet);
+		if (sheet.dots > (SHEET - 1) * LANES || is_last)
+			draw_dots(t, &sheet);
+		if (sheet.wide > (SHEET - 1) * LANES || is_last)
+			draw_wide(step, t, &p, v->pipeline, &sheet);
 	}
 }
 
