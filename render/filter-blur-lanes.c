@@ -10,7 +10,7 @@ struct blur_desk {
 	uint32_t rows;         /* in the ring */
 	float *wide;           /* a row of a plane with what is beside it */
 	float *ring;
-	float *sums;                                       /* a row on its way to bytes */
+	float *sums;                                       /* a row that is done */
 	const float *row[2 * FILTER_BLUR_RADIUS_MOST + 1]; /* of the ring, from above to below */
 };
 

@@ -6,12 +6,12 @@
 
 #define FILTER_BLUR_RADIUS_MOST 192
 
-/* Gaussian means of width x height x channels (at most 4) bytes or floats, into another place; sigma below 0.1 copies. Weights reach to
- * 3 sigma and sum up to 1. */
+/* Gaussian means of width x height x channels (at most 4) floats, or of the first three of four bytes, the last of which is 255 and stays so;
+ * into another place; sigma below 0.1 copies. Weights reach to 3 sigma and sum up to 1. */
 struct filter_blur {
 	const void *from;
 	void *to;
-	bool is_bytes;
+	bool is_bytes; /* channels is 4 then */
 	uint32_t width, height, channels;
 	/* Set by filter_blur_run. */
 	uint32_t radius;

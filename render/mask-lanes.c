@@ -83,7 +83,7 @@ struct sheet {
 	/* Of dots the pixel and its key; some more are written than dots, as in the other lists. */
 	int32_t dot_at[SHEET * LANES + LANES], dot_key[SHEET * LANES + LANES];
 	uint32_t dots;
-	/* Wider ones, before their normals are known. */
+	/* Wider ones, before they are tilted. */
 	float x[SHEET * LANES + LANES], y[SHEET * LANES + LANES], depth_m[SHEET * LANES + LANES],
 		radius[SHEET * LANES + LANES];
 	int32_t normal[SHEET * LANES + LANES];

@@ -101,7 +101,7 @@ check-truth: all $(BUILD)/tests/test-segmentation-truth $(BUILD)/tests/test-real
 #: make check-units     what makes a machine an appliance, as systemd's and the bus's own tools see it; make check does this too
 check-units: all
 	@sh tests/check-units.sh $(BUILD)
-#: make check-kernel    on Debian's kernel in QEMU, six minutes: scans through its drivers with faults, a power cut, daemons and touch screen under systemd. check-slow does too
+#: make check-kernel    on Debian's kernel in QEMU, six to eight minutes: scans through its drivers with faults, a power cut, daemons and touch screen under systemd. check-slow does too
 check-kernel: all
 	@sh tests/deps.sh $(kernel_packages) || true
 	$(MAKE) $(kernel_programs)

@@ -25,7 +25,7 @@ start() { # END: boots in the background
 told() { tr -d '\r' < "$said" | sed -n "s/^$1 //p" | tail -1; }
 number() { printf '%s' "$2" | sed -n "s/.*$1=\([0-9]*\).*/\1/p"; }
 await() { # WORD: told by the guest, or the end of it
-	for _ in $(seq 3000); do
+	for _ in $(seq 1200); do
 		grep -q "^\($1\|failed\)" "$said" 2> /dev/null && break
 		kill -0 $boot 2> /dev/null || break
 		sleep 0.1
