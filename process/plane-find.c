@@ -1,6 +1,7 @@
 #include "process/plane-find.h"
 #include "process/plane-grow.h"
 #include "process/plane-inside.h"
+#include "process/plane-near.h"
 #include "process/plane-outline.h"
 #include "process/plane-straight.h"
 #include "process/plane-texture.h"
@@ -145,15 +146,6 @@ static struct plane_spot spot_of(
 	return s;
 }
 
-/* Whether some of the chunk may lie so near the plane. */
-static bool chunk_is_near(const struct plane_draft *d, const struct model_chunk *c, double within_m)
-{
-	double reach = within_m;
-	for (int k = 0; k < 3; k++)
-		reach += (double)(c->half_size_m[k] * fabsf(d->r.normal[k]));
-	return fabs(plane_distance_m(&d->r, c->centre_m)) <= reach;
-}
-
 static bool is_in_box(const struct plane_draft *d, const float at[2])
 {
 	return at[0] >= d->box_m[0][0] && at[1] >= d->box_m[0][1] && at[0] <= d->box_m[1][0] &&
@@ -161,7 +153,7 @@ static bool is_in_box(const struct plane_draft *d, const float at[2])
 }
 
 /* Of a plane, those that no other of its leaf is nearer to; and those beside it. */
-static GArray *spots_of(const struct search *s, guint leaf, guint number)
+static GArray *spots_of(const struct search *s, guint leaf, const plane_near *near, guint number)
 {
 	const struct plane_leaf *l = &g_array_index(s->leaf, struct plane_leaf, leaf);
 	struct plane_draft *d = drafts(s);
@@ -170,7 +162,7 @@ static GArray *spots_of(const struct search *s, guint leaf, guint number)
 	for (uint64_t c = l->first_chunk; c < l->end_chunk; c++) {
 		const struct model_chunk *chunk = &s->chunk[c];
 		const struct model_point *p = model_points(s->m) + chunk->first;
-		if (!chunk_is_near(&d[number], chunk, beside_m))
+		if (!plane_may_reach(&d[number], chunk, beside_m))
 			continue;
 		for (uint32_t i = 0; i < chunk->points; i++) {
 			double at_m[3], away_m;
@@ -179,9 +171,8 @@ static GArray *spots_of(const struct search *s, guint leaf, guint number)
 			if (fabs(plane_distance_m(&d[number].r, at_m)) > beside_m)
 				continue;
 			model_unpack_normal(p[i].normal, normal);
-			bool is_on = plane_nearest(d + s->first[leaf],
-					     s->first[leaf + 1] - s->first[leaf], at_m, normal,
-					     INFINITY, &away_m) == &d[number];
+			bool is_on = plane_nearest(near, c, at_m, normal, INFINITY, &away_m) ==
+				     &d[number];
 			struct plane_spot spot = spot_of(&d[number].r, at_m, &p[i]);
 			spot.is_beside = !is_on;
 			if (!is_on && !is_in_box(&d[number], spot.at))
@@ -218,11 +209,11 @@ static float edge_m(const struct plane_draft *d, float step_m)
 	return fminf(fmaxf(EDGE_CELLS * step_m, EDGE_SPACING * d->spacing_m), EDGE_MOST_M);
 }
 
-static void make_region(struct search *s, guint leaf, guint number)
+static void make_region(struct search *s, guint leaf, const plane_near *near, guint number)
 {
 	struct plane_draft *d = &drafts(s)[number];
 	g_autoptr(GError) error = NULL;
-	g_autoptr(GArray) spots = spots_of(s, leaf, number);
+	g_autoptr(GArray) spots = spots_of(s, leaf, near, number);
 	const struct plane_spot *spot = (const struct plane_spot *)(void *)spots->data;
 	g_autoptr(GArray) places = g_array_new(FALSE, FALSE, sizeof(float[2]));
 	g_autoptr(GArray) ends = g_array_new(FALSE, FALSE, sizeof(uint32_t));
@@ -258,16 +249,29 @@ static void coarsen_texels(struct search *s)
 		s->o.texel_m *= sqrtf(texels / TEXELS_MOST);
 }
 
+static plane_near *near_of_leaf(const struct search *s, guint leaf)
+{
+	const struct plane_leaf *l = &g_array_index(s->leaf, struct plane_leaf, leaf);
+	guint from = s->first[leaf], count = s->first[leaf + 1] - from;
+	return plane_near_new(drafts(s) + from, count, s->chunk, l->first_chunk, l->end_chunk);
+}
+
 static void make_regions(struct search *s)
 {
 	coarsen_texels(s);
 	g_autofree guint *leaf_of = g_new(guint, s->draft->len + 1);
+	g_autofree plane_near **near = g_new0(plane_near *, s->leaf->len + 1);
+#pragma omp parallel for schedule(dynamic, 1)
+	for (guint n = 0; n < s->leaf->len; n++)
+		near[n] = near_of_leaf(s, n);
 	for (guint n = 0; n < s->leaf->len; n++)
 		for (guint k = s->first[n]; k < s->first[n + 1]; k++)
 			leaf_of[k] = n;
 #pragma omp parallel for schedule(dynamic, 1)
 	for (guint n = 0; n < s->draft->len; n++)
-		make_region(s, leaf_of[n], n);
+		make_region(s, leaf_of[n], near[leaf_of[n]], n);
+	for (guint n = 0; n < s->leaf->len; n++)
+		plane_near_free(near[n]);
 }
 
 /* All at once, from what they were before. */
@@ -354,7 +358,7 @@ static void explain_chunk(const struct search *s, struct plane_draft *const *d,
 	const struct model_point *p = model_points(s->m) + c->first;
 	g_autofree bool *is_near = g_new(bool, count + 1);
 	for (guint n = 0; n < count; n++)
-		is_near[n] = chunk_is_near(d[n], c, (double)far_most_m(d[n]));
+		is_near[n] = plane_is_near(d[n], c, (double)far_most_m(d[n]));
 	for (uint32_t i = 0; i < c->points; i++) {
 		double at_m[3];
 		point_m(c, &p[i], at_m);

@@ -1,4 +1,5 @@
 #include "process/plane-grow.h"
+#include "process/plane-near.h"
 #include "process/voxel-shape.h"
 #include "process/voxels.h"
 #include <math.h>
@@ -20,7 +21,6 @@
 /* Points of a plane: how far at first, cosine, and so many times the noise at last. */
 #define NEAR_M        0.05f
 #define NEAR_NOISES   4.f
-#define NEAR_COSINE   0.6f
 #define NOISES        3.f
 #define THICK_LEAST_M 0.01f
 #define THICK_MOST_M  0.045f
@@ -348,29 +348,6 @@ static void widen(struct plane_draft *d, const double at_m[3], float margin_m)
 	}
 }
 
-struct plane_draft *plane_nearest(struct plane_draft *from, uint32_t count, const double at_m[3],
-	const float normal[3], float within_m, double *ret_m)
-{
-	struct plane_draft *best = NULL;
-	bool has_normal = normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
-	for (uint32_t n = 0; n < count; n++) {
-		const struct plane_region *r = &from[n].r;
-		double d = plane_distance_m(r, at_m);
-		float at[2], cosine = normal[0] * r->normal[0] + normal[1] * r->normal[1] +
-				      normal[2] * r->normal[2];
-		if (fabs(d) > (double)fminf(within_m, r->thickness_m) ||
-			(has_normal && cosine < NEAR_COSINE) || (best && fabs(d) >= fabs(*ret_m)))
-			continue;
-		plane_place(r, at_m, at);
-		if (at[0] < from[n].box_m[0][0] || at[1] < from[n].box_m[0][1] ||
-			at[0] > from[n].box_m[1][0] || at[1] > from[n].box_m[1][1])
-			continue;
-		best = &from[n];
-		*ret_m = d;
-	}
-	return best;
-}
-
 /* By its own points, once with those that are near, once with those within the noise. */
 static void refine(const model *m, const struct plane_leaf *leaf, const double origin_m[3],
 	double noise_m, struct plane_draft *d, uint32_t count)
@@ -380,6 +357,8 @@ static void refine(const model *m, const struct plane_leaf *leaf, const double o
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
 	g_autofree struct moments *sum = g_new0(struct moments, count);
 	g_autofree double *square = g_new0(double, count);
+	g_autoptr(plane_near) near =
+		plane_near_new(d, count, chunk, leaf->first_chunk, leaf->end_chunk);
 	for (uint64_t c = leaf->first_chunk; c < leaf->end_chunk; c++) {
 		const struct model_point *p = model_points(m) + chunk[c].first;
 		for (uint32_t i = 0; i < chunk[c].points; i++) {
@@ -389,7 +368,7 @@ static void refine(const model *m, const struct plane_leaf *leaf, const double o
 				at_m[k] = chunk[c].centre_m[k] + (double)p[i].position_m[k];
 			model_unpack_normal(p[i].normal, normal);
 			struct plane_draft *of =
-				plane_nearest(d, count, at_m, normal, near_m(noise_m), &away_m);
+				plane_nearest(near, c, at_m, normal, near_m(noise_m), &away_m);
 			if (!of)
 				continue;
 			for (int k = 0; k < 3; k++)

@@ -7,8 +7,4 @@
 /* Appends a struct plane_draft with place, box and thickness for each; the largest first. */
 void plane_grow(const model *m, const struct plane_leaf *leaf, float area_least_m2, GArray *ret);
 
-/* The plane of the drafts from..end that a point belongs to, and how far it is; NULL: to none. normal 0 0 0: it has none. */
-struct plane_draft *plane_nearest(struct plane_draft *from, uint32_t count, const double at_m[3],
-	const float normal[3], float within_m, double *ret_m);
-
 #endif
