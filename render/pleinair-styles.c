@@ -14,7 +14,9 @@ static char **sweep_texts, **with;
 
 static const GOptionEntry entries[] = {
 	{ "check", 'c', 0, G_OPTION_ARG_NONE, &check,
-		"Say what is wrong with these files (instead of SITE)", NULL },
+		"Say what is wrong with these files (instead of SITE), or with sweeps, and draw "
+		"nothing",
+		NULL },
 	{ "steps", 's', 0, G_OPTION_ARG_NONE, &steps,
 		"List the steps that styles are made of, and their parameters", NULL },
 	{ "thumbnails", 't', 0, G_OPTION_ARG_FILENAME, &thumbnails,
@@ -200,6 +202,22 @@ static int make_sweeps(char **paths)
 	return tell_page(good, o.folder, error);
 }
 
+/* The first thing that is wrong with each, as far as it does not take a site to know. */
+static int check_sweeps(void)
+{
+	g_autoptr(GPtrArray) sweeps = read_sweeps();
+	int status = sweeps ? CLI_DONE : CLI_WRONG_USAGE;
+	for (guint n = 0; sweeps && n < sweeps->len; n++) {
+		const sweep *s = sweeps->pdata[n];
+		g_autoptr(GError) error = NULL;
+		for (guint i = 0; i < s->count && !error; i++)
+			style_free(sweep_style(s, i, NULL, &error));
+		if (error)
+			status = cli_fail(COMMAND, error);
+	}
+	return status;
+}
+
 /* ---- the steps ---- */
 
 static void print_parameter(const struct step_parameter *p)
@@ -279,10 +297,12 @@ int main(int argc, char **argv)
 	if (check + steps + schema + json > 1)
 		return cli_misuse(
 			COMMAND, "--check, --steps, --schema and --json are one at a time");
-	if (check && argc < 2)
+	if (check && argc < 2 && !sweep_texts)
 		return cli_misuse(COMMAND, "which files?");
+	if (check && argc > 1 && sweep_texts)
+		return cli_misuse(COMMAND, "--check takes files or sweeps, not both");
 	if (check)
-		return check_files(argv + 1);
+		return sweep_texts ? check_sweeps() : check_files(argv + 1);
 	if (sweep_texts && argc < 2)
 		return cli_misuse(COMMAND, "sweeps of which site?");
 	if (sweep_texts && thumbnails)

@@ -1,32 +1,36 @@
 #!/bin/sh
-# gallery.sh BIN SITE FOLDER: what parameters of hatching, filters and paint do, as contact sheets on one page: a knot that is made here, and the
+# gallery.sh BIN SITE FOLDER [check]: what parameters of hatching, filters and paint do, as contact sheets on one page: a knot that is made here, and the
 # courtyard of the demo, or a smaller one where there is no demo site.
+# check: only whether its sheets are what can be drawn.
 set -e
-bin=$1 court=$2 folder=$3
+bin=$1 court=$2 folder=$3 only=$4
 here=$(dirname "$0")
 started=$(date +%s)
+arguments=$#
 mkdir -p "$folder"
 
 # Both sites stay, and are made again only when the mesh is another one.
-awk -f "$here/knot.awk" >"$folder/knot.new"
-if ! cmp -s "$folder/knot.new" "$folder/knot.off" || [ ! -f "$folder/knot/model/points.model" ]; then
-	echo "gallery: a knotted tube becomes points"
-	rm -rf "$folder/knot"
-	mv "$folder/knot.new" "$folder/knot.off"
-	"$bin/pleinair" import "$folder/knot" "$folder/knot.off" --samples 500000
-	"$bin/pleinair" process "$folder/knot"
-fi
-rm -f "$folder/knot.new"
-if [ ! -f "$court/model/points.model" ]; then
-	court=$folder/court
-fi
-if [ ! -f "$court/model/points.model" ]; then
-	echo "gallery: two scans of the simulated courtyard (make demo makes a finer site)"
-	rm -rf "$court"
-	for station in 1 2; do
-		"$bin/pleinair" scan "$court" --device "sim:court?seed=7&station=$station" --preset standard
-	done
-	"$bin/pleinair" process "$court"
+if [ "$only" != check ]; then
+	awk -f "$here/knot.awk" >"$folder/knot.new"
+	if ! cmp -s "$folder/knot.new" "$folder/knot.off" || [ ! -f "$folder/knot/model/points.model" ]; then
+		echo "gallery: a knotted tube becomes points"
+		rm -rf "$folder/knot"
+		mv "$folder/knot.new" "$folder/knot.off"
+		"$bin/pleinair" import "$folder/knot" "$folder/knot.off" --samples 500000
+		"$bin/pleinair" process "$folder/knot"
+	fi
+	rm -f "$folder/knot.new"
+	if [ ! -f "$court/model/points.model" ]; then
+		court=$folder/court
+	fi
+	if [ ! -f "$court/model/points.model" ]; then
+		echo "gallery: two scans of the simulated courtyard (make demo makes a finer site)"
+		rm -rf "$court"
+		for station in 1 2; do
+			"$bin/pleinair" scan "$court" --device "sim:court?seed=7&station=$station" --preset standard
+		done
+		"$bin/pleinair" process "$court"
+	fi
 fi
 
 yard="site=$(basename "$court")"
@@ -133,7 +137,11 @@ Wet and dry | Strokes that hide each other, and that mix. | impressionist:view=w
 Thickness | What light makes of paint that lies thick. | impressionist:view=walk;$yard;paint.thickness_px=0,2,6;paint.shine=0,0.1,0.3
 Focus on a thing | One segment is as it is: buildings, vegetation, structures. Stands beside Redmond's Figure 4. | focus-thing:view=walk;$yard;focus.segment=3,4,6
 END
-shift 3
+shift $arguments
+if [ "$only" = check ]; then
+	"$bin/pleinair" styles --check "$@"
+	exit
+fi
 echo "gallery: drawing a sheet for each of $(($# / 2)) parameters"
 "$bin/pleinair" styles "$folder/knot" "$court" "$@" --output "$folder/sheets"
 echo

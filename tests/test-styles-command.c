@@ -98,6 +98,37 @@ static void test_check(void)
 	commands_assert_refused(&b, 1, "none.json");
 }
 
+static void test_check_sweeps(void)
+{
+	g_auto(answer)
+		a = commands_run("styles", "--check", "--sweep", "pencil:hatching.length_px=6,12",
+			"--sweep", "figure-7a"),
+		b = commands_run("styles", "--check", "--sweep", "pencil:hatching.lenth_px=6,12"),
+		c = commands_run("styles", "--check", "--sweep", "a,b:view=x,y,z");
+	commands_assert_done(&a);
+	g_assert_cmpstr(a.out, ==, "");
+	commands_assert_refused(&b, 1, "lenth_px");
+	commands_assert_refused(&c, 2, "another has 3");
+}
+
+/* What make gallery would draw, which takes minutes. */
+static void test_gallery(void)
+{
+	const char *source = g_getenv("PLEINAIR_SOURCE");
+	g_autofree char *script = g_build_filename(
+				source ? source : ".", "tests", "gallery.sh", NULL),
+			*into = g_build_filename(folder, "gallery", NULL), *out = NULL, *err = NULL;
+	const char *const command[] = { "sh", script, g_getenv("PLEINAIR_BIN"), "court", into,
+		"check", NULL };
+	g_autoptr(GError) error = NULL;
+	int status;
+	g_spawn_sync(NULL, (char **)command, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, &out, &err,
+		&status, &error);
+	g_assert_no_error(error);
+	g_assert_cmpstr(err, ==, "");
+	g_assert_cmpint(status, ==, 0);
+}
+
 static void test_made_of(void)
 {
 	g_auto(answer) a = commands_run("styles", "--steps"),
@@ -117,6 +148,7 @@ static const struct usage {
 } usages[] = {
 	{ { "styles", "--frob" }, 2, "--frob" },
 	{ { "styles", "--check" }, 2, "which files" },
+	{ { "styles", "--check", "a", "--sweep", "figure-7a" }, 2, "not both" },
 	{ { "styles", "a", "b" }, 2, "'b'" },
 	{ { "styles", "--steps", "a" }, 2, "'a'" },
 	{ { "styles", "--steps", "--json" }, 2, "one at a time" },
@@ -141,6 +173,8 @@ int main(int argc, char **argv)
 	g_test_add_func("/styles-command/list", test_list);
 	g_test_add_func("/styles-command/wrong", test_wrong);
 	g_test_add_func("/styles-command/check", test_check);
+	g_test_add_func("/styles-command/check-sweeps", test_check_sweeps);
+	g_test_add_func("/styles-command/gallery", test_gallery);
 	g_test_add_func("/styles-command/made-of", test_made_of);
 	for (size_t i = 0; i < G_N_ELEMENTS(usages); i++)
 		commands_add("/styles-command/usage", i, &usages[i], test_usage);
