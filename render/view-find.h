@@ -15,7 +15,7 @@
 #include "render/view-sources.h"
 #include "render/view.h"
 
-#define VIEW_FOV_DEG  60.0 /* where nobody says */
+#define VIEW_FOV_DEG  55.0 /* where nobody says */
 #define VIEW_PERSON_M 1.65
 
 /* A saved view of that name, else a built-in one, else eye and target. Errors of a saved view are

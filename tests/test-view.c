@@ -322,7 +322,7 @@ static void test_stations(struct model_site *m, gconstpointer data)
 		g_autoptr(view) v = find(m, name);
 		g_assert_cmpstr(v->title, ==, title);
 		assert_near(v->eye_m, m->stations[k].pose.translation_m, 0);
-		g_assert_cmpfloat(v->fov_deg, ==, 60);
+		g_assert_cmpfloat(v->fov_deg, ==, VIEW_FOV_DEG);
 		struct camera c = view_camera(v, WIDTH, HEIGHT);
 		g_assert_cmpfloat(fabs(camera_elevation_rad(&c)), <, 10 * G_PI / 180);
 	}
