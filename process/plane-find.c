@@ -146,12 +146,6 @@ static struct plane_spot spot_of(
 	return s;
 }
 
-static bool is_in_box(const struct plane_draft *d, const float at[2])
-{
-	return at[0] >= d->box_m[0][0] && at[1] >= d->box_m[0][1] && at[0] <= d->box_m[1][0] &&
-	       at[1] <= d->box_m[1][1];
-}
-
 /* Of a plane, those that no other of its leaf is nearer to; and those beside it. */
 static GArray *spots_of(const struct search *s, guint leaf, const plane_near *near, guint number)
 {
@@ -175,7 +169,7 @@ static GArray *spots_of(const struct search *s, guint leaf, const plane_near *ne
 				     &d[number];
 			struct plane_spot spot = spot_of(&d[number].r, at_m, &p[i]);
 			spot.is_beside = !is_on;
-			if (!is_on && !is_in_box(&d[number], spot.at))
+			if (!is_on && !plane_is_in_box(&d[number], spot.at))
 				continue;
 			g_array_append_val(spots, spot);
 		}

@@ -22,6 +22,12 @@ struct plane_draft {
 };
 void plane_draft_clear(struct plane_draft *d);
 
+static inline bool plane_is_in_box(const struct plane_draft *d, const float at[2])
+{
+	return at[0] >= d->box_m[0][0] && at[1] >= d->box_m[0][1] && at[0] <= d->box_m[1][0] &&
+	       at[1] <= d->box_m[1][1];
+}
+
 static inline double plane_distance_m(const struct plane_region *r, const double at_m[3])
 {
 	double d = 0;

@@ -1,4 +1,5 @@
 #include "process/plane-near.h"
+#include "process/vector3.h"
 #include <math.h>
 
 #define NEAR_COSINE 0.6f
@@ -76,14 +77,12 @@ struct plane_draft *plane_nearest(const plane_near *n, uint64_t chunk, const dou
 		struct plane_draft *of = &n->from[g_array_index(n->list, uint32_t, i)];
 		const struct plane_region *r = &of->r;
 		double d = plane_distance_m(r, at_m);
-		float at[2], cosine = normal[0] * r->normal[0] + normal[1] * r->normal[1] +
-				      normal[2] * r->normal[2];
+		float at[2], cosine = vector3_dot(normal, r->normal);
 		if (fabs(d) > (double)MIN(within_m, r->thickness_m) ||
 			(has_normal && cosine < NEAR_COSINE) || (best && fabs(d) >= fabs(*ret_m)))
 			continue;
 		plane_place(r, at_m, at);
-		if (at[0] < of->box_m[0][0] || at[1] < of->box_m[0][1] || at[0] > of->box_m[1][0] ||
-			at[1] > of->box_m[1][1])
+		if (!plane_is_in_box(of, at))
 			continue;
 		best = of;
 		*ret_m = d;

@@ -1,5 +1,6 @@
 /* Which plane a point belongs to, by the lists of its chunk, as when all planes are asked; and that the lists are short. */
 #include "process/plane-near.h"
+#include "process/vector3.h"
 #include <math.h>
 
 #define PLANES 300u
@@ -14,19 +15,6 @@ static double around(GRand *r, double by)
 	return g_rand_double_range(r, -by, by);
 }
 
-static void cross3(const float a[3], const float b[3], float ret[3])
-{
-	for (int k = 0; k < 3; k++)
-		ret[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static void unit(float v[3])
-{
-	float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-	for (int k = 0; k < 3; k++)
-		v[k] /= length;
-}
-
 static void make_plane(GRand *r, struct plane_draft *d)
 {
 	float other[3];
@@ -35,10 +23,10 @@ static void make_plane(GRand *r, struct plane_draft *d)
 		d->r.normal[k] = (float)around(r, 1);
 		other[k] = (float)around(r, 1);
 	}
-	unit(d->r.normal);
-	cross3(d->r.normal, other, d->r.u);
-	unit(d->r.u);
-	cross3(d->r.normal, d->r.u, d->r.v);
+	vector3_unit(d->r.normal);
+	vector3_cross(d->r.normal, other, d->r.u);
+	vector3_unit(d->r.u);
+	vector3_cross(d->r.normal, d->r.u, d->r.v);
 	d->r.thickness_m = (float)g_rand_double_range(r, 0.01, 0.3);
 	for (int k = 0; k < 2; k++) {
 		d->box_m[0][k] = (float)g_rand_double_range(r, -8, -0.2);
@@ -66,9 +54,7 @@ static uint32_t nearest_of_all(const double at_m[3], const float normal[3], floa
 	for (uint32_t n = 0; n < PLANES; n++) {
 		const struct plane_region *r = &plane[n].r;
 		double away_m = fabs(plane_distance_m(r, at_m));
-		float at[2], cosine = 0;
-		for (int k = 0; k < 3; k++)
-			cosine += normal[k] * r->normal[k];
+		float at[2], cosine = vector3_dot(normal, r->normal);
 		bool has_normal = normal[0] != 0 || normal[1] != 0 || normal[2] != 0, inside = true;
 		plane_place(r, at_m, at);
 		for (int k = 0; k < 2; k++)
@@ -98,7 +84,7 @@ static void test_nearest(void)
 				normal[k] = i % 4 ? (float)around(r, 1) : 0;
 			}
 			if (i % 4)
-				unit(normal);
+				vector3_unit(normal);
 			uint32_t wanted = nearest_of_all(at_m, normal, within_m);
 			struct plane_draft *d =
 				plane_nearest(near, c, at_m, normal, within_m, &away_m);
