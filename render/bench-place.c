@@ -84,7 +84,8 @@ char *bench_place_town(
 
 scene *bench_place_scene(const bench_place *p, GError **error)
 {
-	g_autoptr(scene) s = scene_new(p->model, error);
+	g_autofree uint8_t *leaf_class = p->tree ? segments_classes(p->tree) : NULL;
+	g_autoptr(scene) s = scene_new_within(p->model, leaf_class, G_MAXUINT64, error);
 	g_autoptr(profile_lines) lines = s ? site_lines_load(p->path, NULL) : NULL;
 	if (lines)
 		scene_set_lines(s, lines);

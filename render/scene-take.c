@@ -1,5 +1,6 @@
 #include "render/scene-take.h"
 #include "render/scene-cover.h"
+#include "render/scene-foliage.h"
 #include "render/scene-planes.h"
 #include <math.h>
 #include <string.h>
@@ -254,6 +255,8 @@ void scene_take(scene_taker *t, scene *s, struct scene_chunk *c, const struct mo
 	if (s->unit_m > SCENE_UNIT_M)
 		measure_far(s, c, p);
 	scene_cover_chunk(t->cover, s, c);
+	if (grey->leaf_class && grey->leaf_class[c->leaf] == CLASS_VEGETATION)
+		scene_foliage_chunk(s, c, p);
 	find_extremes(s, c);
 	list_kinds(s, c);
 	space_list(s, c, &t->shares);

@@ -85,7 +85,8 @@ static inline float scene_exposed(float times, float srgb)
  * later (scene-bend.h). G_IO_ERROR_NO_SPACE when it is too large: 2^31 points. */
 scene *scene_new(const model *m, GError **error);
 /* The same where that takes no more memory than so; else with a pager, which takes no more than that or the least that it can do with (SCENE_PAGER_LEAST). 0: half of the machine's memory. A model that is not told in short (process/model.h) is read whole.
- * leaf_class: as segments_classes() has them, for points without a colour (scene-grey.h); NULL: these are grey. */
+ * leaf_class: as segments_classes() has them, for points without a colour (scene-grey.h) and for leaves (scene-foliage.h); NULL: the former
+ * are grey, the latter stand for what their beams claim. */
 scene *scene_new_within(
 	const model *m, const uint8_t *leaf_class, uint64_t memory_bytes, GError **error);
 /* Room for so many points and chunks, to be filled by whoever made it; chunks and lists are 0, all else is not yet written. */
