@@ -83,7 +83,9 @@ bool chunk_view_find(const frame *f, const struct scene_chunk *c, struct chunk_v
 		MIN(DISC_STEEPEST * ret->margin_px / (float)f->camera.focal_px * part, 1 / 3.f);
 	float moved_m = stroke_moved_most_m(c, 1, 1);
 	ret->nearest_m = fminf(ret->near_m * (1 - tilted), ret->near_m - moved_m);
-	float margin = ret->margin_px + STROKES_REACH * f->ink_px;
+	float moved_px = moved_m * frame_ray_most(f, NULL) * (float)f->camera.focal_px /
+			 camera_scale_f(&f->camera, fmaxf(ret->nearest_m, (float)f->camera.near_m));
+	float margin = fmaxf(ret->margin_px, moved_px) + STROKES_REACH * f->ink_px;
 	if (ret->high_px[0] < -margin || ret->high_px[1] < -margin ||
 		ret->low_px[0] > (float)f->camera.width + margin ||
 		ret->low_px[1] > (float)f->camera.height + margin)

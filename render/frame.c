@@ -512,7 +512,7 @@ const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kin
 
 float frame_ray_most(const frame *f, const struct frame_layer *l)
 {
-	float focal = (float)f->camera.focal_px, reach = l->ink.length_px / 2;
+	float focal = (float)f->camera.focal_px, reach = l ? l->ink.length_px / 2 : 0;
 	float corner[3] = { ((float)camera_whole_width(&f->camera) / 2 + reach) / focal,
 		((float)camera_whole_height(&f->camera) / 2 + reach) / focal, 1 };
 	return f->camera.parallel_m > 0 ? 1 : vector3_length(corner);

@@ -232,7 +232,7 @@ static inline bool frame_has_planes(const frame *f, uint32_t pipeline)
 /* The first step of that kind in a pipeline; NULL: it has none. */
 const struct step *frame_step(const frame *f, uint32_t pipeline, const char *kind_name);
 
-/* Length of the longest ray of depth 1 to a place where a stroke of the layer may be seen. */
+/* Length of the longest ray of depth 1 to a place where a stroke of the layer may be seen; NULL: to any place of the picture. */
 float frame_ray_most(const frame *f, const struct frame_layer *l);
 
 /* A drawn picture: sRGB, 4 bytes a pixel, row by row, the last 255. */

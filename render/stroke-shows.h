@@ -83,7 +83,8 @@ INLINE unsigned promising(
 	vf nearest_m = nearest_of(b, l->depth_m), octaves = octaves_of(nearest_m);
 	vf px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m),
 	   scale = c->spacing_m * px_per_m;
-	vf reach = b->layer->ink.length_px / 2 + b->moved_m * px_per_m;
+	/* What moves ahead moves aside too, where it is seen aslant. */
+	vf reach = b->layer->ink.length_px / 2 + b->moved_m * b->ray_most * px_per_m;
 	vf need = is_on_edge(b)
 			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
 			  : scale * scale * b->wanted_most;

@@ -261,6 +261,53 @@ static void test_copies(void)
 	}
 }
 
+/* Standing on ground. */
+static struct camera on_ground(double azimuth_deg, uint32_t width)
+{
+	double a = azimuth_deg * G_PI / 180, eye[3] = { 0, 0, 2 };
+	double ahead[3] = { sin(a), cos(a), 1.7 };
+	return camera_look_at(eye, ahead, 50, width, HEIGHT);
+}
+
+/* What is seen at the border of a picture is what a wider one shows there, from wherever its strokes were moved, far aside as well, where a
+ * stroke that moves ahead moves along the picture, too. */
+static void test_border(void)
+{
+	g_auto(made) m = made_new();
+	struct made_plane ground = { .corner_m = { -8, -8, 0 },
+		.a_m = { 16, 0, 0 },
+		.b_m = { 0, 16, 0 },
+		.apart_m = 0.1,
+		.order = MADE_JITTERED,
+		.rgba = { 100, 100, 100, 255 } };
+	made_add_plane(&m, &ground);
+	const scene *s = made_read(&m);
+	g_autoptr(drawing) d = made_drawing(MADE_SITE(
+		"{\"step\":\"sprites\",\"points\":\"surface\",\"spacing_px\":6," STEADY "}"));
+	for (int azimuth = 0; azimuth < 90; azimuth += 9) {
+		struct camera c = on_ground(azimuth, 3 * HEIGHT);
+		struct camera wide = on_ground(azimuth, 6 * HEIGHT);
+		g_autoptr(frame) f = made_frame(s, d, &c), g = made_frame(s, d, &wide);
+		g_autoptr(GArray) spots = spots_of(f), more = spots_of(g);
+		g_autoptr(GHashTable) known = g_hash_table_new(spot_hash, spot_equal);
+		uint32_t inside = 0, missing = 0;
+		for (guint n = 0; n < spots->len; n++)
+			g_hash_table_add(known, &g_array_index(spots, struct spot, n));
+		for (guint n = 0; n < more->len; n++) {
+			const struct spot *spot = &g_array_index(more, struct spot, n);
+			double px[2], depth_m;
+			if (!camera_project(&c, spot->at_m, px, &depth_m) || px[0] < 0 ||
+				px[0] >= c.width || px[1] < 0 || px[1] >= c.height)
+				continue;
+			inside++;
+			missing += !g_hash_table_contains(known, spot);
+		}
+		g_test_message("%d degrees: %u of %u missing", azimuth, missing, inside);
+		g_assert_cmpuint(inside, >, 3000);
+		g_assert_cmpuint(missing, ==, 0);
+	}
+}
+
 /* ---- tone ---- */
 
 static double mean_light(const frame *f, double half_m)
@@ -342,6 +389,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/stroke/density", test_density);
 	g_test_add_func("/stroke/kinds", test_kinds);
 	g_test_add_func("/stroke/copies", test_copies);
+	g_test_add_func("/stroke/border", test_border);
 	g_test_add_func("/stroke/tone", test_tone);
 	return g_test_run();
 }

@@ -350,7 +350,8 @@ bool candidate_of(uint n, uint i, out candidate c)
 	vec3 at = place_of(n, points[c.index]);
 	float nearest_m = nearest_of(n, c.kind, at.z), px_per_m = lens.x / scale_m(nearest_m),
 	      scale = lens.x / scale_m(at.z);
-	float around = shape.x / 2.0 + moved_most(n, c.kind) * px_per_m;
+	/* What moves ahead moves aside too, where it is seen aslant. */
+	float around = shape.x / 2.0 + moved_most(n, c.kind) * ray_most() * px_per_m;
 	c.at = lens.yz + at.xy * scale;
 	c.depth_m = at.z;
 	if (is_cut()) /* which of them, cut.glsl tells */
