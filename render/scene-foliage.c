@@ -5,9 +5,9 @@
 #define AROUND_M 0.3f
 #define ASKED    64u
 
-/* So many times what beams were wide where they met the leaves is seen of them: LAYERS around^DENSER spacing_m^FINER, which holds
- * within a tenth for tiles of trees of two simulated courtyards and a bridge, where strokes then are as dark as wanted (bench
- * coherence). Nothing else that a chunk tells says more of it: how thick leaves hang or in how many layers, how many scans met them. */
+/* What beams were wide that met the leaves that are seen is so many times what these cover: LAYERS around^DENSER spacing_m^FINER. It holds
+ * within a tenth for tiles of trees of two simulated courtyards and a bridge, less by a factor with which strokes there are as dark as
+ * wanted (bench coherence). Nothing else that a chunk tells says more: how thick leaves hang, how they lie, how many scans met them. */
 #define LAYERS 0.38f
 #define DENSER 0.3f
 #define FINER  0.2f
@@ -71,7 +71,8 @@ static float narrow(scene *s, const struct scene_chunk *c, const struct model_po
 		uint16_t *spacing = &s->spacing[c->first + i];
 		if (!is_leaf(s, c->first + i))
 			continue;
-		*spacing = (uint16_t)CLAMP(p[i].size * larger + 0.5f, 1, *spacing);
+		if (p[i].size < UINT16_MAX) /* else it is what no model can say */
+			*spacing = (uint16_t)CLAMP(p[i].size * larger + 0.5f, 1, *spacing);
 		sum += *spacing;
 		leaves++;
 	}

@@ -83,6 +83,25 @@ static void test_absurd(void)
 	assert_near(tree_spacing_m(4000, 0.01, 0), SIZE_M / sqrt(1.6), 0.25);
 }
 
+/* Trees whose points are farther apart than a model can say, are not narrowed to what it can. */
+static void test_sparse(void)
+{
+	g_auto(made) m = made_new();
+	made_add_ball(&m, (const double[3]){ 0, 0, 0 }, 300, 500, MADE_LEAF + 1);
+	for (guint i = 0; i < m.points->len; i++)
+		g_array_index(m.points, struct made_point, i).apart_m = 20;
+	read_classed(&m);
+	double classed_m = mean_spacing_m(m.scene, MADE_LEAF + 1);
+	g_autoptr(GError) error = NULL;
+	g_autoptr(scene) plain = scene_new(m.model, &error);
+	g_assert_no_error(error);
+	double plain_m = mean_spacing_m(plain, MADE_LEAF + 1);
+	g_test_message("spacing of far trees: %.2f m, without classes %.2f m", classed_m, plain_m);
+	g_assert_cmpfloat(plain_m, >, 20);
+	g_assert_cmpfloat(classed_m, >, plain_m / sqrt(1.6));
+	g_assert_cmpfloat(classed_m, <, plain_m / sqrt(0.6) * 1.01);
+}
+
 /* Nothing but the leaves of vegetation is changed: all else is as without classes. */
 static void test_others(void)
 {
@@ -134,6 +153,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene-foliage/dense", test_dense);
 	g_test_add_func("/scene-foliage/aslant", test_aslant);
 	g_test_add_func("/scene-foliage/absurd", test_absurd);
+	g_test_add_func("/scene-foliage/sparse", test_sparse);
 	g_test_add_func("/scene-foliage/others", test_others);
 	g_test_add_func("/scene-foliage/part", test_part);
 	return g_test_run();
