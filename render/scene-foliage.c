@@ -14,6 +14,10 @@
 #define LEAST  0.6f
 #define MOST   1.6f
 
+/* A cloud's points tell the room around each, not their beams (process/part-point.c): however many they are, so much is seen of them. In a
+ * forest and in trees of a town measured from the air they stand for some 1.7 to 2.1 times what they cover. */
+#define CLOUD 2.0f
+
 static bool is_leaf(const scene *s, uint32_t point)
 {
 	return s->kind[point] == FEATURE_UNDIRECTED;
@@ -61,6 +65,20 @@ static float mean_around(const scene *s, const struct scene_chunk *c)
 
 /* ---- what they stand for ---- */
 
+static bool is_cloud(const scene *s, const struct scene_chunk *c, const struct model_point *p)
+{
+	bool is = true;
+	for (uint32_t i = 0; i < c->count; i++)
+		is &= !is_leaf(s, c->first + i) || p[i].spacing == p[i].size;
+	return is;
+}
+
+static float count_layers(const scene *s, const struct scene_chunk *c, float spacing_m)
+{
+	float layers = LAYERS * powf(mean_around(s, c), DENSER) * powf(spacing_m, FINER);
+	return CLAMP(layers, LEAST, MOST);
+}
+
 /* What their beams were wide; the mean is returned, of all that the part stands for, and 0 where there are none. */
 static float narrow(scene *s, const struct scene_chunk *c, const struct model_point *p)
 {
@@ -84,8 +102,7 @@ void scene_foliage_chunk(scene *s, const struct scene_chunk *c, const struct mod
 	float spacing_m = narrow(s, c, p);
 	if (spacing_m == 0)
 		return;
-	float layers = LAYERS * powf(mean_around(s, c), DENSER) * powf(spacing_m, FINER),
-	      shorter = 1 / sqrtf(CLAMP(layers, LEAST, MOST));
+	float shorter = 1 / sqrtf(is_cloud(s, c, p) ? CLOUD : count_layers(s, c, spacing_m));
 	for (uint32_t i = c->first; i < c->first + c->count; i++)
 		if (is_leaf(s, i))
 			s->spacing[i] =

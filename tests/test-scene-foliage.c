@@ -3,8 +3,10 @@
 #include "tests/scene-made.h"
 
 #define SIZE_M 0.02f
+/* As a scanner's points claim, which is never quite their size. */
+#define BEAM_M (1.05f * SIZE_M)
 
-/* A tree, and a wall with leaves on it. claimed_m: of the tree's points; 0: what their beams were wide. */
+/* A tree, and a wall with leaves on it. claimed_m: of the tree's points; 0: their size, as a cloud's. */
 static made ball_of(int leaves, double radius_m, float claimed_m)
 {
 	made m = made_new();
@@ -61,7 +63,7 @@ static void assert_near(double x, double wanted, double part)
 /* Eight times as many around: each stands for less, by the root of the root of that and a little more. */
 static void test_dense(void)
 {
-	double some = tree_spacing_m(4000, 0.8, 0), many = tree_spacing_m(4000, 0.4, 0);
+	double some = tree_spacing_m(4000, 0.8, BEAM_M), many = tree_spacing_m(4000, 0.4, BEAM_M);
 	g_test_message("spacing of leaves: %.4f m, eight times denser %.4f m", some, many);
 	/* Half of them are so near the ball's end that fewer are around. */
 	assert_near(many / some, pow(8, -0.15), 0.06);
@@ -73,14 +75,22 @@ static void test_dense(void)
 static void test_aslant(void)
 {
 	g_assert_cmpfloat(
-		tree_spacing_m(4000, 0.6, SIZE_M * 1.4f), ==, tree_spacing_m(4000, 0.6, 0));
+		tree_spacing_m(4000, 0.6, SIZE_M * 1.4f), ==, tree_spacing_m(4000, 0.6, BEAM_M));
+}
+
+/* A cloud's points claim their size: however many there are, half is for those behind. */
+static void test_cloud(void)
+{
+	assert_near(tree_spacing_m(4000, 0.8, 0), SIZE_M / sqrt(2), 0.01);
+	assert_near(tree_spacing_m(4000, 0.4, 0), SIZE_M / sqrt(2), 0.01);
+	assert_near(tree_spacing_m(1, 0.1, 0), SIZE_M / sqrt(2), 0.01);
 }
 
 /* A single leaf, and a thousand in one place, are within bounds. */
 static void test_absurd(void)
 {
-	assert_near(tree_spacing_m(1, 0.1, 0), SIZE_M / sqrt(0.6), 0.02);
-	assert_near(tree_spacing_m(4000, 0.01, 0), SIZE_M / sqrt(1.6), 0.25);
+	assert_near(tree_spacing_m(1, 0.1, BEAM_M), SIZE_M / sqrt(0.6), 0.02);
+	assert_near(tree_spacing_m(4000, 0.01, BEAM_M), SIZE_M / sqrt(1.6), 0.25);
 }
 
 /* Trees whose points are farther apart than a model can say, are not narrowed to what it can. */
@@ -98,14 +108,13 @@ static void test_sparse(void)
 	double plain_m = mean_spacing_m(plain, MADE_LEAF + 1);
 	g_test_message("spacing of far trees: %.2f m, without classes %.2f m", classed_m, plain_m);
 	g_assert_cmpfloat(plain_m, >, 20);
-	g_assert_cmpfloat(classed_m, >, plain_m / sqrt(1.6));
-	g_assert_cmpfloat(classed_m, <, plain_m / sqrt(0.6) * 1.01);
+	assert_near(classed_m, plain_m / sqrt(2), 0.01);
 }
 
 /* Nothing but the leaves of vegetation is changed: all else is as without classes. */
 static void test_others(void)
 {
-	g_auto(made) m = ball_of(9000, 0.5, 0);
+	g_auto(made) m = ball_of(9000, 0.5, BEAM_M);
 	read_classed(&m);
 	g_autoptr(GError) error = NULL;
 	g_autoptr(scene) plain = scene_new(m.model, &error);
@@ -126,7 +135,7 @@ static void test_others(void)
 /* The first quarter of a chunk, which stands for all of it, is worth the same. */
 static void test_part(void)
 {
-	g_auto(made) m = ball_of(4096, 0.5, 0);
+	g_auto(made) m = ball_of(4096, 0.5, BEAM_M);
 	scene *s = (read_classed(&m), m.scene);
 	uint32_t n = 0;
 	while (s->chunk[n].leaf != MADE_LEAF + 1 || s->chunk[n].count < 2000)
@@ -152,6 +161,7 @@ int main(int argc, char **argv)
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/scene-foliage/dense", test_dense);
 	g_test_add_func("/scene-foliage/aslant", test_aslant);
+	g_test_add_func("/scene-foliage/cloud", test_cloud);
 	g_test_add_func("/scene-foliage/absurd", test_absurd);
 	g_test_add_func("/scene-foliage/sparse", test_sparse);
 	g_test_add_func("/scene-foliage/others", test_others);
