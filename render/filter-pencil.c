@@ -9,7 +9,7 @@
 struct sketch {
 	const struct filter_job *j;
 	const struct pencil_step *step;
-	const float *lightness, *press, *sway; /* the latter two are noise */
+	const float *lightness, *press, *sway_m; /* press: noise; sway_m: waves */
 	int layers;
 	struct pencil_layer layer[PENCIL_LAYERS_MOST];
 };
@@ -65,6 +65,18 @@ static float metres_a_pixel(
 	       sqrtf(right * right + down * down);
 }
 
+/* How steep the shortest waves of an unsteady hand are, a pixel of wobble. */
+#define SWAY 0.0012f
+
+/* A plane's own, whichever octave it is asked in: where it is in the coarsest that has it. */
+static float plane_press(int layer, int octave, int32_t number)
+{
+	int finer = number ? __builtin_ctz((uint32_t)number) : 0;
+	return grain_unit((uint32_t)(number >> finer),
+		       (uint32_t)(octave + finer) * PENCIL_LAYERS_MOST + (uint32_t)layer, 3) -
+	       0.5f;
+}
+
 /* What of the light a layer lets through. */
 static float light_through(
 	const struct sketch *s, int layer, const struct sketched *at, size_t pixel, float dark)
@@ -78,16 +90,15 @@ static float light_through(
 	float whole = floorf(octave), part = octave - whole;
 	int n = (int)whole - FILTER_NOISE_LOWEST;
 	float cell_m = ldexpf(0.5f, (int)whole);
-	/* In planes from the eye's; wobbling, but less than to the next one. */
-	float place = l->eye[n] + at->depth_m * dot(l->across, at->way) / cell_m +
-		      0.7f * fminf(k->wobble_px / k->spacing_px, 1) * s->sway[pixel];
+	/* In planes from the eye's. */
+	float sway_m = SWAY * fminf(k->wobble_px, k->spacing_px) * s->sway_m[pixel],
+	      place = l->eye[n] + (at->depth_m * dot(l->across, at->way) + sway_m) / cell_m;
 	float number = rintf(place), away_px = fabsf(place - number) * cell_m / pixel_m;
 	/* Every second one fades while the next octave comes. */
 	int32_t which = (int32_t)number + l->eye_whole[n];
 	float there = which & 1 ? 1 - part : 1;
-	float press = s->press[pixel] +
-		      0.25f * (grain_unit((uint32_t)(which >> 1), (uint32_t)layer, 3) - 0.5f);
-	press = CLAMP(0.85f + 0.6f * press, 0, 1);
+	float press = 0.85f + 0.6f * s->press[pixel] + 0.25f * plane_press(layer, n, which);
+	press = CLAMP(press, 0, 1);
 	float half = k->width_px * px / 2 * (0.5f + 0.5f * dark) * (0.5f + 0.5f * press);
 	float line = grain_step(half + 0.7f, half - 0.5f, away_px) * press * there;
 	return 1 - k->pressure * fminf(dark * 1.6f, 1) * line;
@@ -172,7 +183,7 @@ void filter_pencil(struct filter_job *j, const struct step *s)
 	filter_lightness_plane(j, lightness);
 	const float *calm_m = filter_calm_depth(j, 3);
 	k.press = filter_noise(j, 1, 45 * j->px, 17, calm_m);
-	k.sway = filter_noise(j, 2, 60 * j->px, 23, calm_m);
+	k.sway_m = filter_waves(j, 2, PENCIL_SWAY_PX * j->px, calm_m);
 	filter_each_rows(j, sketch_rows, &k, j->image.height, 16);
 	filter_swap(&j->image);
 }

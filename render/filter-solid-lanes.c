@@ -124,3 +124,51 @@ void LANES_NAME(filter_noise_rows)(const void *data, uint32_t from, uint32_t end
 		}
 	}
 }
+
+/* ---- waves ---- */
+
+/* Of a whole turn, in its part of it, within 0.001. */
+INLINE vf sine_of_turn(vf turns)
+{
+	vf part = turns - __builtin_convertvector(floor_of(turns + 0.5f), vf),
+	   bow = 8 * part - 16 * part * magnitude(part);
+	return bow * (0.775f + 0.225f * magnitude(bow));
+}
+
+INLINE vf waves_at(const struct filter_waves_job *w, vf x, float y, vf depth_m)
+{
+	const struct camera *c = &w->j->f->camera;
+	const struct lens l = lens_of(c);
+	vi is_far = depth_m >= FILTER_FAR;
+	vf near_m = choose(is_far, all(1), depth_m), scale_m = LENS_SCALE_M(&l, near_m);
+	vf octave = log2_of(scale_m * (w->shortest_px / l.focal_px));
+	float by_focal = 1 / l.focal_px,
+	      down = (y + (float)w->j->image.top + 0.5f - l.middle_y) * by_focal;
+	vf right_m = (x + ((float)w->j->image.left + 0.5f - l.middle_x)) * by_focal * scale_m,
+	   down_m = down * scale_m, sum = { 0 };
+	for (int n = 0; n < FILTER_WAVES; n++) {
+		float length_m = w->length_m[n];
+		vf there =
+			least(most((float)(n + FILTER_WAVES_LOWEST + 1) - octave, all(0)), all(1));
+		if (!any(there > 0))
+			continue;
+		vf along_m = w->way[n][0] * right_m + w->way[n][1] * down_m + w->way[n][2] * near_m;
+		sum += there * length_m * sine_of_turn(along_m / length_m + w->at_eye[n]);
+	}
+	return choose(is_far, (vf){ 0 }, sum);
+}
+
+void LANES_NAME(filter_waves_rows)(const void *data, uint32_t from, uint32_t end)
+{
+	const struct filter_waves_job *w = data;
+	const struct filter_image *i = &w->j->image;
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < i->width; x += LANES) {
+			size_t at = (size_t)y * i->width + x,
+			       count = MIN(LANES, i->width - x) * sizeof(float);
+			vf deep = all(FILTER_FAR);
+			memcpy(&deep, w->depth_m + at, count);
+			vf waves = waves_at(w, (float)x + lane_number, (float)y, deep);
+			memcpy(w->to + at, &waves, count);
+		}
+}

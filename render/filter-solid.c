@@ -156,3 +156,41 @@ const float *filter_noise(
 	filter_each_rows(j, LANES_OF(j->lanes, filter_noise_rows), &n, j->image.height, 16);
 	return n.to;
 }
+
+/* ---- waves ---- */
+
+/* Directions of neighbours are far from each other, and none is along an axis of the site. */
+#define WAVES_TURN   2.4
+#define WAVES_CLIMB  1.7
+#define WAVES_BEHIND 0.37
+
+void filter_waves_look(struct filter_waves_job *w, const frame *f)
+{
+	const struct camera *c = &f->camera;
+	const double *row[3] = { c->right, c->down, c->forward };
+	for (int n = 0; n < FILTER_WAVES; n++) {
+		int octave = n + FILTER_WAVES_LOWEST;
+		double turn = WAVES_TURN * octave, climb = WAVES_CLIMB * octave,
+		       site[3] = { cos(turn) * cos(climb), sin(turn) * cos(climb), sin(climb) },
+		       behind = WAVES_BEHIND * octave;
+		for (int k = 0; k < 3; k++) {
+			w->way[n][k] = (float)(row[k][0] * site[0] + row[k][1] * site[1] +
+					       row[k][2] * site[2]);
+			behind += ldexp(site[k] * f->eye_m[k], -octave);
+		}
+		w->length_m[n] = ldexpf(1, octave);
+		w->at_eye[n] = (float)(behind - floor(behind));
+	}
+}
+
+const float *filter_waves(
+	struct filter_job *j, uint32_t part, float shortest_px, const float *calm_m)
+{
+	struct filter_waves_job w = { .j = j,
+		.shortest_px = shortest_px,
+		.depth_m = calm_m,
+		.to = filter_room_part(j->room, part, filter_pixels(&j->image) * sizeof(float)) };
+	filter_waves_look(&w, j->f);
+	filter_each_rows(j, LANES_OF(j->lanes, filter_waves_rows), &w, j->image.height, 16);
+	return w.to;
+}

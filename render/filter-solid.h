@@ -54,4 +54,24 @@ struct filter_noise_job {
 };
 LANES_DECLARE(void, filter_noise_rows, (const void *job, uint32_t from, uint32_t end));
 
+/* Metres, of each pixel: a sum of waves in the site, each twice as long as the one before and as high as it is long, all in other
+ * directions. The shortest are so many pixels long on the screen, and grow from nothing as one gets nearer; all that are longer stay as
+ * they are, so that what is moved by a part of it hardly moves on what it lies on. 0 where nothing is. In a part of the room. */
+const float *filter_waves(
+	struct filter_job *j, uint32_t part, float shortest_px, const float *calm_m);
+
+/* Lengths are powers of two metres. */
+#define FILTER_WAVES_LOWEST -12
+#define FILTER_WAVES        20
+struct filter_waves_job {
+	const struct filter_job *j;
+	float shortest_px;
+	const float *depth_m; /* calm */
+	float *to;
+	float length_m[FILTER_WAVES];
+	float way[FILTER_WAVES][3]; /* of length 1, as the camera sees it */
+	float at_eye[FILTER_WAVES]; /* how much of the wave is behind there, 0 .. 1 */
+};
+LANES_DECLARE(void, filter_waves_rows, (const void *job, uint32_t from, uint32_t end));
+
 #endif

@@ -8,8 +8,9 @@
 /* Weights of filter_blur, of the pixel itself and those so far away; the return value is how far. */
 uint32_t filter_blur_weigh(float sigma_px, float ret[FILTER_BLUR_RADIUS_MOST + 1]);
 
-/* Where the eye is in the lattices of noise. */
+/* Where the eye is in the lattices of noise, and in waves. */
 void filter_noise_look(struct filter_noise_job *n, const frame *f);
+void filter_waves_look(struct filter_waves_job *w, const frame *f);
 
 /* All taps, of struct anisotropic_tap, for p->reach and p->pitch; p->first says whose they are. The caller unrefs it, as long as p->tap
  * is wanted. */
@@ -40,6 +41,7 @@ void occlusion_ways(float ret[OCCLUSION_TURNS][OCCLUSION_RING][2]);
 
 /* Layers of a pencil: planes across a direction of the site. */
 #define PENCIL_LAYERS_MOST 6
+#define PENCIL_SWAY_PX     60.f /* the shortest waves of a hand */
 struct pencil_layer {
 	float across[3]; /* as the camera sees it */
 	/* Where the eye is, in planes of each octave. */

@@ -248,7 +248,7 @@ static void pencil(struct gles_filter_job *j, const struct step *s)
 	p.plane[0] = gles_lightness(j, 0);
 	GLuint calm = gles_calm_depth(j, 3, 4);
 	p.plane[1] = gles_noise(j, 1, 45 * j->px, 17, calm);
-	p.plane[2] = gles_noise(j, 2, 60 * j->px, 23, calm);
+	p.plane[2] = gles_waves(j, 2, PENCIL_SWAY_PX * j->px, calm);
 	p.plane[3] = j->image.surface->name;
 	gles_pass_run(j, &p);
 	gles_filter_swap(&j->image);

@@ -215,6 +215,24 @@ GLuint gles_noise(
 	return p.plane[1];
 }
 
+GLuint gles_waves(struct gles_filter_job *j, uint32_t plane, float shortest_px, GLuint calm)
+{
+	struct filter_waves_job w;
+	struct gles_pass p = { .use = GLES_FILTER_WAVES };
+	_Static_assert(
+		FILTER_WAVES_LOWEST == -12 && FILTER_WAVES == 20, "as filter-waves.glsl has it");
+	filter_waves_look(&w, j->f);
+	p.by[0][0] = shortest_px;
+	for (int n = 0; n < FILTER_WAVES; n++) {
+		memcpy(p.by[1 + n], w.way[n], sizeof w.way[n]);
+		p.by[1 + n][3] = w.at_eye[n];
+	}
+	p.plane[0] = calm;
+	p.plane[1] = gles_filter_plane(j, plane, 1);
+	gles_pass_run(j, &p);
+	return p.plane[1];
+}
+
 /* ---- depth inpainting ---- */
 
 enum { INPAINT_GREY, INPAINT_DEPTH };

@@ -91,6 +91,7 @@ GLuint gles_solidity(struct gles_filter_job *j, uint32_t plane);
 GLuint gles_calm_depth(struct gles_filter_job *j, uint32_t plane, uint32_t between);
 GLuint gles_noise(
 	struct gles_filter_job *j, uint32_t plane, float grain_px, uint32_t seed, GLuint calm);
+GLuint gles_waves(struct gles_filter_job *j, uint32_t plane, float shortest_px, GLuint calm);
 
 /* depth-inpaint.h: image.grey becomes what it asks for; then, once filters are through, the depths, in that plane. */
 void gles_inpaint_begin(struct gles_filter_job *j);

@@ -73,6 +73,8 @@ static const struct row {
 		.compute = "filter-trace" },
 	[GLES_FILTER_NOISE] = { "filter-noise", { "common", "filter", "filter-planes" },
 		.compute = "filter-noise" },
+	[GLES_FILTER_WAVES] = { "filter-waves", { "common", "filter", "filter-planes" },
+		.compute = "filter-waves" },
 	[GLES_FILTER_GAPS] = { "filter-gaps", { "common", "filter", "filter-planes" },
 		.compute = "filter-gaps" },
 	[GLES_FILTER_EDGES] = { "filter-edges",

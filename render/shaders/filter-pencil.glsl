@@ -1,8 +1,9 @@
 #version 310 es
-/* Strokes where planes cut through the site (filter-pencil.c). Planes: a lightness, b press, c sway, d normals and segments. by: across of
+/* Strokes where planes cut through the site (filter-pencil.c). Planes: a lightness, b press, c sway in metres, d normals and segments. by: across of
  * each of six layers; from 8 on the eye in planes of each octave, twelve for a layer; from 80 on spacing_px, width_px, wobble_px, pressure;
  * own_colour; colour. whole: how many layers; from 8 on the eye's plane. */
-const int LOWEST = -24, OCTAVES = 48, PARAMETERS = 80;
+const int LOWEST = -24, OCTAVES = 48, PARAMETERS = 80, LAYERS_MOST = 6;
+const float SWAY = 0.0012;
 const float NEXT_LAYER = 0.85, BARE = 0.06;
 
 struct sketched {
@@ -28,6 +29,13 @@ float metres_a_pixel(sketched s, vec3 across)
 	return scale_m(s.depth_m) / lens.x * length(across.xy - towards * s.normal.xy);
 }
 
+/* A plane's own, whichever octave it is asked in: where it is in the coarsest that has it. */
+float plane_press(int layer, int octave, int number)
+{
+	int finer = number != 0 ? findLSB(number) : 0;
+	return unit_of(uint(number >> finer), uint((octave + finer) * LAYERS_MOST + layer), 3u) - 0.5;
+}
+
 float light_through(int layer, sketched s, int at, float dark)
 {
 	vec4 rule = by[PARAMETERS];
@@ -38,12 +46,12 @@ float light_through(int layer, sketched s, int at, float dark)
 	float low = floor(octave), part = octave - low;
 	int n = int(low) - LOWEST, entry = 8 + layer * (OCTAVES / 4) + (n >> 2);
 	float cell_m = 0.5 * exp2(low);
-	float place = by[entry][n & 3] + s.depth_m * dot(across, s.way) / cell_m + 0.7 * min(rule.z / rule.x, 1.0) * c[at];
+	float sway_m = SWAY * min(rule.z, rule.x) * c[at];
+	float place = by[entry][n & 3] + (s.depth_m * dot(across, s.way) + sway_m) / cell_m;
 	float number = roundEven(place), away_px = abs(place - number) * cell_m / pixel_m;
 	int which = int(number) + whole[entry][n & 3];
 	float there = (which & 1) != 0 ? 1.0 - part : 1.0;
-	float press = b[at] + 0.25 * (unit_of(uint(which >> 1), uint(layer), 3u) - 0.5);
-	press = clamp(0.85 + 0.6 * press, 0.0, 1.0);
+	float press = clamp(0.85 + 0.6 * b[at] + 0.25 * plane_press(layer, n, which), 0.0, 1.0);
 	float wide = rule.y * bare.a / 2.0 * (0.5 + 0.5 * dark) * (0.5 + 0.5 * press);
 	float line = step_between(wide + 0.7, wide - 0.5, away_px) * press * there;
 	return 1.0 - rule.w * min(dark * 1.6, 1.0) * line;
