@@ -66,7 +66,7 @@ static float metres_a_pixel(
 }
 
 /* How steep the shortest waves of an unsteady hand are, a pixel of wobble. */
-#define SWAY 0.0012f
+#define SWAY 0.0009f
 
 /* A plane's own, whichever octave it is asked in: where it is in the coarsest that has it. */
 static float plane_press(int layer, int octave, int32_t number)
@@ -97,7 +97,7 @@ static float light_through(
 	/* Every second one fades while the next octave comes. */
 	int32_t which = (int32_t)number + l->eye_whole[n];
 	float there = which & 1 ? 1 - part : 1;
-	float press = 0.85f + 0.6f * s->press[pixel] + 0.25f * plane_press(layer, n, which);
+	float press = 0.8f + 0.4f * s->press[pixel] + 0.6f * plane_press(layer, n, which);
 	press = CLAMP(press, 0, 1);
 	float half = k->width_px * px / 2 * (0.5f + 0.5f * dark) * (0.5f + 0.5f * press);
 	float line = grain_step(half + 0.7f, half - 0.5f, away_px) * press * there;

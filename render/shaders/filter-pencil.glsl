@@ -3,7 +3,7 @@
  * each of six layers; from 8 on the eye in planes of each octave, twelve for a layer; from 80 on spacing_px, width_px, wobble_px, pressure;
  * own_colour; colour. whole: how many layers; from 8 on the eye's plane. */
 const int LOWEST = -24, OCTAVES = 48, PARAMETERS = 80, LAYERS_MOST = 6;
-const float SWAY = 0.0012;
+const float SWAY = 0.0009;
 const float NEXT_LAYER = 0.85, BARE = 0.06;
 
 struct sketched {
@@ -51,7 +51,7 @@ float light_through(int layer, sketched s, int at, float dark)
 	float number = roundEven(place), away_px = abs(place - number) * cell_m / pixel_m;
 	int which = int(number) + whole[entry][n & 3];
 	float there = (which & 1) != 0 ? 1.0 - part : 1.0;
-	float press = clamp(0.85 + 0.6 * b[at] + 0.25 * plane_press(layer, n, which), 0.0, 1.0);
+	float press = clamp(0.8 + 0.4 * b[at] + 0.6 * plane_press(layer, n, which), 0.0, 1.0);
 	float wide = rule.y * bare.a / 2.0 * (0.5 + 0.5 * dark) * (0.5 + 0.5 * press);
 	float line = step_between(wide + 0.7, wide - 0.5, away_px) * press * there;
 	return 1.0 - rule.w * min(dark * 1.6, 1.0) * line;
