@@ -66,6 +66,23 @@ INLINE void places(const struct filter_job *j, vf x, float y, vf depth_m, vf ret
 			 depth_m;
 }
 
+typedef vf at_eight(const void *job, vf x, float y, vf depth_m);
+
+/* Of rows, eight pixels at a time. */
+INLINE void each_eight(const struct filter_image *i, const float *depth_m, float *to, uint32_t from,
+	uint32_t end, at_eight *at, const void *job)
+{
+	for (uint32_t y = from; y < end; y++)
+		for (uint32_t x = 0; x < i->width; x += LANES) {
+			size_t here = (size_t)y * i->width + x,
+			       count = MIN(LANES, i->width - x) * sizeof(float);
+			vf deep = all(FILTER_FAR);
+			memcpy(&deep, depth_m + here, count);
+			vf found = at(job, (float)x + lane_number, (float)y, deep);
+			memcpy(to + here, &found, count);
+		}
+}
+
 /* Of one octave of metres. */
 INLINE vf octave_of(const struct filter_noise_job *n, const vf away_m[3], vi octave)
 {
@@ -81,8 +98,9 @@ INLINE vf octave_of(const struct filter_noise_job *n, const vf away_m[3], vi oct
 	return noise_in(cell, d, (vi)((vu)(octave + 64) * 0x9e3779b9u) + (int32_t)n->seed);
 }
 
-INLINE vf noise_at(const struct filter_noise_job *n, vf x, float y, vf depth_m)
+INLINE vf noise_at(const void *data, vf x, float y, vf depth_m)
 {
+	const struct filter_noise_job *n = data;
 	const struct filter_job *j = n->j;
 	vi is_far = depth_m >= FILTER_FAR;
 	vf near_m = choose(is_far, all(1), depth_m), away_m[3];
@@ -111,18 +129,7 @@ INLINE vf noise_at(const struct filter_noise_job *n, vf x, float y, vf depth_m)
 void LANES_NAME(filter_noise_rows)(const void *data, uint32_t from, uint32_t end)
 {
 	const struct filter_noise_job *n = data;
-	const struct filter_image *i = &n->j->image;
-	for (uint32_t y = from; y < end; y++) {
-		const float *depth_m = n->depth_m + (size_t)y * i->width;
-		float *to = n->to + (size_t)y * i->width;
-		for (uint32_t x = 0; x < i->width; x += LANES) {
-			size_t count = MIN(LANES, i->width - x) * sizeof(float);
-			vf deep = all(FILTER_FAR);
-			memcpy(&deep, depth_m + x, count);
-			vf noise = noise_at(n, (float)x + lane_number, (float)y, deep);
-			memcpy(to + x, &noise, count);
-		}
-	}
+	each_eight(&n->j->image, n->depth_m, n->to, from, end, noise_at, n);
 }
 
 /* ---- waves ---- */
@@ -135,24 +142,21 @@ INLINE vf sine_of_turn(vf turns)
 	return bow * (0.775f + 0.225f * magnitude(bow));
 }
 
-INLINE vf waves_at(const struct filter_waves_job *w, vf x, float y, vf depth_m)
+INLINE vf waves_at(const void *data, vf x, float y, vf depth_m)
 {
-	const struct camera *c = &w->j->f->camera;
-	const struct lens l = lens_of(c);
+	const struct filter_waves_job *w = data;
+	const struct lens l = lens_of(&w->j->f->camera);
 	vi is_far = depth_m >= FILTER_FAR;
-	vf near_m = choose(is_far, all(1), depth_m), scale_m = LENS_SCALE_M(&l, near_m);
-	vf octave = log2_of(scale_m * (w->shortest_px / l.focal_px));
-	float by_focal = 1 / l.focal_px,
-	      down = (y + (float)w->j->image.top + 0.5f - l.middle_y) * by_focal;
-	vf right_m = (x + ((float)w->j->image.left + 0.5f - l.middle_x)) * by_focal * scale_m,
-	   down_m = down * scale_m, sum = { 0 };
+	vf near_m = choose(is_far, all(1), depth_m), away_m[3], sum = { 0 };
+	vf octave = log2_of(LENS_SCALE_M(&l, near_m) * (w->shortest_px / l.focal_px));
+	places(w->j, x, y, near_m, away_m);
 	for (int n = 0; n < FILTER_WAVES; n++) {
-		float length_m = w->length_m[n];
+		const float *way = w->way[n], length_m = w->length_m[n];
 		vf there =
 			least(most((float)(n + FILTER_WAVES_LOWEST + 1) - octave, all(0)), all(1));
 		if (!any(there > 0))
 			continue;
-		vf along_m = w->way[n][0] * right_m + w->way[n][1] * down_m + w->way[n][2] * near_m;
+		vf along_m = way[0] * away_m[0] + way[1] * away_m[1] + way[2] * away_m[2];
 		sum += there * length_m * sine_of_turn(along_m / length_m + w->at_eye[n]);
 	}
 	return choose(is_far, (vf){ 0 }, sum);
@@ -161,14 +165,5 @@ INLINE vf waves_at(const struct filter_waves_job *w, vf x, float y, vf depth_m)
 void LANES_NAME(filter_waves_rows)(const void *data, uint32_t from, uint32_t end)
 {
 	const struct filter_waves_job *w = data;
-	const struct filter_image *i = &w->j->image;
-	for (uint32_t y = from; y < end; y++)
-		for (uint32_t x = 0; x < i->width; x += LANES) {
-			size_t at = (size_t)y * i->width + x,
-			       count = MIN(LANES, i->width - x) * sizeof(float);
-			vf deep = all(FILTER_FAR);
-			memcpy(&deep, w->depth_m + at, count);
-			vf waves = waves_at(w, (float)x + lane_number, (float)y, deep);
-			memcpy(w->to + at, &waves, count);
-		}
+	each_eight(&w->j->image, w->depth_m, w->to, from, end, waves_at, w);
 }

@@ -166,17 +166,14 @@ const float *filter_noise(
 
 void filter_waves_look(struct filter_waves_job *w, const frame *f)
 {
-	const struct camera *c = &f->camera;
-	const double *row[3] = { c->right, c->down, c->forward };
 	for (int n = 0; n < FILTER_WAVES; n++) {
 		int octave = n + FILTER_WAVES_LOWEST;
 		double turn = WAVES_TURN * octave, climb = WAVES_CLIMB * octave,
-		       site[3] = { cos(turn) * cos(climb), sin(turn) * cos(climb), sin(climb) },
+		       way[3] = { cos(turn) * cos(climb), sin(turn) * cos(climb), sin(climb) },
 		       behind = WAVES_BEHIND * octave;
 		for (int k = 0; k < 3; k++) {
-			w->way[n][k] = (float)(row[k][0] * site[0] + row[k][1] * site[1] +
-					       row[k][2] * site[2]);
-			behind += ldexp(site[k] * f->eye_m[k], -octave);
+			w->way[n][k] = (float)way[k];
+			behind += ldexp(way[k] * f->eye_m[k], -octave);
 		}
 		w->length_m[n] = ldexpf(1, octave);
 		w->at_eye[n] = (float)(behind - floor(behind));

@@ -69,7 +69,7 @@ struct filter_waves_job {
 	const float *depth_m; /* calm */
 	float *to;
 	float length_m[FILTER_WAVES];
-	float way[FILTER_WAVES][3]; /* of length 1, as the camera sees it */
+	float way[FILTER_WAVES][3]; /* of length 1, in the site */
 	float at_eye[FILTER_WAVES]; /* how much of the wave is behind there, 0 .. 1 */
 };
 LANES_DECLARE(void, filter_waves_rows, (const void *job, uint32_t from, uint32_t end));

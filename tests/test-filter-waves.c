@@ -32,11 +32,15 @@ static float *waves_of_wall(struct filter_made *m, float depth_m)
 	return ret;
 }
 
-static double wave_of(const struct filter_waves_job *w, int n, const double seen_m[3])
+static double wave_of(
+	const struct camera *c, const struct filter_waves_job *w, int n, const double seen_m[3])
 {
+	const double *row[3] = { c->right, c->down, c->forward };
 	double behind = (double)w->at_eye[n];
 	for (int k = 0; k < 3; k++)
-		behind += seen_m[k] * (double)w->way[n][k] / (double)w->length_m[n];
+		for (int axis = 0; axis < 3; axis++)
+			behind += seen_m[k] * row[k][axis] * (double)w->way[n][axis] /
+				  (double)w->length_m[n];
 	return (double)w->length_m[n] * sin(2 * G_PI * behind);
 }
 
@@ -67,7 +71,7 @@ static void test_sum(gconstpointer on)
 			double wanted = 0;
 			for (int n = 0; n < FILTER_WAVES; n++) {
 				double there = CLAMP(n + FILTER_WAVES_LOWEST + 1 - octave, 0, 1);
-				wanted += there * wave_of(&w, n, seen_m);
+				wanted += there * wave_of(c, &w, n, seen_m);
 				longest = fmax(longest, there * (double)w.length_m[n]);
 			}
 			sum2 += wanted * wanted;
@@ -89,8 +93,8 @@ static void test_nearer(gconstpointer on)
 	const double far_m = 9, near_m = 6.1;
 	double most = 0, moved = 0;
 	/* The picture is a part in the middle of what the camera sees. */
-	m.job.image.left = (int32_t)(c.width - WIDTH) / 2;
-	m.job.image.top = (int32_t)(c.height - HEIGHT) / 2;
+	m.job.image.left = (c.width - WIDTH) / 2;
+	m.job.image.top = (c.height - HEIGHT) / 2;
 	g_autofree float *far_waves = waves_of_wall(&m, (float)far_m);
 	for (int k = 0; k < 3; k++)
 		c.eye_m[k] += (far_m - near_m) * c.forward[k];

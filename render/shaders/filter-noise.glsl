@@ -63,7 +63,6 @@ void main()
 		return;
 	int at = at_of(p);
 	float near_m = a[at];
-	vec2 whole_at = vec2(p + area.zw);
 	if (near_m >= FAR) {
 		b[at] = flat_noise(vec2(p + area.zw + window.xy));
 		return;
@@ -71,8 +70,7 @@ void main()
 	float octave = clamp(log2(scale_m(near_m) * (by[0].x / lens.x)), float(LOWEST), float(LOWEST + OCTAVES - 2));
 	int low = int(floor(octave));
 	float part = octave - float(low);
-	vec2 way = (whole_at + 0.5 - lens.yz) / lens.x * (scale_m(near_m) / near_m);
-	vec3 from_m = (turn[0].xyz * way.x + turn[1].xyz * way.y + turn[2].xyz) * near_m;
+	vec3 from_m = from_eye_m(p, near_m);
 	float fine = octave_of(from_m, low), coarse = octave_of(from_m, low + 1);
 	b[at] = mix(fine, coarse, part) / sqrt(part * part + (1.0 - part) * (1.0 - part));
 }

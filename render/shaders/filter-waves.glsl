@@ -18,8 +18,8 @@ void main()
 	int at = at_of(p);
 	float depth_m = a[at], sum = 0.0;
 	if (depth_m < FAR) {
-		float scale = scale_m(depth_m), octave = log2(scale * (by[0].x / lens.x));
-		vec3 from_m = vec3((vec2(p + area.zw) + 0.5 - lens.yz) / lens.x * scale, depth_m);
+		float octave = log2(scale_m(depth_m) * (by[0].x / lens.x));
+		vec3 from_m = from_eye_m(p, depth_m);
 		for (int n = clamp(int(floor(octave)) - LOWEST, 0, WAVES); n < WAVES; n++) {
 			float of = float(n + LOWEST), there = clamp(of + 1.0 - octave, 0.0, 1.0);
 			sum += there * exp2(of) * sine_of_turn(dot(by[1 + n].xyz, from_m) * exp2(-of) + by[1 + n].w);

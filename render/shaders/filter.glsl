@@ -48,6 +48,13 @@ int at_of(ivec2 p)
 	return p.y * area.x + p.x;
 }
 
+/* Where what a pixel shows is from the eye, along the site's axes. */
+vec3 from_eye_m(ivec2 p, float depth_m)
+{
+	vec2 way = (vec2(p + area.zw) + 0.5 - lens.yz) / lens.x * (scale_m(depth_m) / depth_m);
+	return (turn[0].xyz * way.x + turn[1].xyz * way.y + turn[2].xyz) * depth_m;
+}
+
 /* Of the nearest pixel. */
 ivec2 nearest(vec2 p)
 {
