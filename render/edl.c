@@ -12,10 +12,12 @@ static float depth_log2(const frame *f, const visibility_mask *m, int x, int y)
 static float shade(const frame *f, const visibility_mask *m, const struct edl_step *s,
 	const int ring[EDL_AROUND][2], int x, int y)
 {
-	float here = depth_log2(f, m, x, y), sum = 0;
+	float here = depth_log2(f, m, x, y), than[EDL_AROUND];
+	float apart =
+		frame_apart_px(f, mask_depth(mask_key(m, x, y))) / edl_radius(s->radius_px * f->px);
 	for (int n = 0; n < EDL_AROUND; n++)
-		sum += fmaxf(here - depth_log2(f, m, x + ring[n][0], y + ring[n][1]), 0);
-	return edl_light(s->strength, sum);
+		than[n] = here - depth_log2(f, m, x + ring[n][0], y + ring[n][1]);
+	return edl_light(s->strength, edl_deeper(than, apart));
 }
 
 void edl_shade(

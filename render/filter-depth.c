@@ -209,17 +209,18 @@ static void dome_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct shading *s = data;
 	const struct filter_image *i = &s->j->image;
+	float radius = edl_radius(s->edl->radius_px * s->j->px);
 	for (uint32_t y = from; y < end; y++)
 		for (uint32_t x = 0; x < i->width; x++) {
 			size_t at = (size_t)y * i->width + x;
-			float sum = 0, here = s->shade[at];
+			float here = s->shade[at], than[EDL_AROUND];
+			float apart = frame_apart_px(s->j->f, i->depth_m[at]) / radius;
 			for (int n = 0; n < EDL_AROUND; n++) {
 				int at_x = CLAMP((int)x + s->ring[n][0], 0, (int)i->width - 1),
 				    at_y = CLAMP((int)y + s->ring[n][1], 0, (int)i->height - 1);
-				sum += fmaxf(
-					here - s->shade[(size_t)at_y * i->width + (size_t)at_x], 0);
+				than[n] = here - s->shade[(size_t)at_y * i->width + (size_t)at_x];
 			}
-			s->smooth[at] = edl_light(s->edl->strength, sum);
+			s->smooth[at] = edl_light(s->edl->strength, edl_deeper(than, apart));
 		}
 }
 

@@ -37,8 +37,25 @@ static float depth_on(
 #define STEP_SOME 0.7f
 #define STEP_ALL  1.1f
 
+/* How much of 1/depth what is seen aslant changes by between two points, of which each has a disc: so much down from one of them to the
+ * next is no step (edl.h has the same for shades). Of the two sides of a pixel, the flatter one tells. */
+static float step_of_points(const struct filter_job *j, uint32_t x, uint32_t y)
+{
+	static const int way[2][2] = { { 1, 0 }, { 0, 1 } };
+	float here_m = j->image.depth_m[(size_t)y * j->image.width + x], slant = 0;
+	for (int n = 0; n < 2; n++) {
+		float before = depth_on(&j->image, x, y, way[n], -2),
+		      behind = depth_on(&j->image, x, y, way[n], 2);
+		if (before > 0 && before < FILTER_FAR && behind > 0 && behind < FILTER_FAR)
+			slant = fmaxf(slant, fminf(fabsf(1 / here_m - 1 / before),
+						     fabsf(1 / here_m - 1 / behind)));
+	}
+	return slant / 2 * frame_apart_px(j->f, here_m);
+}
+
 /* The nearer side has the line; so has the outermost pixel of what is there. */
-static float steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2])
+static float steps_down(
+	const struct edges_pass *p, uint32_t x, uint32_t y, const int way[2], float no_step)
 {
 	const struct filter_image *i = &p->j->image;
 	float here = 1 / i->depth_m[(size_t)y * i->width + x], back = depth_on(i, x, y, way, -2),
@@ -53,7 +70,7 @@ static float steps_down(const struct edges_pass *p, uint32_t x, uint32_t y, cons
 			continue;
 		if (p->step->depth <= 0)
 			return 0;
-		float over = (here + slope * (float)n) * there - 1;
+		float over = (here + slope * (float)n - no_step) * there - 1;
 		least = fminf(least,
 			grain_step(STEP_SOME * p->step->depth, STEP_ALL * p->step->depth, over));
 		if (least <= 0)
@@ -109,6 +126,7 @@ static float edge_at(const struct edges_pass *p, uint32_t x, uint32_t y)
 	float here = i->depth_m[at], most = 0;
 	if (here >= FILTER_FAR)
 		return 0;
+	float no_step = step_of_points(p->j, x, y);
 	for (int n = 0; n < 4 && most < 1; n++) {
 		int dx = way[n][0], dy = way[n][1];
 		if ((int)x + dx < 0 || (int)y + dy < 0 || x + (uint32_t)dx >= i->width ||
@@ -116,7 +134,7 @@ static float edge_at(const struct edges_pass *p, uint32_t x, uint32_t y)
 			continue;
 		ptrdiff_t by = (ptrdiff_t)dy * (ptrdiff_t)i->width + dx;
 		size_t other = (size_t)((ptrdiff_t)at + by);
-		most = fmaxf(most, steps_down(p, x, y, way[n]));
+		most = fmaxf(most, steps_down(p, x, y, way[n], no_step));
 		if (i->depth_m[other] >= FILTER_FAR)
 			continue;
 		/* Of two that meet, the nearer one; right and down of two as far. */

@@ -198,6 +198,13 @@ void frame_paint_light(const frame *f, float ret[3]);
 /* The middle of what the chunk is of, as the camera sees it; of scenes that are painted. */
 void frame_paint_crown(const frame *f, const struct scene_chunk *c, float ret_m[3]);
 
+/* Pixels that neighbouring points are apart at a depth, where they are as many as is usual in this scene. */
+static inline float frame_apart_px(const frame *f, float depth_m)
+{
+	return f->scene->spacing_median_m * (float)f->camera.focal_px /
+	       camera_scale_f(&f->camera, depth_m);
+}
+
 /* Threads that cpu draws it with. */
 uint32_t frame_threads(const frame *f);
 

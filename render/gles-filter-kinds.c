@@ -120,9 +120,10 @@ static void dog(struct gles_filter_job *j, const struct step *s)
 
 enum { EDGES_FIND, EDGES_SPREAD, EDGES_LINK, EDGES_WIDEN, EDGES_DRAW };
 
-static void edges_numbers(
-	const struct edges_step *k, float px, GLuint surface, struct gles_pass *ret)
+static void edges_numbers(const struct gles_filter_job *j, const struct edges_step *k,
+	GLuint surface, struct gles_pass *ret)
 {
+	float px = j->px;
 	float bend[2];
 	int ways[EDGES_WAYS][EDGES_REACH][2];
 	edges_bends(k, bend);
@@ -130,7 +131,8 @@ static void edges_numbers(
 	*ret = (struct gles_pass){ .use = GLES_FILTER_EDGES,
 		.by = { { k->depth, bend[0], k->opacity, k->wobble_px * px },
 			{ k->colour[0], k->colour[1], k->colour[2], bend[1] },
-			{ EDGES_STRAIGHT_SOME, EDGES_STRAIGHT_ALL, EDGES_ONE_SIDE } },
+			{ EDGES_STRAIGHT_SOME, EDGES_STRAIGHT_ALL, EDGES_ONE_SIDE,
+				j->f->scene->spacing_median_m } },
 		.whole = { { (int32_t)floorf(fmaxf(k->width_px * px, 0.5f) / 2), k->segments } },
 		.plane = { [3] = surface },
 		.where = k->where };
@@ -152,7 +154,7 @@ static void edges(struct gles_filter_job *j, const struct step *s)
 	const struct edges_step *k = &s->edges;
 	struct gles_pass p;
 	GLuint sway[2] = { 0 }, found, spread, line, surface = j->image.surface->name;
-	edges_numbers(k, j->px, surface, &p);
+	edges_numbers(j, k, surface, &p);
 	GLuint calm = k->wobble_px > 0 ? gles_calm_depth(j, 7, 0) : 0;
 	for (uint32_t n = 0; n < 2 && k->wobble_px > 0; n++)
 		sway[n] = gles_noise(j, 4 + n, 40 * j->px, 71 + n, calm);
@@ -333,12 +335,14 @@ static void occlusion(struct gles_filter_job *j, const struct step *s)
 static void edl(struct gles_filter_job *j, const struct step *s)
 {
 	int ring[EDL_AROUND][2];
+	float radius = edl_radius(s->edl.radius_px * j->px);
 	GLuint shade = gles_filter_plane(j, 0, 1);
 	struct gles_pass p = { .use = GLES_FILTER_SHADE,
 		.mode = SHADE_DOME,
 		.plane = { 0, shade },
-		.by = { { s->edl.strength, (float)j->f->camera.far_m } } };
-	edl_ring(s->edl.radius_px * j->px, ring);
+		.by = { { s->edl.strength, (float)j->f->camera.far_m, radius,
+			j->f->scene->spacing_median_m } } };
+	edl_ring(radius, ring);
 	for (int n = 0; n < EDL_AROUND; n++)
 		memcpy(p.whole[n], ring[n], sizeof ring[n]);
 	gles_pass_run(j, &p);

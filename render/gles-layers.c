@@ -161,7 +161,8 @@ static void describe_pipelines(const frame *f, struct pipelines_block *ret, bool
 				sizeof ret->points[n]);
 		if (edl) {
 			ret->edl[n][0] = edl->edl.strength;
-			ret->edl[n][1] = fmaxf(edl->edl.radius_px * f->px, 1);
+			ret->edl[n][1] = edl_radius(edl->edl.radius_px * f->px);
+			ret->edl[n][3] = f->scene->spacing_median_m;
 		}
 		ret->edl[n][2] = frame_pipeline(f, n)->is_focus;
 		*ret_has_points |= points != NULL;

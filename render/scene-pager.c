@@ -263,7 +263,7 @@ scene *scene_paged(const model *m, const uint8_t *leaf_class, uint64_t memory_by
 	p->chunk = g_new0(struct scene_chunk, scene_tree_end(p->tree) + 1);
 	p->seen = g_new0(uint32_t, scene_tree_end(p->tree) - scene_tree_top(p->tree) + 1);
 	scene_find_origin(s, chunk, chunks);
-	scene_find_unit(s, m);
+	scene_find_spacing(s, m);
 	scene_find_densities(s, m);
 	set_levels(s, p);
 	alloc_points(p, s, memory_bytes);

@@ -15,8 +15,9 @@ void scene_place_chunk(const scene *s, struct scene_chunk *c, const struct model
  * stand for as much more surface. */
 void scene_take(scene_taker *t, scene *s, struct scene_chunk *c, const struct model_point *p,
 	const struct scene_grey *grey);
-/* The scene's unit, by the points of some chunks; origin, levels and densities of dithering points, of all of the model. */
-void scene_find_unit(scene *s, const model *m);
+/* The scene's unit and median spacing, by the points of some chunks; origin, levels and densities of dithering points, of all of the
+ * model. */
+void scene_find_spacing(scene *s, const model *m);
 void scene_find_origin(scene *s, const struct model_chunk *chunk, uint64_t chunks);
 void scene_find_densities(scene *s, const model *m);
 /* count: of the points of each lightness. */

@@ -16,8 +16,8 @@
 #define LEVEL_PART   0.05
 #define LEVELS_LEAST 0.1f
 /* Points that are asked how far they stand apart: so many of so many chunks. */
-#define UNIT_CHUNKS 64u
-#define UNIT_POINTS 64u
+#define SPACING_CHUNKS 256u
+#define SPACING_POINTS 16u
 /* How light the lightest become where all are dark. */
 #define EXPOSED_LIGHT 0.62f
 
@@ -132,15 +132,24 @@ void scene_find_origin(scene *s, const struct model_chunk *chunk, uint64_t chunk
 		s->origin_m[k] = (low[k] + high[k]) / 2;
 }
 
-void scene_find_unit(scene *s, const model *m)
+void scene_find_spacing(scene *s, const model *m)
 {
-	uint64_t chunks;
-	uint32_t far = 0, asked = 0;
+	uint64_t chunks, all = 0, below = 0;
 	const struct model_chunk *chunk = model_chunks(m, &chunks);
-	for (uint64_t n = 0; n < chunks; n += 1 + chunks / UNIT_CHUNKS)
-		for (uint32_t i = 0; i < MIN(chunk[n].points, UNIT_POINTS); i++, asked++)
-			far += model_points(m)[chunk[n].first + i].spacing == UINT16_MAX;
-	s->unit_m = 2 * far > asked ? SCENE_UNIT_FAR_M : SCENE_UNIT_M;
+	g_autofree uint64_t *count = g_new0(uint64_t, UINT16_MAX + 1);
+	for (uint64_t n = 0; n < chunks; n += 1 + chunks / SPACING_CHUNKS)
+		for (uint32_t i = 0; i < MIN(chunk[n].points, SPACING_POINTS); i++) {
+			/* Each stands for as many of its chunk. */
+			uint64_t part = chunk[n].points / MIN(chunk[n].points, SPACING_POINTS);
+			count[model_points(m)[chunk[n].first + i].spacing] += part;
+			all += part;
+		}
+	uint32_t median = 0;
+	while (median < UINT16_MAX && 2 * (below += count[median]) < all)
+		median++;
+	bool is_far = 2 * count[UINT16_MAX] > all;
+	s->unit_m = is_far ? SCENE_UNIT_FAR_M : SCENE_UNIT_M;
+	s->spacing_median_m = (float)median * SCENE_UNIT_M;
 }
 
 void scene_find_densities(scene *s, const model *m)
@@ -216,7 +225,7 @@ static scene *new_whole(const model *m, const uint8_t *leaf_class, GError **erro
 		return NULL;
 	scene *s = scene_alloc((uint32_t)model_count(m), (uint32_t)chunks);
 	s->planes = planes;
-	scene_find_unit(s, m);
+	scene_find_spacing(s, m);
 	scene_find_densities(s, m);
 	s->bend = g_new0(struct scene_bend_plane, 1);
 	s->bend->model = m;

@@ -43,6 +43,7 @@ struct scene {
 	uint64_t serial; /* scene_serial(): what is kept of it elsewhere is known by it */
 	double origin_m[3];
 	float unit_m;
+	float spacing_median_m; /* of some of its points, from all over it */
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
 	struct scene_bend_plane *bend;   /* scene-bend.h */

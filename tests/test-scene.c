@@ -194,6 +194,28 @@ static void test_cover(void)
 		}
 }
 
+/* A third of the points stand four times as far apart as the others, on most of the surface and in most chunks. */
+static void test_median(void)
+{
+	const struct made_plane fine = { .a_m = { 3, 0, 0 },
+		.b_m = { 0, 3, 0 },
+		.apart_m = 0.01,
+		.order = MADE_RANDOM,
+		.rgba = { 40, 60, 40, 255 } };
+	struct made_plane coarse = fine;
+	coarse.corner_m[0] = 5;
+	coarse.a_m[0] = 12;
+	coarse.b_m[1] = 6;
+	coarse.apart_m = 0.04;
+	g_auto(made) m = made_new();
+	made_add_plane(&m, &fine);
+	made_add_plane(&m, &coarse);
+	const scene *s = made_read(&m);
+	g_test_message("%.1f mm in %u chunks", 1000 * (double)s->spacing_median_m, s->chunks);
+	g_assert_cmpfloat(s->spacing_median_m, >, 0.008f);
+	g_assert_cmpfloat(s->spacing_median_m, <, 0.013f);
+}
+
 /* A country of points 25 m apart, which no model can say. */
 static void test_sparse(void)
 {
@@ -206,6 +228,7 @@ static void test_sparse(void)
 	made_add_plane(&m, &plane);
 	const scene *s = made_read(&m);
 	g_assert_cmpfloat(s->unit_m, ==, SCENE_UNIT_FAR_M);
+	g_assert_cmpfloat(s->spacing_median_m, >, 6.5f);
 	double area_m2 = 0;
 	for (uint32_t i = 0; i < s->count; i++)
 		area_m2 += pow(s->spacing[i] * (double)s->unit_m, 2);
@@ -450,6 +473,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene/far-away", test_far_away);
 	g_test_add_func("/scene/shares", test_shares);
 	g_test_add_func("/scene/cover", test_cover);
+	g_test_add_func("/scene/median", test_median);
 	g_test_add_func("/scene/sparse", test_sparse);
 	g_test_add_func("/scene/edges", test_edges);
 	g_test_add_func("/scene/measures", test_measures);

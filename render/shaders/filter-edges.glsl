@@ -2,7 +2,8 @@
 /* Lines where depth, slant or segment change (filter-edges.c): edges are found, into b, by normals and segments in d; b becomes the most around
  * each pixel of a; lines are those of a that are straight by what is around them in b, into d; they become as wide as lines, from a into b;
  * then they are drawn, of a, wobbling by b and d. by: depth, cosine of bends that begin to be lines or 2, opacity, wobble_px; colour, cosine of
- * bends that are; straightness that begins, and is; EDGES_ONE_SIDE. whole: radius, 1: segments; then places on straight lines, two in one. */
+ * bends that are; straightness that begins, and is; EDGES_ONE_SIDE, how far points
+ * are apart in metres. whole: radius, 1: segments; then places on straight lines, two in one. */
 const int FIND = 0, SPREAD = 1, LINK = 2, WIDEN = 3;
 const int BEYOND = 4, SIDE = 4, WAYS = 8, REACH = 7;
 const float SLOPE_MOST = 0.05, STEP_SOME = 0.7, STEP_ALL = 1.1;
@@ -14,7 +15,20 @@ float depth_on(ivec2 p)
 	return is_in_area(p) ? depths[at_of(p)] : -1.0;
 }
 
-float steps_down(ivec2 p, ivec2 way)
+/* How much of 1/depth what is seen aslant changes by between two points. */
+float step_of_points(ivec2 p)
+{
+	float here_m = depths[at_of(p)], slant = 0.0;
+	for (int n = 0; n < 2; n++) {
+		ivec2 on = ivec2(2 - 2 * n, 2 * n);
+		float before = depth_on(p - on), behind = depth_on(p + on);
+		if (before > 0.0 && before < FAR && behind > 0.0 && behind < FAR)
+			slant = max(slant, min(abs(1.0 / here_m - 1.0 / before), abs(1.0 / here_m - 1.0 / behind)));
+	}
+	return slant / 2.0 * by[2].w * lens.x / scale_m(here_m);
+}
+
+float steps_down(ivec2 p, ivec2 way, float no_step)
 {
 	float here = 1.0 / depths[at_of(p)], back = depth_on(p - 2 * way), slope = 0.0, least = 1.0;
 	if (back > 0.0 && back < FAR)
@@ -27,7 +41,7 @@ float steps_down(ivec2 p, ivec2 way)
 			continue;
 		if (by[0].x <= 0.0)
 			return 0.0;
-		float over = (here + slope * float(n)) * there - 1.0;
+		float over = (here + slope * float(n) - no_step) * there - 1.0;
 		least = min(least, step_between(STEP_SOME * by[0].x, STEP_ALL * by[0].x, over));
 	}
 	return least;
@@ -66,12 +80,13 @@ float edge_at(ivec2 p)
 	float here = depths[at], most = 0.0;
 	if (here >= FAR)
 		return 0.0;
+	float no_step = step_of_points(p);
 	for (int n = 0; n < 4 && most < 1.0; n++) {
 		ivec2 way = (n & 1) == 0 ? ivec2(1 - n, 0) : ivec2(0, 2 - n);
 		if (!is_in_area(p + way))
 			continue;
 		int other = at_of(p + way);
-		most = max(most, steps_down(p, way));
+		most = max(most, steps_down(p, way, no_step));
 		if (depths[other] >= FAR)
 			continue;
 		bool is_mine = here < depths[other] || (here == depths[other] && n < 2);

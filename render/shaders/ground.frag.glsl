@@ -69,7 +69,7 @@ void main()
 			c = shown(rule, c);
 	}
 	if (key < MASK_EMPTY && edl[pipeline].y > 0.0)
-		c *= edl_shade(at, edl[pipeline].xy);
+		c *= edl_shade(at, edl[pipeline].xyw);
 	if (key < MASK_EMPTY && is_flat == 0u && focus.w > 0.0) {
 		vec3 place = seen_place(gl_FragCoord.xy, mask_depth(key));
 		c += focus.w * away_of(place, edl[pipeline].z > 0.0) * (bare - c);
