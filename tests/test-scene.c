@@ -194,7 +194,7 @@ static void test_cover(void)
 		}
 }
 
-/* A third of the points stand four times as far apart as the others, on most of the surface and in most chunks. */
+/* A third of the points stand four times as far apart as the others, on most of the surface. */
 static void test_median(void)
 {
 	const struct made_plane fine = { .a_m = { 3, 0, 0 },

@@ -9,17 +9,11 @@ float edl_shade(ivec2 at, vec3 rule)
 {
 	const vec2 ring[4] = vec2[4](
 		vec2(1.0, 0.0), vec2(0.7071, 0.7071), vec2(0.0, 1.0), vec2(-0.7071, 0.7071));
-	float here = depth_log2(at), slant = 0.0, sum = 0.0;
+	float here = depth_log2(at);
 	vec2 than[4];
-	float apart = rule.z * lens.x / scale_m(mask_depth(texelFetch(mask_keys, at, 0).r)) / rule.y;
 	for (int n = 0; n < 4; n++) {
 		ivec2 on = ivec2(roundEven(rule.y * ring[n]));
 		than[n] = here - vec2(depth_log2(at + on), depth_log2(at - on));
-		slant = max(slant, min(abs(than[n].x), abs(than[n].y)));
 	}
-	for (int n = 0; n < 4; n++) {
-		vec2 over = max(than[n] - apart * slant, 0.0);
-		sum += over.x + over.y;
-	}
-	return exp(-30.0 * rule.x * sum / 8.0);
+	return edl_light(rule.x, than, mask_depth(texelFetch(mask_keys, at, 0).r), rule.z, rule.y);
 }

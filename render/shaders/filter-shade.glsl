@@ -1,7 +1,7 @@
 #version 310 es
 /* Shade in corners, or eye-dome lighting, into plane b; or plane a darkens pixels. by, of shade: radius_m, strength; then ways of sixteen
  * turns, two in one. Of the dome: strength, far_m, the ring's radius, how far points are apart in metres. whole, of the dome: its ring. */
-const int CORNERS = 0, DOME = 1, RING = 12, DOME_RING = 8;
+const int CORNERS = 0, DOME = 1, RING = 12;
 const float REACH_MOST_PX = 120.0, BEFORE_LEAST = 0.08;
 
 float corners(ivec2 p)
@@ -37,17 +37,11 @@ float deep(ivec2 p)
 
 float dome(ivec2 p)
 {
-	vec2 than[DOME_RING / 2];
-	float here = deep(p), slant = 0.0, sum = 0.0, apart = by[0].w * lens.x / scale_m(depths[at_of(p)]) / by[0].z;
-	for (int n = 0; n < DOME_RING / 2; n++) {
-		than[n] = here - vec2(deep(p + whole[n].xy), deep(p + whole[n + DOME_RING / 2].xy));
-		slant = max(slant, min(abs(than[n].x), abs(than[n].y)));
-	}
-	for (int n = 0; n < DOME_RING / 2; n++) {
-		vec2 over = max(than[n] - apart * slant, 0.0);
-		sum += over.x + over.y;
-	}
-	return exp(-300.0 * 0.1 * by[0].x * sum / float(DOME_RING));
+	vec2 than[4];
+	float here = deep(p);
+	for (int n = 0; n < 4; n++)
+		than[n] = here - vec2(deep(p + whole[n].xy), deep(p + whole[n + 4].xy));
+	return edl_light(by[0].x, than, depths[at_of(p)], by[0].w, by[0].z);
 }
 
 void main()
