@@ -194,22 +194,24 @@ static void test_cover(void)
 		}
 }
 
-/* A third of the points stand four times as far apart as the others, on most of the surface. */
+/* One plane with most of the points, and many small ones with other leaves, which have a chunk each: there they stand four times as far
+ * apart. */
 static void test_median(void)
 {
-	const struct made_plane fine = { .a_m = { 3, 0, 0 },
+	struct made_plane p = { .a_m = { 3, 0, 0 },
 		.b_m = { 0, 3, 0 },
 		.apart_m = 0.01,
 		.order = MADE_RANDOM,
 		.rgba = { 40, 60, 40, 255 } };
-	struct made_plane coarse = fine;
-	coarse.corner_m[0] = 5;
-	coarse.a_m[0] = 12;
-	coarse.b_m[1] = 6;
-	coarse.apart_m = 0.04;
 	g_auto(made) m = made_new();
-	made_add_plane(&m, &fine);
-	made_add_plane(&m, &coarse);
+	made_add_plane(&m, &p);
+	p.a_m[0] = p.b_m[1] = 0.6;
+	p.apart_m = 0.04;
+	for (uint16_t n = 0; n < 60; n++) {
+		p.corner_m[0] = 5 + n;
+		p.leaf = MADE_LEAF + 1 + n;
+		made_add_plane(&m, &p);
+	}
 	const scene *s = made_read(&m);
 	g_test_message("%.1f mm in %u chunks", 1000 * (double)s->spacing_median_m, s->chunks);
 	g_assert_cmpfloat(s->spacing_median_m, >, 0.008f);
