@@ -60,31 +60,32 @@ static void take_depths(const frame *f, const visibility_mask *m, float *to)
 				depth_of(f, mask_key(m, (int32_t)x, (int32_t)y));
 }
 
-static float away_at(
-	const frame *f, const visibility_mask *m, uint32_t x, uint32_t y, float depth_m)
+static bool is_focus_at(const frame *f, const visibility_mask *m, uint32_t x, uint32_t y)
 {
-	float by_focal = 1 / (float)f->camera.focal_px;
 	int32_t key = mask_key(m, (int32_t)x, (int32_t)y);
-	/* What nothing is behind counts by where it is in the picture: as deep as the focus. */
-	if (depth_m >= FILTER_FAR)
-		depth_m = fmaxf(f->focus.at_m[2], (float)f->camera.near_m);
-	float scale_m = camera_scale_f(&f->camera, depth_m);
-	float at_m[3] = {
-		((float)x + 0.5f - (float)camera_middle_x(&f->camera)) * by_focal * scale_m,
-		((float)y + 0.5f - (float)camera_middle_y(&f->camera)) * by_focal * scale_m, depth_m
-	};
-	return frame_away(
-		&f->focus, at_m, key < MASK_EMPTY && frame_pipeline(f, key & 255)->is_focus);
+	return key < MASK_EMPTY && frame_pipeline(f, key & 255)->is_focus;
 }
 
 static void take_away(struct filter_job *j, const visibility_mask *m)
 {
-	struct filter_image *i = &j->image;
-#pragma omp parallel for num_threads((int)frame_threads(j->f))
-	for (uint32_t y = 0; y < i->height; y++)
-		for (uint32_t x = 0; x < i->width; x++) {
-			size_t at = (size_t)y * i->width + x;
-			i->away[at] = away_at(j->f, m, x + i->left, y + i->top, i->depth_m[at]);
+	const struct filter_image *i = &j->image;
+	const frame *f = j->f;
+	const float by_focal = 1 / (float)f->camera.focal_px,
+		    middle_x = (float)camera_middle_x(&f->camera),
+		    middle_y = (float)camera_middle_y(&f->camera),
+		    nothing_m = fmaxf(f->focus.at_m[2], (float)f->camera.near_m);
+#pragma omp parallel for num_threads((int)frame_threads(f))
+	for (uint32_t row = 0; row < i->height; row++)
+		for (uint32_t column = 0; column < i->width; column++) {
+			size_t at = (size_t)row * i->width + column;
+			uint32_t x = column + i->left, y = row + i->top;
+			/* What nothing is behind counts by where it is in the picture: as deep as the focus. */
+			float depth_m = i->depth_m[at] >= FILTER_FAR ? nothing_m : i->depth_m[at],
+			      by_px = by_focal * LENS_SCALE_M(&f->focus.lens, depth_m);
+			const float at_m[3] = { ((float)x + 0.5f - middle_x) * by_px,
+				((float)y + 0.5f - middle_y) * by_px, depth_m };
+			i->away[at] = frame_away(&f->focus, at_m,
+				f->focus.on == FOCUS_SEGMENT && is_focus_at(f, m, x, y));
 		}
 }
 

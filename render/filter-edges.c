@@ -152,12 +152,12 @@ static void find_rows(const void *data, uint32_t from, uint32_t end)
 {
 	const struct edges_pass *p = data;
 	const struct filter_image *i = &p->j->image;
-	for (uint32_t y = from; y < end; y++)
-		for (uint32_t x = 0; x < i->width; x++) {
-			float edge = edge_at(p, x, y);
-			p->found[(size_t)y * i->width + x] =
-				edge > 0 ? edge * filter_solid_at(&p->solid, x, y) : 0;
-		}
+	for (uint32_t y = from; y < end; y++) {
+		float *to = p->found + (size_t)y * i->width;
+		filter_solid_row(&p->solid, y, to, i->width);
+		for (uint32_t x = 0; x < i->width; x++)
+			to[x] *= edge_at(p, x, y);
+	}
 }
 
 /* ---- which of them are lines ---- */

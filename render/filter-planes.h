@@ -32,6 +32,14 @@ struct filter_lightness_job {
 };
 LANES_DECLARE(void, filter_lightness_rows, (const void *job, uint32_t from, uint32_t end));
 
+/* What was written with what was there, for filter_finish_part. */
+struct filter_mix_job {
+	const struct filter_job *j;
+	int32_t where;
+	float times, less;
+};
+LANES_DECLARE(void, filter_mix_rows, (const void *job, uint32_t from, uint32_t end));
+
 /* CIELab (D65) of each pixel, three floats; and back, which leaves what sRGB has not at its borders. */
 void filter_to_lab(const struct filter_job *j, float (*to)[3]);
 void filter_of_lab(const struct filter_job *j, const float (*from)[3], uint8_t (*to)[4]);

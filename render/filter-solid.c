@@ -26,7 +26,14 @@ static void count_rows(const void *data, uint32_t from, uint32_t end)
 		uint32_t below = MIN((y + 1) * BLOCK, i->height);
 		for (uint32_t at_y = y * BLOCK; at_y < below; at_y++) {
 			const float *row = i->depth_m + (size_t)at_y * i->width;
-			for (uint32_t x = 0; x < i->width; x++)
+			uint32_t x = 0;
+			for (; x + BLOCK <= i->width; x += BLOCK) {
+				int count = 0;
+				for (uint32_t k = 0; k < BLOCK; k++)
+					count += row[x + k] < FILTER_FAR;
+				to[x / BLOCK] += (float)count;
+			}
+			for (; x < i->width; x++)
 				to[x / BLOCK] += row[x] < FILTER_FAR;
 		}
 		for (uint32_t x = 0; x < c->solid.width; x++)
@@ -51,6 +58,27 @@ struct filter_solid filter_solidity(struct filter_job *j, uint32_t part)
 	for (size_t n = 0; n < blocks; n++)
 		whole[n] = grain_step(SOLID_NOT, SOLID_ALL, whole[n]);
 	return c.solid;
+}
+
+void filter_solid_row(const struct filter_solid *s, uint32_t y, float *to, uint32_t pixels)
+{
+	float at = CLAMP(((float)y + 0.5f) / BLOCK - 0.5f, 0, (float)(s->height - 1));
+	uint32_t top = (uint32_t)at;
+	float v = at - (float)top;
+	const float *a = s->part + (size_t)top * s->width,
+		    *b = s->part + (size_t)MIN(top + 1, s->height - 1) * s->width;
+	for (uint32_t x = 0; x < s->width; x++) {
+		/* Of the blocks on either side and its own. */
+		uint32_t of[3] = { x ? x - 1 : 0, x, MIN(x + 1, s->width - 1) };
+		float block[3];
+		for (int k = 0; k < 3; k++)
+			block[k] = a[of[k]] + v * (b[of[k]] - a[of[k]]);
+		for (uint32_t k = 0; k < BLOCK && x * BLOCK + k < pixels; k++) {
+			float away = ((float)k + 0.5f) / BLOCK - 0.5f,
+			      to_other = block[away < 0 ? 0 : 2] - block[1];
+			to[x * BLOCK + k] = block[1] + fabsf(away) * to_other;
+		}
+	}
 }
 
 /* ---- calm depths ---- */

@@ -19,12 +19,8 @@ struct filter_solid {
 };
 /* In a part of the room. */
 struct filter_solid filter_solidity(struct filter_job *j, uint32_t part);
-static inline float filter_solid_at(const struct filter_solid *s, uint32_t x, uint32_t y)
-{
-	return filter_between(s->part, s->width, s->height,
-		((float)x + 0.5f) / FILTER_SOLID_BLOCK - 0.5f,
-		((float)y + 0.5f) / FILTER_SOLID_BLOCK - 0.5f);
-}
+/* Of the pixels of a row, between the middles of blocks. */
+void filter_solid_row(const struct filter_solid *s, uint32_t y, float *to, uint32_t pixels);
 
 /* -1..1, standard deviation about 0.3, of each pixel: noise in the site, whose grain is about so many pixels wide on the screen from any
  * distance. Octaves of it come and go as one gets nearer (Benard, Bousseau & Thollot 2009, "Dynamic Solid Textures"). Where nothing is it

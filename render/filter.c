@@ -1,4 +1,4 @@
-#include "render/filter.h"
+#include "render/filter-planes.h"
 #include "render/large.h"
 #include <math.h>
 #include <string.h>
@@ -103,31 +103,11 @@ void filter_each_rows(const struct filter_job *j, filter_rows *run, const void *
 			run(data, from, MIN(from + at_once, height));
 }
 
-struct mixing {
-	const struct filter_job *j;
-	int32_t where;
-	float times, less;
-};
-
-static void mix_rows(const void *data, uint32_t from, uint32_t end)
-{
-	const struct mixing *m = data;
-	const struct filter_image *i = &m->j->image;
-	for (size_t at = (size_t)from * i->width; at < (size_t)end * i->width; at++) {
-		float weight = filter_weight(m->j, m->where, at) * m->times - m->less;
-		int part = (int)(CLAMP(weight, 0, 1) * 256 + 0.5f);
-		for (int k = 0; k < 3; k++) {
-			int was = i->rgba[at][k], is = i->spare[at][k];
-			i->spare[at][k] = (uint8_t)(was + (((is - was) * part + 128) >> 8));
-		}
-	}
-}
-
 void filter_finish_part(struct filter_job *j, int32_t where, float times, float less)
 {
-	struct mixing m = { j, where, times, less };
+	struct filter_mix_job m = { j, where, times, less };
 	if (filter_is_weighted(j, where))
-		filter_each_rows(j, mix_rows, &m, j->image.height, 64);
+		filter_each_rows(j, LANES_OF(j->lanes, filter_mix_rows), &m, j->image.height, 64);
 	filter_swap(&j->image);
 }
 
