@@ -35,11 +35,7 @@ void filter_dog(struct filter_job *j, const struct step *s)
 	size_t bytes = filter_pixels(i) * sizeof(float);
 	float sigma = fmaxf(k->sigma_px * j->px, 0.3f),
 	      *plane = filter_room_part(j->room, 4, bytes);
-	struct dog_pass p = {
-		.j = j,
-		.step = k,
-	};
-	p.solid = filter_solidity(j, 6);
+	struct dog_pass p = { .j = j, .step = k, .solid = filter_solidity(j, 6) };
 	filter_lightness_plane(j, plane);
 	if (k->flow_px > 0) {
 		p.difference = along_flow(j, k, plane, sigma);

@@ -1,7 +1,34 @@
 #ifndef RENDER_FILTER_LANES_H
 #define RENDER_FILTER_LANES_H
-/* Powers of eight numbers at a time, for filters. All is inlined. */
+/* Eight pixels at a time, for filters: what acts at them, powers. All is inlined. */
 #include "process/lanes.h"
+#include "render/filter.h"
+
+/* Of a plane, beyond whose end nothing is read. */
+INLINE vf some(const float *from, size_t count)
+{
+	if (count == LANES)
+		return load(from);
+	vf ret = { 0 };
+	memcpy(&ret, from, count * sizeof *from);
+	return ret;
+}
+
+INLINE vi some_pixels(const uint8_t (*from)[4], size_t count)
+{
+	vi ret = { 0 };
+	memcpy(&ret, from, count * sizeof *from);
+	return ret;
+}
+
+/* filter_weight() */
+INLINE vf weight_of(const struct filter_job *j, int32_t where, size_t at, size_t count)
+{
+	if (!filter_is_weighted(j, where))
+		return all(1);
+	vf away = some(j->image.away + at, count), part = where == WHERE_AWAY ? away : 1 - away;
+	return 1 + j->f->focus.filters * (part - 1);
+}
 
 /* Of numbers above 0, within 0.0001. */
 INLINE vf log2_of(vf x)
