@@ -116,8 +116,8 @@ static inline float stroke_chance(uint32_t point, uint32_t salt)
 /* What a layer's strokes at full need weigh less for fading in: the mean of stroke_fade over ranks. */
 #define STROKE_FADE_MEAN 0.7213f
 /* Octaves of need that a point comes in over: one, and more of them near the eye, where a step changes need much. */
-#define STROKE_FADE_NEAR_M 20.f
-#define STROKE_FADE_MOST   5.f
+#define STROKE_FADE_NEAR_M 21.5f
+#define STROKE_FADE_MOST   5.66f
 static inline float stroke_fade_octaves(float depth_m)
 {
 	float octaves = STROKE_FADE_NEAR_M / depth_m;

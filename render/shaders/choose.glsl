@@ -157,7 +157,7 @@ float ray_most()
 /* That a point fades in over, and what need must be more for them (stroke.h). */
 float octaves_at(float depth_m)
 {
-	return clamp(20.0 / depth_m, 1.0, 5.0);
+	return clamp(21.5 / depth_m, 1.0, 5.66);
 }
 
 float more_of(float octaves)
