@@ -1,4 +1,5 @@
 /* Which points become strokes, along what, and whether they stay from frame to frame. */
+#include "render/gles-shaders.h"
 #include "tests/strokes-made.h"
 
 /* ---- from frame to frame ---- */
@@ -384,10 +385,19 @@ static void test_fade(void)
 	g_assert_cmpfloat(stroke_fade_octaves(1e-3f), ==, STROKE_FADE_MOST);
 }
 
+/* What parity would forgive: the shader fades as strokes do, by the same numbers. */
+static void test_fade_of_shader(void)
+{
+	g_autofree char *numbers = g_strdup_printf("FADE_NEAR_M = %g, FADE_MOST = %g;",
+		(double)STROKE_FADE_NEAR_M, (double)STROKE_FADE_MOST);
+	g_assert_nonnull(strstr(gles_shader_find("choose"), numbers));
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/stroke/fade", test_fade);
+	g_test_add_func("/stroke/fade-of-shader", test_fade_of_shader);
 	for (size_t i = 0; i < G_N_ELEMENTS(ways); i++) {
 		g_autofree char *path = g_strconcat("/stroke/stays/", ways[i].name, NULL);
 		g_test_add_data_func(path, &ways[i], test_stays);

@@ -154,10 +154,11 @@ float ray_most()
 	return length(vec3((lens.yz + shape.x / 2.0) / lens.x * rays.x, 1.0));
 }
 
-/* That a point fades in over, and what need must be more for them (stroke.h). */
+/* That a point fades in over, and what need must be more for them: STROKE_FADE_NEAR_M, STROKE_FADE_MOST and STROKE_FADE_MORE (stroke.h). */
+const float FADE_NEAR_M = 21.5, FADE_MOST = 5.66;
 float octaves_at(float depth_m)
 {
-	return clamp(21.5 / depth_m, 1.0, 5.66);
+	return clamp(FADE_NEAR_M / depth_m, 1.0, FADE_MOST);
 }
 
 float more_of(float octaves)
