@@ -21,7 +21,7 @@ typedef struct arguments {
 	int fd;
 	int port; /* of --kernel, or -1 */
 	char *listen_path, *plug;
-	gboolean poses, certificate, truth, light;
+	gboolean poses, certificate, truth, light, is_behind;
 	int columns, rows;
 	char *output;
 	char **descriptions;
@@ -132,7 +132,7 @@ static int tell_truth(const arguments *a, const char *description)
 	GError *error = NULL;
 	g_autoptr(truth) t = truth_new(description, &error);
 	struct truth_panorama panorama = { (uint32_t)a->columns, (uint32_t)a->rows, 50 * M_PI / 180,
-		-40 * M_PI / 180 };
+		-40 * M_PI / 180, a->is_behind };
 
 	bool (*write)(const truth *, const struct truth_panorama *, const char *, GError **) =
 		a->light ? truth_write_light : truth_write;
@@ -159,6 +159,8 @@ static bool parse(int *argc, char ***argv, arguments *a, GError **error)
 			"Print what the head tells of itself, as JSON", NULL },
 		{ "truth", 0, 0, G_OPTION_ARG_NONE, &a->truth,
 			"Write what the station sees, per cell of a panorama", NULL },
+		{ "behind-panes", 0, 0, G_OPTION_ARG_NONE, &a->is_behind,
+			"... with what stands behind panes in their place", NULL },
 		{ "light", 0, 0, G_OPTION_ARG_NONE, &a->light,
 			"Write what a camera should see, likewise", NULL },
 		{ "columns", 0, 0, G_OPTION_ARG_INT, &a->columns, "... of so many columns (3000)",
@@ -183,8 +185,8 @@ static bool makes_sense(const arguments *a)
 
 	return ways == 1 && a->port < 65535 && (a->port >= 0 || !a->plug) && a->descriptions &&
 	       g_strv_length(a->descriptions) == 1 &&
-	       (a->truth || a->light) == (a->output != NULL) && a->columns >= 1 &&
-	       a->columns <= 100000 && a->rows >= 1 && a->rows <= 100000;
+	       (a->truth || a->light) == (a->output != NULL) && a->truth >= a->is_behind &&
+	       a->columns >= 1 && a->columns <= 100000 && a->rows >= 1 && a->rows <= 100000;
 }
 
 static int run(const arguments *a, const char *description)

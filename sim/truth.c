@@ -59,7 +59,30 @@ const struct world_station *truth_station(const truth *t)
 	return &t->station;
 }
 
-struct truth_cell truth_look(const truth *t, double azimuth_rad, double elevation_rad)
+/* So many panes one behind the other are looked through, from just behind each. */
+#define PANES      6
+#define PANE_GAP_M 1e-3
+
+/* The first surface that is no pane; ret_surface->range_m is from where the first look began. */
+static bool cast_behind(const truth *t, const double direction[3], struct surface *ret_surface)
+{
+	double gone_m = 0;
+	for (int pane = 0; pane <= PANES; pane++) {
+		double from[3];
+		for (int k = 0; k < 3; k++)
+			from[k] = t->station.position_m[k] + gone_m * direction[k];
+		if (!world_cast(t->world, from, direction, t->limit_m - gone_m, ret_surface))
+			return false;
+		ret_surface->range_m += gone_m;
+		if (ret_surface->optics != WORLD_GLASS)
+			return true;
+		gone_m = ret_surface->range_m + PANE_GAP_M;
+	}
+	return false;
+}
+
+static struct truth_cell look(
+	const truth *t, double azimuth_rad, double elevation_rad, bool is_behind)
 {
 	const double(*r)[3] = t->station.rotation;
 	struct truth_cell cell = { 0 };
@@ -69,7 +92,10 @@ struct truth_cell truth_look(const truth *t, double azimuth_rad, double elevatio
 	beam_direction(azimuth_rad, elevation_rad, v);
 	for (int k = 0; k < 3; k++)
 		direction[k] = r[k][0] * v[0] + r[k][1] * v[1] + r[k][2] * v[2];
-	if (!world_cast(t->world, t->station.position_m, direction, t->limit_m, &s))
+	bool is_met =
+		is_behind ? cast_behind(t, direction, &s)
+			  : world_cast(t->world, t->station.position_m, direction, t->limit_m, &s);
+	if (!is_met)
 		return cell;
 	for (int k = 0; k < 3; k++)
 		cell.normal[k] = (float)(r[0][k] * s.normal[0] + r[1][k] * s.normal[1] +
@@ -81,6 +107,11 @@ struct truth_cell truth_look(const truth *t, double azimuth_rad, double elevatio
 	return cell;
 }
 
+struct truth_cell truth_look(const truth *t, double azimuth_rad, double elevation_rad)
+{
+	return look(t, azimuth_rad, elevation_rad, false);
+}
+
 void truth_look_around(const truth *t, const struct truth_panorama *p, struct truth_cell *ret_cells)
 {
 	double per_row = (p->elevation_max_rad - p->elevation_min_rad) / p->rows;
@@ -89,8 +120,8 @@ void truth_look_around(const truth *t, const struct truth_panorama *p, struct tr
 	for (uint32_t row = 0; row < p->rows; row++)
 		for (uint32_t column = 0; column < p->columns; column++)
 			ret_cells[(gsize)row * p->columns + column] =
-				truth_look(t, (column + 0.5) * 2 * M_PI / p->columns,
-					p->elevation_max_rad - (row + 0.5) * per_row);
+				look(t, (column + 0.5) * 2 * M_PI / p->columns,
+					p->elevation_max_rad - (row + 0.5) * per_row, p->is_behind);
 }
 
 static bool fail(const char *path, GError **error)

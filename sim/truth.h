@@ -26,6 +26,7 @@ struct truth_cell {
 struct truth_panorama {
 	uint32_t columns, rows;
 	double elevation_max_rad, elevation_min_rad;
+	bool is_behind; /* of panes: not they are told of, but what stands behind them */
 };
 
 typedef struct truth truth;

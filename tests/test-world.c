@@ -1,6 +1,7 @@
 /* Worlds: every scene is built, is the same for the same seed, and is fit to be scanned. */
 #include <math.h>
 
+#include "sim/truth.h"
 #include "sim/world.h"
 
 static const uint64_t seeds[] = { 1, 2, 7001 };
@@ -308,6 +309,31 @@ static void test_variants_that_are_not(void)
 	g_assert_nonnull(strstr(error->message, "no repeated hall"));
 }
 
+/* What stands behind panes is told where they are, and all else as it was. */
+static void test_behind_panes(void)
+{
+	enum { COLUMNS = 400, ROWS = 100 };
+	g_autoptr(truth) t = truth_new("court?seed=2", NULL);
+	struct truth_panorama p = { COLUMNS, ROWS, 50 * M_PI / 180, -40 * M_PI / 180, false };
+	g_autofree struct truth_cell *seen = g_new(struct truth_cell, COLUMNS * ROWS),
+				     *behind = g_new(struct truth_cell, COLUMNS * ROWS);
+	uint32_t panes = 0;
+	g_assert_nonnull(t);
+	truth_look_around(t, &p, seen);
+	p.is_behind = true;
+	truth_look_around(t, &p, behind);
+	for (uint32_t i = 0; i < COLUMNS * ROWS; i++) {
+		g_assert_cmpint(behind[i].optics, !=, WORLD_GLASS);
+		if (seen[i].optics != WORLD_GLASS) {
+			g_assert_cmpmem(&seen[i], sizeof *seen, &behind[i], sizeof *behind);
+			continue;
+		}
+		panes++;
+		g_assert_true(behind[i].range_m > seen[i].range_m || !(behind[i].range_m > 0));
+	}
+	g_assert_cmpuint(panes, >, 100);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -328,5 +354,6 @@ int main(int argc, char **argv)
 	g_test_add_func("/world/variant/repeated", test_repeated_street);
 	g_test_add_func("/world/variant/moved", test_moved_things);
 	g_test_add_func("/world/variant/none", test_variants_that_are_not);
+	g_test_add_func("/world/behind-panes", test_behind_panes);
 	return g_test_run();
 }
