@@ -39,7 +39,13 @@ static line_truth *ask_truth(const struct bench_scene *scene, const scan_graph *
 					       : NULL;
 		if (!light)
 			return NULL;
+		struct bench_truth_scan behind = { 0 };
+		if (!bench_truth_ask_behind(
+			    description, LINE_SCORE_COLUMNS, LINE_SCORE_ROWS, path, &behind, error))
+			return NULL;
 		line_truth_add(t, &seen, light, columns);
+		line_truth_add_behind(t, &seen, &behind);
+		g_free(behind.cell);
 		if (k == 1) {
 			struct pose back = pose_inverse(&scan_graph_scan((scan_graph *)g, 1)->pose);
 			*ret_to_truth = pose_compose(&seen.pose, &back);

@@ -26,11 +26,15 @@ struct bench_truth_cell {
 struct bench_truth_scan {
 	struct pose pose; /* scanner to world */
 	double elevation_max_rad, elevation_min_rad;
+	uint32_t columns, rows;
 	struct bench_truth_cell *cell; /* row by row; caller frees */
 };
 /* path: of a file that is written on the way. The simulator is the one beside this program, or that of PATH. */
 bool bench_truth_ask(const char *description, uint32_t columns, uint32_t rows, const char *path,
 	struct bench_truth_scan *ret, GError **error);
+/* Where a pane is, what stands behind it. */
+bool bench_truth_ask_behind(const char *description, uint32_t columns, uint32_t rows,
+	const char *path, struct bench_truth_scan *ret, GError **error);
 /* The radiance of each cell, red, green, blue, linear, 1: a white wall in the sun; caller frees. */
 float *bench_truth_light(
 	const char *description, uint32_t columns, uint32_t rows, const char *path, GError **error);

@@ -111,6 +111,12 @@ static double across(const double off[3], const double along[3])
 	return sqrt(square);
 }
 
+/* Whether what is so far away stands as far before or behind a face as faces are wide at least: an edge is between them. */
+static bool stands_off(const double off[3], const float normal[3])
+{
+	return fabs(dot(off, normal)) >= (double)FACE_M;
+}
+
 /* Whether the face of the cell goes on for a while, away from the edge. Where cells lie aslant of an edge they run along it for long:
  * its direction, where it is known (else 0 0 0), is what widths are measured across, in space and as the station sees it. */
 static bool goes_on(const struct station *s, uint32_t row, uint32_t column, int down, int right,
@@ -135,6 +141,8 @@ static bool goes_on(const struct station *s, uint32_t row, uint32_t column, int 
 			off[c] = at[c] - from[c];
 			turn[c] -= ahead[c];
 		}
+		if (stands_off(off, s->cell[i].normal))
+			return false;
 		if (across(off, along) >= (double)FACE_M &&
 			across(turn, seen) >= (cells - 0.5) * s->grid->row_rad)
 			return true;
@@ -212,8 +220,9 @@ static bool stands_out(const struct station *s, size_t i, size_t k)
 		return true;
 	point(s, i, p);
 	point(s, k, q);
-	return s->cell[k].range_m > s->cell[i].range_m &&
-	       fabs(dot(q, s->cell[i].normal) - dot(p, s->cell[i].normal)) >= (double)FACE_M;
+	for (int c = 0; c < 3; c++)
+		q[c] -= p[c];
+	return s->cell[k].range_m > s->cell[i].range_m && stands_off(q, s->cell[i].normal);
 }
 
 static void add_creases(line_truth *t, const struct station *s, uint32_t row, uint32_t column)
@@ -280,29 +289,37 @@ static bool is_leaf(const struct station *s, uint32_t row, uint32_t column)
 	return vector3_length(sum) < 0.85f * (float)count;
 }
 
+static void add_spot(line_truth *t, const struct station *s, size_t i)
+{
+	double at[3];
+	struct spot spot = { .cell_m = s->cell[i].range_m * (float)s->grid->row_rad };
+	point(s, i, at);
+	pose_apply(&s->seen->pose, at, spot.at);
+	g_array_append_val(t->spots, spot);
+}
+
+static bool is_edge(const struct station *s, size_t i)
+{
+	return s->cell[i].range_m > 0 && s->mark[i] != FEATURE_TRUTH_SMOOTH;
+}
+
 static void add_cell(line_truth *t, const struct station *s, uint32_t row, uint32_t column)
 {
 	size_t i = (size_t)row * s->grid->columns + column;
-	enum feature_truth_mark mark = s->mark[i];
-	if (!(s->cell[i].range_m > 0) || mark == FEATURE_TRUTH_SMOOTH)
+	if (!is_edge(s, i))
 		return;
-	if (!is_leaf(s, row, column)) {
-		double at[3];
-		struct spot spot = { .cell_m = s->cell[i].range_m * (float)s->grid->row_rad };
-		point(s, i, at);
-		pose_apply(&s->seen->pose, at, spot.at);
-		g_array_append_val(t->spots, spot);
-	}
-	if (mark == FEATURE_TRUTH_CREASE)
+	if (!is_leaf(s, row, column))
+		add_spot(t, s, i);
+	if (s->mark[i] == FEATURE_TRUTH_CREASE)
 		add_creases(t, s, row, column);
-	if (mark == FEATURE_TRUTH_DEPTH)
+	if (s->mark[i] == FEATURE_TRUTH_DEPTH)
 		add_ends(t, s, row, column);
 }
 
 static range_grid *grid_of(const struct bench_truth_scan *seen)
 {
-	const struct panorama_desc desc = { LINE_SCORE_COLUMNS, LINE_SCORE_ROWS,
-		seen->elevation_min_rad, seen->elevation_max_rad };
+	const struct panorama_desc desc = { seen->columns, seen->rows, seen->elevation_min_rad,
+		seen->elevation_max_rad };
 	g_autoptr(panorama) p = panorama_new(&desc, NULL);
 	g_assert(p);
 	for (size_t i = 0; i < (size_t)desc.columns * desc.rows; i++) {
@@ -312,30 +329,57 @@ static range_grid *grid_of(const struct bench_truth_scan *seen)
 	return range_grid_from_panorama(p);
 }
 
+static void begin_station(
+	struct station *s, const struct bench_truth_scan *seen, const float *light)
+{
+	*s = (struct station){ .seen = seen, .grid = grid_of(seen) };
+	size_t cells = range_grid_cells(s->grid);
+	s->cell = g_new0(struct feature_truth, cells);
+	for (size_t i = 0; i < cells; i++) {
+		struct feature_truth *c = &s->cell[i];
+		c->range_m = seen->cell[i].range_m;
+		memcpy(c->normal, seen->cell[i].normal, sizeof c->normal);
+		if (light)
+			memcpy(c->rgb, &light[3 * i], sizeof c->rgb);
+		c->instance = seen->cell[i].instance;
+		c->is_plant = seen->cell[i].class == BENCH_TRUTH_VEGETATION;
+		c->is_glass = seen->cell[i].optics != 0;
+	}
+	s->mark = feature_truth_marks(s->grid, s->cell, 0.005f);
+}
+
+static void end_station(struct station *s)
+{
+	g_free(s->mark);
+	g_free(s->cell);
+	range_grid_free(s->grid);
+}
+
 void line_truth_add(line_truth *t, const struct bench_truth_scan *seen, const float *light,
 	uint32_t scan_columns)
 {
-	struct station s = {
-		.seen = seen, .grid = grid_of(seen), .scan_cell_rad = 2 * G_PI / scan_columns
-	};
-	size_t cells = range_grid_cells(s.grid);
-	s.cell = g_new0(struct feature_truth, cells);
-	for (size_t i = 0; i < cells; i++) {
-		s.cell[i].range_m = seen->cell[i].range_m;
-		memcpy(s.cell[i].normal, seen->cell[i].normal, sizeof s.cell[i].normal);
-		if (light)
-			memcpy(s.cell[i].rgb, &light[3 * i], sizeof s.cell[i].rgb);
-		s.cell[i].instance = seen->cell[i].instance;
-		s.cell[i].is_plant = seen->cell[i].class == BENCH_TRUTH_VEGETATION;
-		s.cell[i].is_glass = seen->cell[i].optics != 0;
-	}
-	s.mark = feature_truth_marks(s.grid, s.cell, 0.005f);
+	struct station s;
+	begin_station(&s, seen, light);
+	s.scan_cell_rad = 2 * G_PI / scan_columns;
 	for (uint32_t row = 1; row + 1 < s.grid->rows; row++)
 		for (uint32_t column = 0; column < s.grid->columns; column++)
 			add_cell(t, &s, row, column);
-	g_free(s.mark);
-	g_free(s.cell);
-	range_grid_free(s.grid);
+	end_station(&s);
+}
+
+void line_truth_add_behind(
+	line_truth *t, const struct bench_truth_scan *seen, const struct bench_truth_scan *behind)
+{
+	struct station s;
+	begin_station(&s, behind, NULL);
+	for (uint32_t row = 1; row + 1 < s.grid->rows; row++)
+		for (uint32_t column = 0; column < s.grid->columns; column++) {
+			size_t i = (size_t)row * s.grid->columns + column;
+			if (seen->cell[i].optics == BENCH_TRUTH_GLASS && is_edge(&s, i) &&
+				!is_leaf(&s, row, column))
+				add_spot(t, &s, i);
+		}
+	end_station(&s);
 }
 
 /* ---- straight edges ---- */

@@ -10,7 +10,8 @@
  *   cells of the scan wide away from it, or one that is so wide ends and stands out by 6 cm; and a station sees it whose cells are no larger
  *   there than 4 cm: by others nobody could tell a place to 2 cm. Covered: within 2 cm of the one or two lines that cover most of the edge.
  * - A line lies on an edge where within 2 cm, and one cell of the truth, there is a place of the truth that is not smooth and even,
- *   and is not of leaves. */
+ *   and is not of leaves; behind panes, too, for beams go through them.
+ * - A face goes on until what is next to it stands off by those 6 cm. */
 #include "process/bench-truth.h"
 #include "process/feature-score.h"
 #include "process/profile-lines.h"
@@ -24,10 +25,13 @@
 /* What all stations see; one owner. */
 typedef struct line_truth line_truth;
 line_truth *line_truth_new(void);
-/* From a panorama as the simulator tells it, of LINE_SCORE_COLUMNS x LINE_SCORE_ROWS cells. light: of each cell, red, green, blue; NULL:
- * edges of colour are none. scan_columns: of the scan, whose cells tell what is fine enough. */
+/* From a panorama as the simulator tells it, for the bench of LINE_SCORE_COLUMNS x LINE_SCORE_ROWS cells. light: of each cell, red, green,
+ * blue; NULL: edges of colour are none. scan_columns: of the scan, whose cells tell what is fine enough. */
 void line_truth_add(line_truth *t, const struct bench_truth_scan *seen, const float *light,
 	uint32_t scan_columns);
+/* What stands behind the panes that the station sees, of as many cells; lines may lie on its edges. */
+void line_truth_add_behind(
+	line_truth *t, const struct bench_truth_scan *seen, const struct bench_truth_scan *behind);
 void line_truth_free(line_truth *t); /* NULL is fine */
 G_DEFINE_AUTOPTR_CLEANUP_FUNC(line_truth, line_truth_free)
 
