@@ -550,12 +550,14 @@ static void keep_same(const struct settler *s, const struct profile_piece *seed,
 }
 
 void profile_piece_settle(const profile_around *all, const struct profile_piece *seed,
+	const struct profile_look *look,
 	bool (*is_known)(const struct profile_piece *p, const void *user_data),
 	const void *user_data, GArray *ret)
 {
 	struct settler s = {
 		.all = all, .seed = seed, .ret = ret, .is_known = is_known, .user_data = user_data
 	};
+	s.section.look = *look;
 	s.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 	s.section.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 	find_edges(&s);

@@ -22,6 +22,9 @@
 #define STEPS_SHARE   0.35f
 /* In a face, beside the piece: a gap of so many spacings ends it. */
 #define GAP_SPACINGS 2.5f
+/* One in so many of the points are left out by looks that leave some out, by chance. */
+#define SHARES 4u
+#define HASH   2654435761u
 /* So many points tell a section. */
 #define POINTS_MOST 3000u
 /* Their spacing is that of this part of them, the closest. */
@@ -187,6 +190,27 @@ static void add_view(
 				(struct profile_joint){ { face[n], face[n + 1] }, view->border[n] };
 }
 
+/* Which of the points are of the scan, less those that the look leaves out; returns how many. */
+static uint32_t points_of(const struct profile_section *s, int scan, uint32_t *ret)
+{
+	uint32_t count = 0;
+	for (guint i = 0; i < s->near->len; i++)
+		if (near_at(s, i)->scan == scan &&
+			!(s->look.left_out && 1 + (i * HASH >> 16) % SHARES == s->look.left_out))
+			ret[count++] = i;
+	return count;
+}
+
+/* The next one by its number; INT32_MAX: none. */
+static int next_scan(const struct profile_section *s, int scan)
+{
+	int next = INT32_MAX;
+	for (guint i = 0; i < s->near->len; i++)
+		if (near_at(s, i)->scan > scan)
+			next = MIN(next, near_at(s, i)->scan);
+	return next;
+}
+
 /* Scan after scan, by their numbers. */
 static void find_faces(const profile_around *all, struct profile_section *s)
 {
@@ -195,25 +219,18 @@ static void find_faces(const profile_around *all, struct profile_section *s)
 	s->faces = s->joints = 0;
 	s->is_guessed = false;
 	memset(s->face_of, PROFILE_NO_FACE, s->near->len + 1);
-	for (int scan = -1;;) {
-		int next = INT32_MAX;
-		uint32_t count = 0;
-		for (guint i = 0; i < s->near->len; i++)
-			if (near_at(s, i)->scan > scan)
-				next = MIN(next, near_at(s, i)->scan);
-		if (next == INT32_MAX)
-			return;
-		scan = next;
-		for (guint i = 0; i < s->near->len; i++)
-			if (near_at(s, i)->scan == scan)
-				which[count++] = i;
-		double from[3];
+	for (int scan = next_scan(s, -1); scan != INT32_MAX; scan = next_scan(s, scan)) {
+		uint32_t count = points_of(s, scan, which);
+		if (!count)
+			continue;
+		struct profile_viewer viewer = { .is_narrow_flat = s->look.is_narrow_flat,
+			.radius_m = s->radius_m,
+			.spacing_m = s->spacing_m };
 		struct profile_view view;
-		bool is_known = find_station(all, s, which, count, from);
-		s->is_guessed |= !is_known;
+		viewer.is_guessed = !find_station(all, s, which, count, viewer.from);
+		s->is_guessed |= viewer.is_guessed;
 		memset(part_of, PROFILE_NO_FACE, s->near->len + 1);
-		profile_view_look(s->near, which, count, from, !is_known, s->radius_m, s->spacing_m,
-			part_of, &view);
+		profile_view_look(s->near, which, count, &viewer, part_of, &view);
 		add_view(s, &view, part_of);
 	}
 }

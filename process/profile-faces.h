@@ -36,6 +36,7 @@ struct profile_joint {
 };
 
 struct profile_section {
+	struct profile_look look;
 	struct profile_frame frame;
 	GArray *near;     /* of struct profile_near */
 	uint8_t *face_of; /* of each of these */
@@ -49,7 +50,7 @@ struct profile_section {
 	struct profile_joint joint[PROFILE_JOINTS];
 	uint32_t joints;
 };
-/* s->near is an empty array of them, or one of before; clear it in the end. */
+/* s->look is set, and s->near an empty array of them, or one of before; clear it in the end. */
 void profile_section_look(
 	const profile_around *all, const struct profile_piece *p, struct profile_section *s);
 void profile_section_clear(struct profile_section *s);

@@ -1,4 +1,5 @@
 #include "process/profile-lines.h"
+#include "process/profile-agree.h"
 #include "process/profile-chain.h"
 #include "process/profile-cross.h"
 #include "process/profile-join.h"
@@ -7,11 +8,24 @@
 #include <string.h>
 
 #define LENGTH_LEAST_M 0.2f
+/* Of the work, when edges of all looks are found. */
+#define SETTLED_PART 0.97
 /* Pieces that are looked at side by side. */
 #define BATCH 32u
 /* What grew becomes edges, and those that are so much longer than what they were found by are found again by all of their length. */
-#define PASSES 4
+#define PASSES 3
 #define LONGER 1.3
+/* All of that once for each of these. */
+static const struct profile_look looks[] = {
+	{ false, 0 },
+	{ true, 0 },
+	{ true, 1 },
+	{ false, 2 },
+	{ true, 3 },
+	{ false, 4 },
+};
+#define LOOKS G_N_ELEMENTS(looks)
+_Static_assert(LOOKS <= PROFILE_AGREE_LOOKS, "a bit each");
 
 profile_lines *profile_lines_new(void)
 {
@@ -45,31 +59,32 @@ static void find_origin(const model *m, double ret_m[3])
 	}
 }
 
-static int by_length(const void *a, const void *b)
-{
-	const struct profile_piece *x = a, *y = b;
-	double m = profile_piece_length(x), n = profile_piece_length(y);
-	return m != n ? (m > n ? -1 : 1) : memcmp(x, y, sizeof *x);
-}
-
-/* Creases, then ends, before what else there is: where faces meet is known the best. */
-static int by_worth(const void *a, const void *b)
-{
-	const struct profile_piece *x = a, *y = b;
-	int rank[2] = { MIN(x->kind, PROFILE_MARK), MIN(y->kind, PROFILE_MARK) };
-	return rank[0] != rank[1] ? rank[0] - rank[1] : by_length(a, b);
-}
-
 static bool is_known(const struct profile_piece *p, const void *joiner)
 {
 	return profile_joiner_explains(joiner, p, true);
 }
 
-/* The longest first, some at a time: what these show explains many of those that come later. false: progress stopped it. */
-static bool settle(const profile_around *around, GArray *pieces, bool is_again,
-	profile_joiner *joiner, const struct profile_options *options)
+/* Of all passes of all looks, which and how far. */
+static bool tell(const struct profile_options *o, uint32_t look, int pass, double part)
 {
-	g_array_sort(pieces, is_again ? by_worth : by_length);
+	return !o->progress ||
+	       o->progress(PROFILE_GROWN_PART + (SETTLED_PART - PROFILE_GROWN_PART) *
+							(look + (pass + part) / PASSES) / LOOKS,
+		       o->user_data);
+}
+
+struct sight {
+	const profile_around *around;
+	const struct profile_options *options;
+	uint32_t look;
+};
+
+/* The longest first, some at a time: what these show explains many of those that come later. false: progress stopped it. */
+static bool settle(const struct sight *s, GArray *pieces, int pass, profile_joiner *joiner)
+{
+	const struct profile_options *options = s->options;
+	const bool is_again = pass > 0;
+	g_array_sort(pieces, is_again ? profile_piece_by_worth : profile_piece_by_length);
 	for (guint n = 0; n < pieces->len; n += BATCH) {
 		GArray *found[BATCH];
 		guint count = MIN(BATCH, pieces->len - n);
@@ -83,18 +98,18 @@ static bool settle(const profile_around *around, GArray *pieces, bool is_again,
 					profile_piece_length(p) < LONGER * (double)p->seen_m))
 				g_array_append_val(found[k], *p);
 			else if (!profile_joiner_explains(joiner, p, is_again))
-				profile_piece_settle(around, p, is_known, joiner, found[k]);
+				profile_piece_settle(
+					s->around, p, &looks[s->look], is_known, joiner, found[k]);
 		}
 		g_autoptr(GArray) edges = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
 		for (guint k = 0; k < count; k++) {
 			g_array_append_vals(edges, found[k]->data, found[k]->len);
 			g_array_unref(found[k]);
 		}
-		g_array_sort(edges, by_worth);
+		g_array_sort(edges, profile_piece_by_worth);
 		for (guint k = 0; k < edges->len; k++)
 			profile_joiner_add(joiner, &g_array_index(edges, struct profile_piece, k));
-		if (options->progress &&
-			!options->progress(0.4 + 0.55 * n / pieces->len, options->user_data))
+		if (!tell(options, s->look, pass, (double)n / pieces->len))
 			return false;
 	}
 	return true;
@@ -127,10 +142,44 @@ static profile_joiner *fit_rims(
 #pragma omp parallel for schedule(dynamic) if (!options->single_thread)
 	for (guint n = 0; n < pieces->len; n++)
 		profile_rim_fit(around, &g_array_index(pieces, struct profile_piece, n));
-	g_array_sort(pieces, by_worth);
+	g_array_sort(pieces, profile_piece_by_worth);
 	for (guint n = 0; n < pieces->len; n++)
 		profile_joiner_add(joiner, &g_array_index(pieces, struct profile_piece, n));
 	return joiner;
+}
+
+/* What one look makes of pieces that grew; NULL: progress stopped it. */
+static GArray *find_edges(const struct sight *s, const GArray *grown)
+{
+	g_autoptr(GArray) pieces = g_array_copy((GArray *)grown);
+	for (int pass = 0; pass < PASSES; pass++) {
+		g_autoptr(profile_joiner) joiner = profile_joiner_new(s->options);
+		if (!settle(s, pieces, pass, joiner))
+			return NULL;
+		g_array_unref(pieces);
+		pieces = profile_joiner_pieces(joiner);
+	}
+	g_autoptr(profile_joiner) joiner = fit_rims(s->around, pieces, s->options);
+	return profile_joiner_pieces(joiner);
+}
+
+/* Those of all looks, as far as they agree; NULL: progress stopped it. */
+static GArray *find_agreed(
+	const profile_around *around, const GArray *grown, const struct profile_options *options)
+{
+	GArray *found[LOOKS], *agreed = NULL;
+	uint32_t done = 0;
+	for (; done < LOOKS; done++) {
+		const struct sight sight = { around, options, done };
+		found[done] = find_edges(&sight, grown);
+		if (!found[done])
+			break;
+	}
+	if (done == LOOKS)
+		agreed = profile_agree(found, LOOKS, options->single_thread);
+	while (done > 0)
+		g_array_unref(found[--done]);
+	return agreed;
 }
 
 profile_lines *profile_lines_find(const model *m, const struct profile_options *options)
@@ -140,19 +189,16 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 	double origin_m[3];
 	find_origin(m, origin_m);
 	g_autoptr(profile_around) around = profile_around_new(m, origin_m, unit_m);
-	g_autoptr(GArray) pieces = profile_pieces_grow(m, origin_m, unit_m, &o);
-	for (int pass = 0; pieces && pass < PASSES; pass++) {
-		g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
-		if (!settle(around, pieces, pass > 0, joiner, &o))
-			return NULL;
-		g_array_unref(pieces);
-		pieces = profile_joiner_pieces(joiner);
-	}
-	if (!pieces)
+	g_autoptr(GArray) grown = profile_pieces_grow(m, origin_m, unit_m, &o);
+	g_autoptr(GArray) agreed = grown ? find_agreed(around, grown, &o) : NULL;
+	if (!agreed)
 		return NULL;
-	g_autoptr(profile_joiner) joiner = fit_rims(around, pieces, &o);
+	g_array_sort(agreed, profile_piece_by_worth);
+	g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
+	for (guint n = 0; n < agreed->len; n++)
+		profile_joiner_add(joiner, &g_array_index(agreed, struct profile_piece, n));
 	g_autoptr(GArray) whole = profile_joiner_pieces(joiner);
-	g_array_sort(whole, by_length);
+	g_array_sort(whole, profile_piece_by_length);
 	profile_cross_cut(whole, &o);
 	profile_lines *lines = profile_chain(whole, origin_m, &o);
 	to_metres(lines, unit_m);

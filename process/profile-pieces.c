@@ -19,6 +19,20 @@
 #define SEED_M         0.15
 #define SEED_SPACINGS  6.0
 
+int profile_piece_by_length(const void *a, const void *b)
+{
+	const struct profile_piece *x = a, *y = b;
+	double m = profile_piece_length(x), n = profile_piece_length(y);
+	return m != n ? (m > n ? -1 : 1) : memcmp(x, y, sizeof *x);
+}
+
+int profile_piece_by_worth(const void *a, const void *b)
+{
+	const struct profile_piece *x = a, *y = b;
+	int rank[2] = { MIN(x->kind, PROFILE_MARK), MIN(y->kind, PROFILE_MARK) };
+	return rank[0] != rank[1] ? rank[0] - rank[1] : profile_piece_by_length(a, b);
+}
+
 struct edge_point {
 	struct line_place on;
 	float spacing_m;
@@ -185,7 +199,7 @@ GArray *profile_pieces_grow(const model *m, const double origin_m[3], double uni
 			continue;
 		g_array_append_val(pieces, piece);
 		if (n % 4096 == 0 && options->progress &&
-			!options->progress(0.4 * n / count, options->user_data))
+			!options->progress(PROFILE_GROWN_PART * n / count, options->user_data))
 			return NULL;
 	}
 	return g_steal_pointer(&pieces);

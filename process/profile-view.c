@@ -25,6 +25,9 @@
 #define POINTS_LEAST      8.0
 /* Between a near face and one behind it beams meet both, and what they tell lies on a slope so steep, as narrow as a beam. */
 #define STEEP 4.0
+/* Of a part that is narrower than this, in spacings, where narrow ones are taken for flat. */
+#define NARROW_SPACINGS 2
+#define NARROW_SLOPE    1.25
 /* The slope of a part must be told as well as this; where two meet they differ by so much more. */
 #define SLOPE_ERROR  0.3
 #define SLOPE_NOISES 3.0
@@ -60,7 +63,7 @@ struct sweep {
 	double from[3], depth_m, to[2], y0;
 	float bin_m, radius_m;
 	int bins;
-	bool is_guessed;
+	bool is_guessed, is_narrow_flat;
 	uint32_t beams;
 	struct beam *beam;
 	double noise_m; /* of q */
@@ -190,6 +193,14 @@ struct best {
 	int from; /* of the part that ends here; -1: the bin before is of none */
 };
 
+/* Whether a part so many bins wide may slope like that. */
+static bool may_slope(const struct sweep *s, int bins, double slope)
+{
+	if (s->is_narrow_flat && bins < NARROW_SPACINGS * BINS_PER_SPACING)
+		return fabs(slope) <= NARROW_SLOPE;
+	return bins >= BINS_PER_SPACING || fabs(slope) < STEEP;
+}
+
 static void find_best(const struct sweep *s, struct best *best)
 {
 	double part_cost = (s->is_guessed ? GUESSED_COST : PART_COST) +
@@ -211,7 +222,7 @@ static void find_best(const struct sweep *s, struct best *best)
 			if (cost < best[to].cost &&
 				(!s->is_guessed || to - from >= GUESSED_WIDTH) &&
 				span.xx * SLOPE_ERROR * SLOPE_ERROR > s->noise_m * s->noise_m &&
-				(to - from >= BINS_PER_SPACING || fabs(span.b) < STEEP))
+				may_slope(s, to - from, span.b))
 				best[to] = (struct best){ cost, from };
 		}
 	}
@@ -349,18 +360,20 @@ static void set_border(const struct sweep *s, uint32_t n, struct profile_view *r
 	border->is_shadow[1] = !border->is_crease && step < -(double)SHADOW_M;
 }
 
-static bool begin(struct sweep *s, const double from[3], const uint32_t *which, uint32_t count,
-	float radius_m, float spacing_m)
+static bool begin(
+	struct sweep *s, const struct profile_viewer *viewer, const uint32_t *which, uint32_t count)
 {
-	s->depth_m = hypot(from[0], from[1]);
-	if (s->depth_m < 2 * (double)radius_m || count < POINTS_LEAST)
+	s->depth_m = hypot(viewer->from[0], viewer->from[1]);
+	if (s->depth_m < 2 * (double)viewer->radius_m || count < POINTS_LEAST)
 		return false;
-	memcpy(s->from, from, sizeof s->from);
+	s->is_guessed = viewer->is_guessed;
+	s->is_narrow_flat = viewer->is_narrow_flat;
+	memcpy(s->from, viewer->from, sizeof s->from);
 	for (int k = 0; k < 2; k++)
-		s->to[k] = -from[k] / s->depth_m;
-	s->y0 = -from[2];
-	s->radius_m = radius_m * 1.1f;
-	s->bin_m = fmaxf(spacing_m / BINS_PER_SPACING, 2 * s->radius_m / BINS);
+		s->to[k] = -s->from[k] / s->depth_m;
+	s->y0 = -s->from[2];
+	s->radius_m = viewer->radius_m * 1.1f;
+	s->bin_m = fmaxf(viewer->spacing_m / BINS_PER_SPACING, 2 * s->radius_m / BINS);
 	s->bins = MIN((int)ceilf(2 * s->radius_m / s->bin_m), BINS);
 	s->beam = g_new(struct beam, count);
 	s->beams = count;
@@ -370,12 +383,11 @@ static bool begin(struct sweep *s, const double from[3], const uint32_t *which, 
 }
 
 void profile_view_look(const GArray *near, const uint32_t *which, uint32_t count,
-	const double from[3], bool is_guessed, float radius_m, float spacing_m, uint8_t *part_of,
-	struct profile_view *ret)
+	const struct profile_viewer *viewer, uint8_t *part_of, struct profile_view *ret)
 {
-	struct sweep s = { .near = near, .is_guessed = is_guessed };
+	struct sweep s = { .near = near };
 	ret->parts = 0;
-	if (!begin(&s, from, which, count, radius_m, spacing_m))
+	if (!begin(&s, viewer, which, count))
 		return;
 	sum_up(&s);
 	s.noise_m = find_noise(&s);

@@ -31,10 +31,14 @@ struct profile_view {
 	struct profile_border border[PROFILE_VIEW_PARTS]; /* n: between part n and n + 1 */
 };
 
-/* which: of the points of near those that the station saw. from: the station, in the frame; guessed where none is known. part_of, of each of near: gets its part for
- * those of which, or stays as it is. */
+struct profile_viewer {
+	double from[3];      /* the station, in the frame */
+	bool is_guessed;     /* none is known */
+	bool is_narrow_flat; /* what is told by two rows of beams is taken for no steep face, but for the end of what is beside it */
+	float radius_m, spacing_m;
+};
+/* which: of the points of near those that the station saw. part_of, of each of near: gets its part for those of which, or stays as it is. */
 void profile_view_look(const GArray *near, const uint32_t *which, uint32_t count,
-	const double from[3], bool is_guessed, float radius_m, float spacing_m, uint8_t *part_of,
-	struct profile_view *ret);
+	const struct profile_viewer *viewer, uint8_t *part_of, struct profile_view *ret);
 
 #endif

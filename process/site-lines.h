@@ -12,7 +12,7 @@
 #include "process/profile-lines.h"
 
 #define SITE_LINES_KIND    "lines"
-#define SITE_LINES_VERSION 3
+#define SITE_LINES_VERSION 4
 
 char *site_lines_path(const char *site_path); /* caller frees */
 /* A copy in memory. Refused is what no writer writes: lines that share vertices, of fewer than two, places that are not
