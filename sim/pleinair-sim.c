@@ -185,7 +185,7 @@ static bool makes_sense(const arguments *a)
 
 	return ways == 1 && a->port < 65535 && (a->port >= 0 || !a->plug) && a->descriptions &&
 	       g_strv_length(a->descriptions) == 1 &&
-	       (a->truth || a->light) == (a->output != NULL) && a->truth >= a->is_behind &&
+	       (a->truth || a->light) == (a->output != NULL) && (a->truth || !a->is_behind) &&
 	       a->columns >= 1 && a->columns <= 100000 && a->rows >= 1 && a->rows <= 100000;
 }
 
