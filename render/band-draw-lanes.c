@@ -29,9 +29,10 @@ struct pen {
 	float reach_along, reach_across;
 	/* A row dy below the middle is inside from dy turn - reach to dy turn + reach: by its ends, and by its sides. */
 	float turn[2], reach[2];
-	float falloff;  /* of a sprite */
-	float strength; /* of a line */
-	float alpha;    /* what the kernel gives is multiplied by */
+	float falloff;    /* of a sprite */
+	float strength;   /* of a line */
+	float alpha;      /* what the kernel gives is multiplied by */
+	float shows_from; /* stroke_shows_from() */
 	/* Of a texture: the variant, and where a pixel is in it, along and across, in parts of texels: x dx + y dy + middle. */
 	const uint32_t *texels;
 	uint32_t texel_shift;
@@ -86,7 +87,8 @@ INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, en
 		.sine = s->along[1],
 		.half_length = s->half_length_px,
 		.half_width = s->half_width_px,
-		.alpha = s->alpha * unit_of(kernel) };
+		.alpha = s->alpha * unit_of(kernel),
+		.shows_from = stroke_shows_from(l, s) };
 	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
 	p.reach_along = p.half_length + soft;
 	p.reach_across = p.half_width + soft;
@@ -199,7 +201,7 @@ INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
 {
 	vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
-	return q * (vf) * (const vi_loose *)keys >= 1;
+	return q * (vf) * (const vi_loose *)keys >= p->shows_from;
 }
 
 INLINE void blend_at(const struct pen *p, enum band_blend blend, vf alpha,
@@ -278,7 +280,8 @@ INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum b
 		wf dx = (float)spot->left + 0.5f - p->s->x_px + wide_number;
 		wf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
 		wf depth = wide_load((const float *)(keys + spot->left));
-		drawn = _mm512_mask_cmp_ps_mask(drawn, q * depth, 1 + (wf){ 0 }, _CMP_GE_OQ);
+		drawn = _mm512_mask_cmp_ps_mask(
+			drawn, q * depth, p->shows_from + (wf){ 0 }, _CMP_GE_OQ);
 	}
 	wide_blend(p, blend, _mm512_maskz_mov_ps(drawn, alpha), ink, at + spot->left);
 }

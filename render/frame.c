@@ -43,7 +43,7 @@ float frame_most_per_px(const struct frame_layer *l)
 float frame_light_of(const struct frame_layer *l, float strokes_per_px)
 {
 	float ink = light_luminance(l->ink_linear);
-	return ink + (1 - ink) * expf(-FRAME_EVENLY * strokes_per_px * l->stroke_area_px);
+	return ink + (1 - ink) * expf(-frame_evenly(l) * strokes_per_px * l->stroke_area_px);
 }
 
 /* As good as wanted where that is well below most, and never above it: all that is more becomes more. */
@@ -69,7 +69,7 @@ static float per_px(const struct frame_layer *l, float light)
 	float ink = light_luminance(l->ink_linear);
 	float bare = (light - ink) / fmaxf(1 - ink, 1e-3f);
 	float number =
-		-logf(CLAMP(bare, 1e-4f, 1)) / fmaxf(FRAME_EVENLY * l->stroke_area_px, 1e-3f);
+		-logf(CLAMP(bare, 1e-4f, 1)) / fmaxf(frame_evenly(l) * l->stroke_area_px, 1e-3f);
 	return fminf(number, frame_most_per_px(l));
 }
 

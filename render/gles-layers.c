@@ -125,6 +125,7 @@ static void describe(const struct frame_layer *l, const struct gles_about *about
 	memcpy(ret->dithering_per_m2, l->dithering_per_m2, sizeof ret->dithering_per_m2);
 	memcpy(ret->own_way, l->own_way, sizeof l->own_way);
 	ret->own_way[2] = l->dithers_alone ? f->scene->dither_per_m2 : 0;
+	ret->own_way[3] = ink->reach_m;
 	memcpy(ret->turn, l->turn, sizeof ret->turn);
 	memcpy(ret->ink_linear, l->ink_linear, sizeof l->ink_linear);
 	memcpy(ret->colour, ink->ink, sizeof ink->ink);

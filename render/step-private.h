@@ -112,6 +112,10 @@ extern const struct step_parameter kuwahara_parameters[], anisotropic_parameters
 		NUMBER(ink_step, tone_levels, PART, 0, "",                                         \
 			"with the tone of the colour: how much lightness is stretched to all "     \
 			"that the site has")
+#define REACH_OVER                                                                                 \
+	NUMBER(ink_step, reach_m, RANGE(0, 10, 0, 1), 0, "m",                                      \
+		"how much nearer than the point may be what a stroke lies over, as among leaves; " \
+		"0: nothing that is nearer")
 #define SURROUNDINGS(grain)                                                                        \
 	NUMBER(ink_step, fade_m, RANGE(0, 100000, 0, 200), 0, "m",                                 \
 		"distance in which ink fades to half; 0: it does not"),                            \

@@ -111,6 +111,8 @@ struct ink_step {
 	float tone_levels; /* 0..1: how much lightness is stretched to what the site has, from dark to light */
 	float fade_m; /* distance in which ink fades to half; 0: does not */
 	float tooth;  /* 0..1: how much the paper's grain shows in it */
+	/* So much nearer than its point may be what a stroke lies over: leaves, that hang before others, hide points but not strokes. */
+	float reach_m;
 	int32_t over; /* not filtered, but drawn over what filters made */
 };
 

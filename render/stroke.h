@@ -64,7 +64,7 @@ void stroke_lists_free(stroke_list *lists, uint32_t layers); /* NULL is fine */
 /* Copies lie so much farther away than points are moved: their rows are farther apart than patches are long where beams graze. */
 #define COPY_REACH 1.3f
 /* Strokes that a point gives at most which stands for leaves or clutter: more of them fill its patch, and it looks like a board. */
-#define LEAVES_COPIES 4u
+#define LEAVES_COPIES 8u
 /* Parts of the patch that each copy lies farther than the one before, across and down, beginning again at its border: so they keep apart
  * from each other (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences"). */
 #define COPY_ACROSS 0.7548777f
@@ -152,6 +152,14 @@ static inline struct stroke_reach stroke_paint_reach(
 	if (slack > PAINT_ROUGH_MOST)
 		slack = PAINT_ROUGH_MOST;
 	return (struct stroke_reach){ 1 - slack, p->behind + p->behind_m * s->q + slack };
+}
+
+/* What 1/depth of a stroke, times the depth of a pixel, must be for it to show there: 1, but for what reaches over leaves. */
+#define STROKE_REACH_MOST 0.5f
+static inline float stroke_shows_from(const struct frame_layer *l, const struct stroke *s)
+{
+	float reach = l->ink.reach_m * s->q;
+	return 1 - (reach < STROKE_REACH_MOST ? reach : STROKE_REACH_MOST);
 }
 
 /* How much larger strokes must be to be as dark as wanted where need is more than there are points for. */

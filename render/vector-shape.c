@@ -176,7 +176,7 @@ static bool is_seen(
 		  ((float)row + 0.5f - s->y_px) * s->slope[1];
 	if (v->layer->paint)
 		return takes_paint(v, s, column, row, q);
-	return q * key_as_float(mask_key(v->mask, column, row)) >= 1;
+	return q * key_as_float(mask_key(v->mask, column, row)) >= stroke_shows_from(v->layer, s);
 }
 
 /* Of its breadth more than half. */

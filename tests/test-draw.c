@@ -256,6 +256,54 @@ static void test_hidden_segment(void)
 	picture_buffer_clear(&b);
 }
 
+/* A wall is drawn; a metre before its left half stands another one that is not. Dark pixels over that one. */
+static size_t dark_over(double reach_m)
+{
+	g_auto(made) m = made_new();
+	struct made_plane far = { .corner_m = { 100, 205, 3 },
+		.a_m = { 6, 0, 0 },
+		.b_m = { 0, 0, 3 },
+		.apart_m = 0.02,
+		.order = MADE_JITTERED,
+		.rgba = { 20, 20, 20, 255 } };
+	struct made_plane near = far;
+	near.corner_m[1] -= 1;
+	near.a_m[0] = 3;
+	near.leaf = MADE_LEAF + 1;
+	made_add_plane(&m, &far);
+	made_add_plane(&m, &near);
+	made_read(&m);
+	char number[G_ASCII_DTOSTR_BUF_SIZE];
+	g_autofree char *nodes = g_strdup_printf(
+		"\"site\":{\"steps\":[{\"step\":\"lines\",\"points\":\"all\",\"angle_deg\":0,"
+		"\"ink\":\"#000000\",\"length_px\":150,\"width_px\":9,\"degree\":0,\"opacity\":1,"
+		"\"reach_m\":%s}]},"
+		"\"Tree\":{\"steps\":[]}",
+		g_ascii_dtostr(number, sizeof number, reach_m));
+	g_autoptr(drawing) d = made_drawing(nodes);
+	static const double from[3] = { 103, 200, 4.5 }, to[3] = { 103, 205, 4.5 };
+	struct camera c = camera_look_at(from, to, 60, WIDTH, HEIGHT);
+	g_autoptr(frame) f = made_frame(m.scene, d, &c);
+	struct picture_buffer p = made_picture(f);
+	size_t dark = 0;
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH / 2 - 2; x++)
+			dark += at(&p, x, y)[1] < 220;
+	picture_buffer_clear(&p);
+	g_test_message("%zu dark pixels over what is nearer, reach %g m", dark, reach_m);
+	return dark;
+}
+
+/* Strokes lie over what is nearer by less than they reach, from points that are seen themselves. */
+static void test_reach(void)
+{
+	/* Some pixels of its border are open. */
+	g_assert_cmpuint(dark_over(0), <, 10);
+	g_assert_cmpuint(dark_over(0.5), <, 10);
+	g_assert_cmpuint(dark_over(1.5), >, 300);
+	g_assert_cmpuint(dark_over(1.5), <, HEIGHT * 20);
+}
+
 /* ---- paper ---- */
 
 static struct picture_buffer paper_alone(const char *paper, uint32_t width, uint32_t height)
@@ -414,6 +462,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/draw/order", test_order);
 	g_test_add_func("/draw/segments", test_segments);
 	g_test_add_func("/draw/hidden-segment", test_hidden_segment);
+	g_test_add_func("/draw/reach", test_reach);
 	g_test_add_func("/draw/paper", test_paper);
 	g_test_add_func("/draw/grain", test_grain);
 	g_test_add_func("/draw/reduced", test_reduced);

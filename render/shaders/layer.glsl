@@ -6,7 +6,7 @@ layout(std140, binding = 1) uniform Layer {
 	vec4 opacity;     /* opacity, opacity_variation, degree, fade_m */
 	vec4 wanted_most; /* of each kind, where rays are as long as the depth */
 	vec4 ink_linear;
-	vec4 own_way;    /* cosine and sine of its own angle, on the screen; dithering points to a square metre of black, where they are without others; else 0 */
+	vec4 own_way;    /* cosine and sine of its own angle, on the screen; dithering points to a square metre of black, where they are without others, else 0; reach_m */
 	vec4 turns[128]; /* cosine and sine of 256 turns within its variation */
 	vec4 texels;  /* of the texture: length, width, variants; how the layer is lit: enum frame_lit */
 	uvec4 which;  /* bits of kinds, from 8 on of those together; dithering with tone; bits of kinds along lines; in points' colours */

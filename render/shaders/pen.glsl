@@ -1,5 +1,5 @@
 /* A stroke, ready to be drawn, and what it leaves in a pixel (band_ink). */
-const float COVERS = 0.25, PLANE_ROUGH = 0.6, ROUGH_MOST = 0.06, LAYS = 64.0;
+const float COVERS = 0.25, PLANE_ROUGH = 0.6, ROUGH_MOST = 0.06, LAYS = 64.0, REACH_MOST = 0.5;
 
 struct pen {
 	vec4 place;  /* x y, cosine, sine */
@@ -52,7 +52,8 @@ float alpha_at(pen p, vec2 middle)
 	vec2 from = middle - p.place.xy;
 	float alpha = thick_at(p, from) * p.body.z;
 	uint key = texelFetch(mask_keys, ivec2(middle), 0).r;
-	return q_at(p, from) * uintBitsToFloat(key) < 1.0 ? 0.0 : alpha;
+	float shows_from = 1.0 - min(own_way.w * p.plane.x, REACH_MOST);
+	return q_at(p, from) * uintBitsToFloat(key) < shows_from ? 0.0 : alpha;
 }
 
 /* What that much leaves of what is below, of each channel. */
