@@ -6,21 +6,34 @@
 #define ASKED    64u
 
 /* What beams were wide that met the leaves that are seen is so many times what these cover: LAYERS around^DENSER spacing_m^FINER. It holds
- * within a tenth for tiles of trees of two simulated courtyards and a bridge, less by a factor with which strokes there are as dark as
- * wanted (bench coherence). Nothing else that a chunk tells says more: how thick leaves hang, how they lie, how many scans met them. */
-#define LAYERS 0.38f
-#define DENSER 0.3f
-#define FINER  0.2f
-#define LEAST  0.6f
-#define MOST   1.6f
+ * within a tenth for tiles of trees of two simulated courtyards and two bridges, so that there are as many strokes as are wanted (bench
+ * coherence). Nothing else that a chunk tells says more: how thick leaves hang, how they lie, how many scans met them; nor does a look at
+ * the chunk alone from all sides, for others stand before it. */
+#define LAYERS 0.93f
+#define DENSER 0.35f
+#define FINER  0.4f
+#define LEAST  0.8f
+#define MOST   2.2f
 
-/* A cloud's points tell the room around each, not their beams (process/part-point.c): however many they are, so much is seen of them. In a
- * forest and in trees of a town measured from the air they stand for some 1.7 to 2.1 times what they cover. */
-#define CLOUD 2.0f
+/* A cloud's points tell the room around each, not their beams (process/part-point.c): however many they are, CLOUD spacing_m^-CLOUD_FINER
+ * is seen of them. Fitted to a forest, and to trees of a town measured from the air. */
+#define CLOUD       2.0f
+#define CLOUD_FINER 0.085f
+
+/* Where so large a part of a chunk's points has no direction, what looks like surface is leaves too. */
+#define FOLIAGE 0.25f
 
 static bool is_leaf(const scene *s, uint32_t point)
 {
 	return s->kind[point] == FEATURE_UNDIRECTED;
+}
+
+static uint32_t count_leaves(const scene *s, const struct scene_chunk *c)
+{
+	uint32_t ret = 0;
+	for (uint32_t i = c->first; i < c->first + c->count; i++)
+		ret += is_leaf(s, i);
+	return ret;
 }
 
 /* ---- how many there are around ---- */
@@ -73,18 +86,21 @@ static bool is_cloud(const scene *s, const struct scene_chunk *c, const struct m
 	return is;
 }
 
-static float count_layers(const scene *s, const struct scene_chunk *c, float spacing_m)
+static float count_layers(
+	const scene *s, const struct scene_chunk *c, const struct model_point *p, float spacing_m)
 {
+	if (is_cloud(s, c, p))
+		return CLOUD * powf(spacing_m, -CLOUD_FINER);
 	float layers = LAYERS * powf(mean_around(s, c), DENSER) * powf(spacing_m, FINER);
 	return CLAMP(layers, LEAST, MOST);
 }
 
-/* What their beams were wide; the mean is returned, of all that the part stands for, and 0 where there are none. */
-static float narrow(scene *s, const struct scene_chunk *c, const struct model_point *p)
+/* What their beams were wide; the mean is returned, of all that the part stands for. */
+static float narrow(
+	scene *s, const struct scene_chunk *c, const struct model_point *p, uint32_t leaves)
 {
 	const float larger = SCENE_UNIT_M / (s->unit_m * sqrtf(c->part));
 	double sum = 0;
-	uint32_t leaves = 0;
 	for (uint32_t i = 0; i < c->count; i++) {
 		uint16_t *spacing = &s->spacing[c->first + i];
 		if (!is_leaf(s, c->first + i))
@@ -92,19 +108,20 @@ static float narrow(scene *s, const struct scene_chunk *c, const struct model_po
 		if (p[i].size < UINT16_MAX) /* else it is what no model can say */
 			*spacing = (uint16_t)CLAMP(p[i].size * larger + 0.5f, 1, *spacing);
 		sum += *spacing;
-		leaves++;
 	}
-	return leaves ? (float)(sum / leaves) * s->unit_m * sqrtf(c->part) : 0;
+	return (float)(sum / leaves) * s->unit_m * sqrtf(c->part);
 }
 
 void scene_foliage_chunk(scene *s, const struct scene_chunk *c, const struct model_point *p)
 {
-	float spacing_m = narrow(s, c, p);
-	if (spacing_m == 0)
+	uint32_t leaves = count_leaves(s, c);
+	if (!leaves)
 		return;
-	float shorter = 1 / sqrtf(is_cloud(s, c, p) ? CLOUD : count_layers(s, c, spacing_m));
+	bool all = (float)leaves >= FOLIAGE * (float)c->count;
+	float spacing_m = narrow(s, c, p, leaves),
+	      shorter = 1 / sqrtf(count_layers(s, c, p, spacing_m));
 	for (uint32_t i = c->first; i < c->first + c->count; i++)
-		if (is_leaf(s, i))
+		if (is_leaf(s, i) || (all && s->kind[i] < FEATURE_UNDIRECTED))
 			s->spacing[i] =
 				(uint16_t)CLAMP(s->spacing[i] * shorter + 0.5f, 1, UINT16_MAX);
 }

@@ -8,7 +8,7 @@ layout(std430, binding = 4) readonly buffer Lists {
 /* The copy of a point (stroke.h) that is looked at. */
 uint copy = 0u;
 
-const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u, LEAVES_COPIES = 4u;
+const uint DITHER = 1u, UNDIRECTED = 2u, DIRECTED = 3u, LEAVES_COPIES = 8u;
 const uint SALT_LENGTH = 1u, SALT_ANGLE = 2u, SALT_OPACITY = 3u, SALT_VARIANT = 4u, SALT_ACROSS = 5u, SALT_DOWN = 6u, SALTS = 8u;
 const float COSINE_LEAST = 0.1, COSINE_UNKNOWN = 1.0, FORESHORTENED = 0.25;
 const float ALPHA_LEAST = 1.0 / 255.0, COPY_REACH = 1.3, FADE_MEAN = 0.7213;
