@@ -211,7 +211,7 @@ uint32_t frame_threads(const frame *f);
 /* So much more do strokes cover than if they fell by chance: they stand more evenly, so fewer lie on others (measured). */
 #define FRAME_EVENLY 1.04f
 /* Of strokes among leaves, that is with reach_m: some of each is hidden, and leaves have gaps between them (measured). */
-#define FRAME_AMONG_LEAVES 0.8f
+#define FRAME_AMONG_LEAVES 0.785f
 static inline float frame_evenly(const struct frame_layer *l)
 {
 	return l->ink.reach_m > 0 ? FRAME_AMONG_LEAVES : FRAME_EVENLY;
