@@ -117,11 +117,11 @@ void scene_foliage_chunk(scene *s, const struct scene_chunk *c, const struct mod
 	uint32_t leaves = count_leaves(s, c);
 	if (!leaves)
 		return;
-	bool all = (float)leaves >= FOLIAGE * (float)c->count;
+	bool is_foliage = (float)leaves >= FOLIAGE * (float)c->count;
 	float spacing_m = narrow(s, c, p, leaves),
 	      shorter = 1 / sqrtf(count_layers(s, c, p, spacing_m));
 	for (uint32_t i = c->first; i < c->first + c->count; i++)
-		if (is_leaf(s, i) || (all && s->kind[i] < FEATURE_UNDIRECTED))
+		if (is_leaf(s, i) || (is_foliage && s->kind[i] < FEATURE_UNDIRECTED))
 			s->spacing[i] =
 				(uint16_t)CLAMP(s->spacing[i] * shorter + 0.5f, 1, UINT16_MAX);
 }
