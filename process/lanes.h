@@ -13,14 +13,25 @@
 #include <xmmintrin.h>
 #endif
 
+/* Files that say so before are built with sixteen lanes where vectors are that wide; nothing that has lanes may pass between them and
+ * others. */
+#if defined LANES_MAY_BE_WIDE && defined __AVX512VBMI__
+#define LANES      16
+#define LANES_WIDE 1
+#else
 #define LANES 8
+#endif
+#define LANES_BYTES (4 * LANES)
 
-typedef float vf __attribute__((vector_size(32)));
-typedef int32_t vi __attribute__((vector_size(32)));
-typedef float vf_loose __attribute__((vector_size(32), aligned(4), may_alias));
-typedef int32_t vi_loose __attribute__((vector_size(32), aligned(4), may_alias));
-typedef uint32_t vu __attribute__((vector_size(32)));
-typedef int64_t vl __attribute__((vector_size(32)));
+typedef float vf __attribute__((vector_size(LANES_BYTES)));
+typedef int32_t vi __attribute__((vector_size(LANES_BYTES)));
+typedef float vf_loose __attribute__((vector_size(LANES_BYTES), aligned(4), may_alias));
+typedef int32_t vi_loose __attribute__((vector_size(LANES_BYTES), aligned(4), may_alias));
+typedef uint32_t vu __attribute__((vector_size(LANES_BYTES)));
+typedef int64_t vl __attribute__((vector_size(LANES_BYTES)));
+
+/* The bits of all lanes. */
+#define LANES_ALL ((1u << LANES) - 1)
 
 #define INLINE static inline __attribute__((always_inline))
 
@@ -34,16 +45,28 @@ INLINE void store(float *at, vf x)
 	*(vf_loose *)at = x;
 }
 
-/* Sixteen in a row, apart and together again: those at even places, those at odd ones. */
+/* Two vectors in a row, apart and together again: those at even places, those at odd ones. */
 INLINE vf evens(vf a, vf b)
 {
+#if defined LANES_WIDE
+	return __builtin_shufflevector(
+		a, b, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+#else
 	return __builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14);
+#endif
 }
 
 INLINE vf odds(vf a, vf b)
 {
+#if defined LANES_WIDE
+	return __builtin_shufflevector(
+		a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+#else
 	return __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+#endif
 }
+
+#if !defined LANES_WIDE
 
 INLINE vf first_half(vf even, vf odd)
 {
@@ -54,6 +77,7 @@ INLINE vf second_half(vf even, vf odd)
 {
 	return __builtin_shufflevector(even, odd, 4, 12, 5, 13, 6, 14, 7, 15);
 }
+#endif
 
 INLINE vi load_mask(const int32_t *at)
 {
@@ -67,7 +91,7 @@ INLINE void store_mask(int32_t *at, vi mask)
 
 INLINE vf choose(vi mask, vf yes, vf no)
 {
-#if defined __AVX2__
+#if defined __AVX2__ && !defined LANES_WIDE
 	return _mm256_blendv_ps(no, yes, (vf)mask);
 #else
 	return (vf)(((vi)yes & mask) | ((vi)no & ~mask));
@@ -82,7 +106,9 @@ INLINE vf where(vi mask, vf x)
 /* b where one of them is no number. */
 INLINE vf least(vf a, vf b)
 {
-#if defined __AVX2__
+#if defined LANES_WIDE
+	return _mm512_min_ps(a, b);
+#elif defined __AVX2__
 	return _mm256_min_ps(a, b);
 #else
 	return choose(a < b, a, b);
@@ -91,7 +117,9 @@ INLINE vf least(vf a, vf b)
 
 INLINE vf most(vf a, vf b)
 {
-#if defined __AVX2__
+#if defined LANES_WIDE
+	return _mm512_max_ps(a, b);
+#elif defined __AVX2__
 	return _mm256_max_ps(a, b);
 #else
 	return choose(a > b, a, b);
@@ -138,7 +166,18 @@ INLINE vf root(vf x)
 /* Of four bytes each, which need not be aligned; bytes: from one place to the next. */
 INLINE vi gather(const void *from, vi at, int bytes)
 {
-#if defined __AVX2__
+#if defined LANES_WIDE
+	if (bytes == 8)
+		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 8);
+	if (bytes == 4)
+		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 4);
+	if (bytes == 2)
+		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 2);
+	if (bytes == 1)
+		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 1);
+#elif defined __AVX2__
+	if (bytes == 8)
+		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 8);
 	if (bytes == 4)
 		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 4);
 	if (bytes == 2)
@@ -152,26 +191,41 @@ INLINE vi gather(const void *from, vi at, int bytes)
 	return ret;
 }
 
-/* Two of four bytes each that lie side by side, from at on. */
-INLINE void gather_pairs(const int32_t *from, vi at, vi *ret_first, vi *ret_second)
+/* Two of four bytes each that lie side by side; bytes: from one place to the next, 4 or 8. */
+INLINE void gather_pairs(const void *from, vi at, int bytes, vi *ret_first, vi *ret_second)
 {
-#if defined __AVX2__
-	__m256i low = _mm256_i32gather_epi64(
-		(const long long *)from, _mm256_castsi256_si128((__m256i)at), 4);
-	__m256i high = _mm256_i32gather_epi64(
-		(const long long *)from, _mm256_extracti128_si256((__m256i)at, 1), 4);
+#if defined LANES_WIDE
+	__m256i first = _mm512_castsi512_si256((__m512i)at),
+		second = _mm512_extracti64x4_epi64((__m512i)at, 1);
+	__m512i low = bytes == 4 ? _mm512_i32gather_epi64(first, from, 4)
+				 : _mm512_i32gather_epi64(first, from, 8);
+	__m512i high = bytes == 4 ? _mm512_i32gather_epi64(second, from, 4)
+				  : _mm512_i32gather_epi64(second, from, 8);
+	*ret_first = (vi)evens((vf)low, (vf)high);
+	*ret_second = (vi)odds((vf)low, (vf)high);
+#elif defined __AVX2__
+	const long long *pairs = from;
+	__m128i first = _mm256_castsi256_si128((__m256i)at),
+		second = _mm256_extracti128_si256((__m256i)at, 1);
+	__m256i low = bytes == 4 ? _mm256_i32gather_epi64(pairs, first, 4)
+				 : _mm256_i32gather_epi64(pairs, first, 8);
+	__m256i high = bytes == 4 ? _mm256_i32gather_epi64(pairs, second, 4)
+				  : _mm256_i32gather_epi64(pairs, second, 8);
 	*ret_first = (vi)evens((vf)low, (vf)high);
 	*ret_second = (vi)odds((vf)low, (vf)high);
 #else
-	*ret_first = gather(from, at, 4);
-	*ret_second = gather(from + 1, at, 4);
+	*ret_first = gather(from, at, bytes);
+	*ret_second = gather((const char *)from + 4, at, bytes);
 #endif
 }
 
 /* Which lane comes where when those of the bits are put side by side, in front; behind them any. */
 INLINE vi order_of(unsigned which)
 {
-#if defined __AVX512VL__
+#if defined LANES_WIDE
+	return (vi)_mm512_maskz_compress_epi32((__mmask16)which,
+		_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+#elif defined __AVX512VL__
 	return (vi)_mm256_maskz_compress_epi32(
 		(__mmask8)which, _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
 #else
@@ -184,7 +238,9 @@ INLINE vi order_of(unsigned which)
 
 INLINE vf put_in_order(vf x, vi order)
 {
-#if defined __AVX2__
+#if defined LANES_WIDE
+	return _mm512_permutexvar_ps((__m512i)order, x);
+#elif defined __AVX2__
 	return _mm256_permutevar8x32_ps(x, (__m256i)order);
 #else
 	vf ret;
@@ -197,7 +253,11 @@ INLINE vf put_in_order(vf x, vi order)
 INLINE vf all(float x)
 {
 	vf one = { x };
+#if defined LANES_WIDE
+	return __builtin_shufflevector(one, one, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+#else
 	return __builtin_shufflevector(one, one, 0, 0, 0, 0, 0, 0, 0, 0);
+#endif
 }
 
 INLINE vf clamp01(vf x)
@@ -205,17 +265,21 @@ INLINE vf clamp01(vf x)
 	return least(most(x, all(0)), all(1));
 }
 
+#if !defined LANES_WIDE
 INLINE float largest(vf x)
 {
 	x = most(x, __builtin_shufflevector(x, x, 4, 5, 6, 7, 0, 1, 2, 3));
 	x = most(x, __builtin_shufflevector(x, x, 2, 3, 0, 1, 6, 7, 4, 5));
 	return x[0] > x[1] ? x[0] : x[1];
 }
+#endif
 
 /* A bit for each lane; masks are all ones or all zeros. */
 INLINE unsigned bits(vi mask)
 {
-#if defined __AVX2__
+#if defined LANES_WIDE
+	return _mm512_movepi32_mask((__m512i)mask);
+#elif defined __AVX2__
 	return (unsigned)_mm256_movemask_ps((vf)mask);
 #elif defined __SSE2__
 	__m128 low = (__m128)__builtin_shufflevector(mask, mask, 0, 1, 2, 3),
@@ -231,7 +295,9 @@ INLINE unsigned bits(vi mask)
 
 INLINE bool any(vi mask)
 {
-#if defined __SSE2__
+#if defined LANES_WIDE
+	return bits(mask) != 0;
+#elif defined __SSE2__
 	return _mm_movemask_ps((__m128)(__builtin_shufflevector(mask, mask, 0, 1, 2, 3) |
 					__builtin_shufflevector(mask, mask, 4, 5, 6, 7))) != 0;
 #else

@@ -73,8 +73,8 @@ static void add_point(const struct cells *c, const visibility_mask *m, const str
 	float at[3];
 	uint32_t point = v->chunk->first + i;
 	for (int k = 0; k < 3; k++)
-		at[k] = v->base[k] + s->q[0][point] * v->axis[0][k] +
-			s->q[1][point] * v->axis[1][k] + s->q[2][point] * v->axis[2][k];
+		at[k] = v->base[k] + s->place[point].q[0] * v->axis[0][k] +
+			s->place[point].q[1] * v->axis[1][k] + s->place[point].q[2] * v->axis[2][k];
 	if (!(at[2] > camera->near_m))
 		return;
 	float scale = (float)camera->focal_px / camera_scale_f(camera, at[2]);

@@ -66,13 +66,13 @@ INLINE vf find_in_slab(const struct brush *b, uint32_t i, uint32_t end, struct l
 {
 	const scene *s = b->f->scene;
 	uint32_t at = b->view->chunk->first + i;
-	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
-	struct lane_points l = project_lanes(b->view, q, &b->lens);
+	struct lane_places p = load_places(s->place + at);
+	struct lane_points l = project_lanes(b->view, p.q, &b->lens);
 	c->point = (int32_t)at + (vi){ 0, 1, 2, 3, 4, 5, 6, 7 };
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
-	c->spacing_m = load_u16(s->spacing + at) * s->unit_m;
+	c->spacing_m = p.spacing * s->unit_m;
 	vf thick_m = thickness_of(b, c->spacing_m);
 	vf reach = b->layer->ink.length_px + 4 * thick_m * l.px_per_m;
 	c->left = bits((l.depth_m >= b->lens.near_m) & (l.depth_m <= b->lens.near_m + thick_m) &

@@ -179,14 +179,14 @@ INLINE bool disc_lanes_place(const scene *s, const struct disc_pass *p, const st
 		return false;
 	}
 	disc = disc_sizes(disc);
-	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
-	struct lane_points l = project_lanes(v, q, &p->lens);
+	struct lane_places places = load_places(s->place + at);
+	struct lane_points l = project_lanes(v, places.q, &p->lens);
 	vf unit_px = l.px_per_m * s->unit_m;
 	d->x = l.x_px;
 	d->y = l.y_px;
 	d->depth_m = l.depth_m;
 	d->rank = ((float)i + 0.5f + lane_number) * p->per_rank;
-	d->drawn = size_lanes(p, load_u16(s->spacing + at) * unit_px, disc * unit_px, d);
+	d->drawn = size_lanes(p, places.spacing * unit_px, disc * unit_px, d);
 	if (p->has_planes)
 		d->drawn &= ~on_plane;
 	if (!p->is_inside)

@@ -74,8 +74,7 @@ static void take_points(const scene *s, uint32_t from, uint32_t count, void *to)
 #pragma omp parallel for schedule(static) if (count > FEW)
 	for (uint32_t n = 0; n < count; n++) {
 		uint32_t at = from + n;
-		out[n][0] = pair(s->q[0][at], s->q[1][at]);
-		out[n][1] = pair(s->q[2][at], s->spacing[at]);
+		memcpy(out[n], &s->place[at], 8);
 		out[n][2] = pair(s->disc[at], pair(s->degree[at], 0) | (uint32_t)s->kind[at] << 8);
 		memcpy(&out[n][3], s->normal[at], 4);
 	}

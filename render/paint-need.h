@@ -37,10 +37,10 @@ INLINE vf zigzag(vf x)
 INLINE vf wave_at(const struct brush *b, uint32_t at)
 {
 	const struct scene_chunk *c = b->view->chunk;
+	struct lane_places p = load_places(b->f->scene->place + at);
 	vf m[3];
 	for (int k = 0; k < 3; k++)
-		m[k] = c->centre_m[k] - c->half_m[k] +
-		       c->step_m[k] * load_u16(b->f->scene->q[k] + at);
+		m[k] = c->centre_m[k] - c->half_m[k] + c->step_m[k] * p.q[k];
 	return 0.5f * zigzag(0.11f * m[0] + 0.07f * m[1] + 0.05f * m[2]) +
 	       0.5f * zigzag(0.31f * m[1] - 0.23f * m[0] + 0.19f * m[2]);
 }

@@ -6,7 +6,11 @@
 #include "render/lens.h"
 #include "render/scene-planes.h"
 
+#if defined LANES_WIDE
+static const vf lane_number = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15 };
+#else
 static const vf lane_number = { 0, 1, 2, 3, 4, 5, 6, 7 };
+#endif
 
 struct lane_points {
 	vf x_px, y_px, depth_m, px_per_m;
@@ -25,7 +29,7 @@ INLINE struct lane_points project_lanes(
 		at[2], scale };
 }
 
-typedef uint16_t vs_loose __attribute__((vector_size(16), aligned(2), may_alias));
+typedef uint16_t vs_loose __attribute__((vector_size(2 * LANES), aligned(2), may_alias));
 
 /* Eight in a row. */
 INLINE vi load_u16_whole(const uint16_t *at)
@@ -33,7 +37,7 @@ INLINE vi load_u16_whole(const uint16_t *at)
 	return __builtin_convertvector(*(const vs_loose *)at, vi);
 }
 
-typedef uint8_t vb_row __attribute__((vector_size(8), aligned(1), may_alias));
+typedef uint8_t vb_row __attribute__((vector_size(LANES), aligned(1), may_alias));
 
 INLINE vi load_u8_whole(const uint8_t *at)
 {
@@ -43,6 +47,35 @@ INLINE vi load_u8_whole(const uint8_t *at)
 INLINE vf load_u16(const uint16_t *at)
 {
 	return __builtin_convertvector(load_u16_whole(at), vf);
+}
+
+/* Of points in a row: their coordinates in the box and their spacing, in units. */
+struct lane_places {
+	vf q[3], spacing;
+};
+
+/* Of two words each. */
+INLINE struct lane_places places_apart(vi low, vi high)
+{
+	return (struct lane_places){ { __builtin_convertvector(low & UINT16_MAX, vf),
+					     __builtin_convertvector((vi)((vu)low >> 16), vf),
+					     __builtin_convertvector(high & UINT16_MAX, vf) },
+		__builtin_convertvector((vi)((vu)high >> 16), vf) };
+}
+
+INLINE struct lane_places load_places(const struct scene_place *at)
+{
+	vf first = load((const float *)(const void *)at),
+	   second = load((const float *)(const void *)(at + LANES / 2));
+	return places_apart((vi)evens(first, second), (vi)odds(first, second));
+}
+
+/* Of points anywhere. */
+INLINE struct lane_places gather_places(const struct scene_place *from, vi at)
+{
+	vi low, high;
+	gather_pairs(from, at, sizeof *from, &low, &high);
+	return places_apart(low, high);
 }
 
 /* Diameters of discs, without what marks those on planes (scene-planes.h). */

@@ -111,10 +111,11 @@ static void draw_side(scene_cover *w, const scene *s, const struct scene_chunk *
 	memset(w->shown, 0, sizeof w->shown);
 	for (uint32_t n = 0; n < w->points[side]; n++) {
 		struct claim *at = &w->of_side[side][n];
-		float edge_px = s->spacing[at->point] * s->unit_m * scale;
-		at->x_px =
-			fminf((float)s->q[across][at->point] * c->step_m[across] * scale, SIDE - 1);
-		at->y_px = fminf((float)s->q[down][at->point] * c->step_m[down] * scale, SIDE - 1);
+		float edge_px = s->place[at->point].spacing * s->unit_m * scale;
+		at->x_px = fminf(
+			(float)s->place[at->point].q[across] * c->step_m[across] * scale, SIDE - 1);
+		at->y_px = fminf(
+			(float)s->place[at->point].q[down] * c->step_m[down] * scale, SIDE - 1);
 		w->claimed[(int)at->y_px / BLOCK][(int)at->x_px / BLOCK] +=
 			edge_px * edge_px * at->facing;
 		cover_disc(w, at, s->disc[at->point] * (s->unit_m * DISC / 2) * scale);
@@ -148,10 +149,10 @@ static void widen_side(scene_cover *w, scene *s, int side)
 			longer[y][x] = sqrtf(area_at(w, x, y));
 	for (uint32_t n = 0; n < w->points[side]; n++) {
 		const struct claim *at = &w->of_side[side][n];
-		float wide = s->spacing[at->point] *
+		float wide = s->place[at->point].spacing *
 			     longer[(int)at->y_px / BLOCK][(int)at->x_px / BLOCK];
 		if (s->kind[at->point] < FEATURE_UNDIRECTED) /* edges and leaves are no surface */
-			s->spacing[at->point] =
+			s->place[at->point].spacing =
 				(uint16_t)fmaxf(fminf(wide + 0.5f, s->disc[at->point]), 1);
 	}
 }

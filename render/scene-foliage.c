@@ -46,7 +46,7 @@ static void find_places(const scene *s, const struct scene_chunk *c, struct plac
 {
 	for (int k = 0; k < 3; k++)
 		for (uint32_t i = 0; i < c->count; i++)
-			ret->at[k][i] = (float)s->q[k][c->first + i] * c->step_m[k];
+			ret->at[k][i] = (float)s->place[c->first + i].q[k] * c->step_m[k];
 }
 
 static uint32_t count_around(const struct places *p, uint32_t count, uint32_t of)
@@ -102,7 +102,7 @@ static float narrow(
 	const float larger = SCENE_UNIT_M / (s->unit_m * sqrtf(c->part));
 	double sum = 0;
 	for (uint32_t i = 0; i < c->count; i++) {
-		uint16_t *spacing = &s->spacing[c->first + i];
+		uint16_t *spacing = &s->place[c->first + i].spacing;
 		if (!is_leaf(s, c->first + i))
 			continue;
 		if (p[i].size < UINT16_MAX) /* else it is what no model can say */
@@ -122,6 +122,6 @@ void scene_foliage_chunk(scene *s, const struct scene_chunk *c, const struct mod
 	      shorter = 1 / sqrtf(count_layers(s, c, p, spacing_m));
 	for (uint32_t i = c->first; i < c->first + c->count; i++)
 		if (is_leaf(s, i) || (is_foliage && s->kind[i] < FEATURE_UNDIRECTED))
-			s->spacing[i] =
-				(uint16_t)CLAMP(s->spacing[i] * shorter + 0.5f, 1, UINT16_MAX);
+			s->place[i].spacing = (uint16_t)CLAMP(
+				s->place[i].spacing * shorter + 0.5f, 1, UINT16_MAX);
 }

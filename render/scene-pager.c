@@ -168,7 +168,7 @@ static void look_at_spacing(scene_pager *p, uint32_t node)
 	const struct scene_chunk *c = &p->chunk[node];
 	uint64_t sum = 0;
 	for (uint32_t i = c->first; i < c->first + c->count; i++)
-		sum += p->scene->spacing[i];
+		sum += p->scene->place[i].spacing;
 	p->page[node].apart_m = (float)sum / (float)c->count * p->scene->unit_m;
 }
 

@@ -45,7 +45,7 @@ static bool is_edge(const scene *s, uint32_t point)
 static void cell_of(const struct look *l, uint32_t point, uint32_t ret[3])
 {
 	for (int k = 0; k < 3; k++) {
-		float at_m = l->chunk->step_m[k] * (float)l->s->q[k][point];
+		float at_m = l->chunk->step_m[k] * (float)l->s->place[point].q[k];
 		ret[k] = MIN((uint32_t)(at_m / l->cell_m), l->across[k] - 1);
 	}
 }

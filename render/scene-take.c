@@ -76,8 +76,8 @@ static void measure_far(scene *s, const struct scene_chunk *c, const struct mode
 		float spacing_m = p[i].spacing * SCENE_UNIT_M;
 		if (p[i].spacing == UINT16_MAX)
 			spacing_m = fmaxf(spacing_m, apart_m(p, c->count, i) / sqrtf(c->part));
-		s->spacing[c->first + i] = units(s, spacing_m);
-		s->disc[c->first + i] = MIN(s->spacing[c->first + i], SCENE_DISC_MOST);
+		s->place[c->first + i].spacing = units(s, spacing_m);
+		s->disc[c->first + i] = MIN(s->place[c->first + i].spacing, SCENE_DISC_MOST);
 	}
 }
 
@@ -91,7 +91,7 @@ static void measure(scene *s, uint32_t at, const struct model_point *p, float la
 	size *= larger;
 	spacing *= larger;
 	float disc = CLAMP(higher(spacing * spacing / size, size), spacing, LONGEST * spacing);
-	s->spacing[at] = (uint16_t)lower(spacing + 0.5f, SPACING_M);
+	s->place[at].spacing = (uint16_t)lower(spacing + 0.5f, SPACING_M);
 	s->disc[at] = (uint16_t)lower(disc + 0.5f, SCENE_DISC_MOST);
 }
 
@@ -100,7 +100,7 @@ static void copy_point(scene *s, const struct scene_chunk *c, uint32_t at,
 {
 	for (int k = 0; k < 3; k++) {
 		float q = c->step_m[k] > 0 ? (p->position_m[k] + c->half_m[k]) / c->step_m[k] : 0;
-		s->q[k][at] = (uint16_t)lower(higher(q + 0.5f, 0), STEPS);
+		s->place[at].q[k] = (uint16_t)lower(higher(q + 0.5f, 0), STEPS);
 	}
 	measure(s, at, p, larger);
 	memcpy(s->normal[at], p->normal, sizeof p->normal);
@@ -120,7 +120,7 @@ static void find_extremes(const scene *s, struct scene_chunk *c)
 	c->spacing_most_m = c->disc_most_m = 0;
 	memset(c->list_spacing_most_m, 0, sizeof c->list_spacing_most_m);
 	for (uint32_t i = c->first; i < c->first + c->count; i++) {
-		float spacing_m = s->spacing[i] * s->unit_m;
+		float spacing_m = s->place[i].spacing * s->unit_m;
 		c->disc_most_m = higher(c->disc_most_m, s->disc[i] * s->unit_m);
 		c->spacing_least_m = lower(c->spacing_least_m, spacing_m);
 		c->spacing_most_m = higher(c->spacing_most_m, spacing_m);
@@ -154,8 +154,8 @@ static void count_kinds(const scene *s, const struct scene_chunk *c, struct shar
 {
 	memset(h->of_kind, 0, sizeof h->of_kind);
 	for (uint32_t i = c->first; i < c->first + c->count; i++)
-		h->of_kind[s->kind[i]][cell_of(s->q[2][i]) + 1][cell_of(s->q[1][i]) + 1]
-			  [cell_of(s->q[0][i]) + 1]++;
+		h->of_kind[s->kind[i]][cell_of(s->place[i].q[2]) + 1][cell_of(s->place[i].q[1]) + 1]
+			  [cell_of(s->place[i].q[0]) + 1]++;
 }
 
 /* Along each axis in turn. */
@@ -191,7 +191,8 @@ static void add_up(const struct scene_chunk *c, struct shares *h)
 /* Part of the points around that are drawn with the point: those of its own kind, or all on surface. */
 static float share_at(const scene *s, const struct shares *h, uint32_t i)
 {
-	int z = cell_of(s->q[2][i]), y = cell_of(s->q[1][i]), x = cell_of(s->q[0][i]);
+	int z = cell_of(s->place[i].q[2]), y = cell_of(s->place[i].q[1]),
+	    x = cell_of(s->place[i].q[0]);
 	const uint32_t surface = 1 << FEATURE_NONE | 1 << FEATURE_DITHER, own = 1u << s->kind[i];
 	uint32_t all = 0, with = 0;
 	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
@@ -205,7 +206,7 @@ static float share_at(const scene *s, const struct shares *h, uint32_t i)
 static float list_spacing_m(
 	const scene *s, const struct scene_chunk *c, const struct shares *h, uint32_t i)
 {
-	float spacing_m = s->spacing[i] * s->unit_m;
+	float spacing_m = s->place[i].spacing * s->unit_m;
 	/* Along the edge, where part of the points are farther apart than on surface. */
 	if (s->kind[i] == FEATURE_DIRECTED)
 		return spacing_m / (RIDGE_WIDTH * sqrtf(c->part));

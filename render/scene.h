@@ -22,6 +22,11 @@
 #define SCENE_POINTS_MOST (INT32_MAX - 4096u)
 #define SCENE_POINT_BYTES 28u
 
+/* Of a point: where it is in the box of its chunk, and the edge of the square of surface that it stands for, in units. */
+struct scene_place {
+	uint16_t q[3], spacing;
+};
+
 struct scene_chunk {
 	float centre_m[3]; /* from the scene's origin */
 	float half_m[3];   /* of its box */
@@ -54,8 +59,7 @@ struct scene {
 	uint32_t turn;                   /* of the pager: rises when the chunks become others */
 	void *memory;                    /* of all that follows */
 	/* Of each point. */
-	uint16_t *q[3];
-	uint16_t *spacing; /* edge of the square of surface that it stands for, in units */
+	struct scene_place *place;
 	uint16_t *
 		disc; /* diameter that covers its patch, the long way where it is slanted, in units, saturates at 32767; and SCENE_DISC_PLANE */
 	int16_t (*normal)[2]; /* packed (model.h) */
@@ -123,7 +127,7 @@ static inline void scene_position(
 {
 	for (int k = 0; k < 3; k++)
 		ret_m[k] = s->origin_m[k] + c->centre_m[k] - c->half_m[k] +
-			   c->step_m[k] * s->q[k][c->first + i];
+			   c->step_m[k] * s->place[c->first + i].q[k];
 }
 
 #endif

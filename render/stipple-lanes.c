@@ -36,12 +36,11 @@ void LANES_NAME(stipple_project)(const struct stipple_plane *p, const scene *s,
 	static const vi order = { 0, 1, 2, 3, 4, 5, 6, 7 };
 	for (uint32_t i = 0; i < count; i += LANES) {
 		uint32_t first = v->chunk->first + i;
-		vf q[3], at[3];
+		struct lane_places l = load_places(s->place + first);
+		vf at[3];
 		for (int k = 0; k < 3; k++)
-			q[k] = load_u16(s->q[k] + first);
-		for (int k = 0; k < 3; k++)
-			at[k] = v->base[k] + q[0] * v->axis[0][k] + q[1] * v->axis[1][k] +
-				q[2] * v->axis[2][k];
+			at[k] = v->base[k] + l.q[0] * v->axis[0][k] + l.q[1] * v->axis[1][k] +
+				l.q[2] * v->axis[2][k];
 		store_mask(ret_place + i, place_of(p, at));
 		vi id = (int32_t)first + order;
 		if (s->id)

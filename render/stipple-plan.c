@@ -31,7 +31,7 @@ static float spacing_of(const scene *s, const struct scene_chunk *c, float apart
 	double squares = 0;
 	uint32_t asked = MIN(c->count, ASKED);
 	for (uint32_t i = 0; i < asked; i++)
-		squares += (double)s->spacing[c->first + i] * s->spacing[c->first + i];
+		squares += (double)s->place[c->first + i].spacing * s->place[c->first + i].spacing;
 	return (float)sqrt(squares / MAX(asked, 1)) * apart_m;
 }
 
@@ -135,9 +135,9 @@ static void bound_chunk(const scene *s, const struct chunk_view *v, uint32_t cou
 	for (uint32_t i = v->chunk->first; i < v->chunk->first + count; i++) {
 		float at[3];
 		for (int k = 0; k < 3; k++)
-			at[k] = v->base[k] + (float)s->q[0][i] * v->axis[0][k] +
-				(float)s->q[1][i] * v->axis[1][k] +
-				(float)s->q[2][i] * v->axis[2][k];
+			at[k] = v->base[k] + (float)s->place[i].q[0] * v->axis[0][k] +
+				(float)s->place[i].q[1] * v->axis[1][k] +
+				(float)s->place[i].q[2] * v->axis[2][k];
 		float per_depth = is_parallel ? 1 : 1 / at[2];
 		at[0] *= per_depth;
 		at[1] *= per_depth;

@@ -211,7 +211,7 @@ static float share_of(uint32_t count, const struct stipple_plane *p, float wide)
 static bool is_highlight(
 	const stipple *s, const frame *f, const struct stipple_step *step, const struct dot *d)
 {
-	float apart_m = (float)f->scene->spacing[d->point] * s->plan->apart_m;
+	float apart_m = (float)f->scene->place[d->point].spacing * s->plan->apart_m;
 	float light = share_of(s->light.count[d->slot], &s->plan->light_plane,
 		      apart_m * s->plan->light_scale[d->chunk]),
 	      eye = share_of(s->eye.count[d->slot], &s->eye_plane,
@@ -232,11 +232,10 @@ static struct dot find(
 	const stipple *s, const frame *f, const struct chunk_view *v, uint32_t chunk, uint32_t i)
 {
 	struct dot d = { chunk, v->chunk->first + i, s->plan->slot[chunk] + i };
-	uint16_t *const *q = f->scene->q;
+	const uint16_t *q = f->scene->place[d.point].q;
 	for (int k = 0; k < 3; k++)
-		d.at_m[k] = v->base[k] + (float)q[0][d.point] * v->axis[0][k] +
-			    (float)q[1][d.point] * v->axis[1][k] +
-			    (float)q[2][d.point] * v->axis[2][k];
+		d.at_m[k] = v->base[k] + (float)q[0] * v->axis[0][k] + (float)q[1] * v->axis[1][k] +
+			    (float)q[2] * v->axis[2][k];
 	return d;
 }
 
@@ -244,7 +243,7 @@ static struct dot find(
 static float radius_of(
 	const stipple *s, const frame *f, const struct frame_layer *l, const struct dot *d)
 {
-	float apart_px = (float)f->scene->spacing[d->point] * s->plan->apart_m *
+	float apart_px = (float)f->scene->place[d->point].spacing * s->plan->apart_m *
 			 (float)f->camera.focal_px / camera_scale_f(&f->camera, d->at_m[2]);
 	float growth = apart_px / (STIPPLE_APART * l->ink.length_px);
 	return l->ink.length_px / 2 * fminf(fmaxf(growth, 1), l->ink.grow);

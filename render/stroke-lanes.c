@@ -136,8 +136,7 @@ INLINE void fetch_places(const struct brush *b, uint32_t i, uint32_t end)
 	const scene *s = b->f->scene;
 	uint32_t first = b->view->chunk->first, at = first + b->list_from + i;
 	for (uint32_t k = 0; k < LANES && i + LANES <= end; k++)
-		for (int axis = 0; axis < 3; axis++)
-			__builtin_prefetch(&s->q[axis][first + s->list[at + k]]);
+		__builtin_prefetch(&s->place[first + s->list[at + k]]);
 }
 
 /* Those from i on of the list. */
@@ -147,20 +146,17 @@ INLINE void find_candidates(
 	const scene *s = b->f->scene;
 	const struct scene_chunk *chunk = b->view->chunk;
 	uint32_t at = chunk->first + b->list_from + i;
-	vf q[3];
 	c->point = (int32_t)chunk->first + load_u16_whole(s->list + at);
-	for (int axis = 0; axis < 3; axis++)
-		q[axis] = gather_u16(s->q[axis], c->point);
+	struct lane_places p = gather_places(s->place, c->point);
+	struct lane_points l = project_lanes(b->view, p.q, &b->lens);
 	c->copy = 0;
-	struct lane_points l = project_lanes(b->view, q, &b->lens);
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
 	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
 	c->spacing_m = has_own_spacing(b) ? load_u16(s->list_spacing + at) * s->unit_m
-					  : most(gather_u16(s->spacing, c->point) * s->unit_m,
-						    all(b->dither_m));
-	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
+					  : most(p.spacing * s->unit_m, all(b->dither_m));
+	c->left = end - i < LANES ? (1u << (end - i)) - 1 : LANES_ALL;
 	c->left &= promising(b, &l, c);
 }
 
@@ -217,7 +213,7 @@ INLINE struct lane_candidates from_queue(const struct queue *q, uint32_t at)
 		.x_px = load(q->x_px + at),
 		.y_px = load(q->y_px + at),
 		.depth_m = load(q->depth_m + at),
-		.left = left < LANES ? (1u << left) - 1 : 0xff };
+		.left = left < LANES ? (1u << left) - 1 : LANES_ALL };
 	return c;
 }
 

@@ -126,14 +126,23 @@ INLINE vf lanes_around_zero(vi point, uint32_t salt)
 	return 2 * lanes_chance(point, salt) - 1;
 }
 
+/* All points that there are where dithering points count as so far apart as they are alone. */
+INLINE vf per_m2_of(const struct brush *b, const struct lane_candidates *c)
+{
+	const scene *s = b->f->scene;
+	vi word = gather(&s->place->q[2], c->point, sizeof *s->place);
+	vf spacing_m = __builtin_convertvector((vi)((vu)word >> 16), vf) * s->unit_m;
+	return 1 / (spacing_m * spacing_m);
+}
+
 /* Where a tone is shown all other points come after the dithering points, in one queue with them; copies come after all points. */
 INLINE void find_place(const struct brush *b, vi lightness, struct lane_candidates *c)
 {
 	vf per_m2 = 1 / (c->spacing_m * c->spacing_m);
 	c->last = per_m2;
 	if (b->layer->is_queue) {
-		vf spacing_m = gather_u16(b->f->scene->spacing, c->point) * b->f->scene->unit_m;
-		c->last = 1 / (spacing_m * spacing_m);
+		if (b->kind == FEATURE_DITHER)
+			c->last = per_m2_of(b, c);
 		vf there = least(
 			(vf)gather(b->layer->dithering_per_m2, lightness, 4) * b->view->chunk->part,
 			c->last);

@@ -27,15 +27,15 @@ INLINE void row_candidates(
 {
 	const scene *s = b->f->scene;
 	uint32_t at = b->view->chunk->first + i;
-	vf q[3] = { load_u16(s->q[0] + at), load_u16(s->q[1] + at), load_u16(s->q[2] + at) };
-	struct lane_points l = project_lanes(b->view, q, &b->lens);
+	struct lane_places p = load_places(s->place + at);
+	struct lane_points l = project_lanes(b->view, p.q, &b->lens);
 	c->point = (int32_t)at + (vi){ 0, 1, 2, 3, 4, 5, 6, 7 };
 	c->copy = 0;
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
 	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
-	c->spacing_m = load_u16(s->spacing + at) * s->unit_m;
+	c->spacing_m = p.spacing * s->unit_m;
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
 	c->left &= promising(b, &l, c);
 	if (c->left && b->layer->ink.points != INK_ALL)

@@ -24,7 +24,7 @@ INLINE vf shows_beside(const struct brush *b, vi column, vf y, vf u, vf depth_m)
 	const visibility_mask *m = b->mask;
 	vi row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
 	vi left, right;
-	gather_pairs(m->key, row * (int32_t)m->pitch + column, &left, &right);
+	gather_pairs(m->key, row * (int32_t)m->pitch + column, sizeof *m->key, &left, &right);
 	return (1 - u) * shows(b, left, depth_m) + u * shows(b, right, depth_m);
 }
 

@@ -64,11 +64,11 @@ static void make_point(scene *s, GRand *r, uint32_t at, int thing)
 	const struct made_thing *t = &things[thing];
 	uint16_t q[3] = { place(r), place(r), place(r) };
 	for (int k = 0; k < 3; k++)
-		s->q[k][at] = q[k];
+		s->place[at].q[k] = q[k];
 	s->kind[at] = kind_of(r, thing, q);
 	turn_point(s, at, thing, q);
-	s->spacing[at] = (uint16_t)(t->spacing_m * 1e4f);
-	s->disc[at] = (uint16_t)(s->spacing[at] * (at % 7 == 0 ? 2 : 1));
+	s->place[at].spacing = (uint16_t)(t->spacing_m * 1e4f);
+	s->disc[at] = (uint16_t)(s->place[at].spacing * (at % 7 == 0 ? 2 : 1));
 	s->degree[at] = (uint8_t)g_rand_int_range(r, 0, 256);
 	for (int k = 0; k < 3; k++)
 		s->rgba[at][k] = (uint8_t)(t->rgb[k] * (q[(k + 1) % 3] / 8192 % 2 ? 1 : 0.6));
@@ -81,7 +81,7 @@ static void list_points(scene *s, struct scene_chunk *c)
 	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
 		for (uint32_t i = 0; i < c->count; i++)
 			if (s->kind[c->first + i] == kind) {
-				s->list_spacing[at] = s->spacing[c->first + i];
+				s->list_spacing[at] = s->place[c->first + i].spacing;
 				s->list[at++] = (uint16_t)i;
 			}
 		c->kind_end[kind] = at - c->first;

@@ -113,7 +113,7 @@ static void fill_point(const struct reference *r, const struct scene_chunk *chun
 	if (!camera_project(c, at, d.px, &d.depth_m))
 		return;
 	double scale = 1e-4 * c->focal_px / d.depth_m;
-	double spacing_px = s->spacing[chunk->first + i] * scale,
+	double spacing_px = s->place[chunk->first + i].spacing * scale,
 	       disc_px = s->disc[chunk->first + i] * scale;
 	double part = fmin(spacing_px * spacing_px * DISC_CROWD, 1);
 	if ((i + 0.5) / chunk->count >= part)

@@ -40,7 +40,7 @@ static double mean_spacing_m(const scene *s, uint32_t leaf)
 	uint32_t count = 0;
 	for (uint32_t n = 0; n < s->chunks; n++)
 		for (uint32_t i = 0; i < s->chunk[n].count && s->chunk[n].leaf == leaf; i++) {
-			sum += s->spacing[s->chunk[n].first + i] * (double)s->unit_m;
+			sum += s->place[s->chunk[n].first + i].spacing * (double)s->unit_m;
 			count++;
 		}
 	g_assert_cmpuint(count, >, 0);
@@ -128,7 +128,7 @@ static double kind_spacing_m(const made *m, int kind, uint32_t leaf)
 		for (uint32_t i = s->chunk[n].first;
 			i < s->chunk[n].first + s->chunk[n].count && s->chunk[n].leaf == leaf; i++)
 			if (s->kind[i] == kind) {
-				sum += s->spacing[i] * (double)s->unit_m;
+				sum += s->place[i].spacing * (double)s->unit_m;
 				count++;
 			}
 	return sum / count;
@@ -159,7 +159,8 @@ static void test_surface(void)
 	g_assert_cmpfloat(fabs(leaf_m - SIZE_M), >, 0.05 * SIZE_M);
 	for (uint32_t i = 0; i < plain->count; i++)
 		if (plain->kind[i] == FEATURE_NONE)
-			g_assert_cmpuint(bough.scene->spacing[i], ==, plain->spacing[i]);
+			g_assert_cmpuint(
+				bough.scene->place[i].spacing, ==, plain->place[i].spacing);
 }
 
 /* Nothing but the leaves of vegetation is changed: all else is as without classes. */
@@ -175,9 +176,10 @@ static void test_others(void)
 		for (uint32_t i = plain->chunk[n].first;
 			i < plain->chunk[n].first + plain->chunk[n].count; i++) {
 			if (plain->chunk[n].leaf == MADE_LEAF)
-				g_assert_cmpuint(m.scene->spacing[i], ==, plain->spacing[i]);
+				g_assert_cmpuint(
+					m.scene->place[i].spacing, ==, plain->place[i].spacing);
 			else
-				changed += m.scene->spacing[i] != plain->spacing[i];
+				changed += m.scene->place[i].spacing != plain->place[i].spacing;
 			g_assert_cmpuint(m.scene->disc[i], ==, plain->disc[i]);
 		}
 	g_assert_cmpuint(changed, ==, 9000);
@@ -197,12 +199,12 @@ static void test_part(void)
 	quarter.count /= 4;
 	quarter.part = 0.25f;
 	for (uint32_t i = 0; i < quarter.count; i++) {
-		whole += s->spacing[quarter.first + i];
-		s->spacing[quarter.first + i] = (uint16_t)(2 * p[i].spacing);
+		whole += s->place[quarter.first + i].spacing;
+		s->place[quarter.first + i].spacing = (uint16_t)(2 * p[i].spacing);
 	}
 	scene_foliage_chunk(s, &quarter, p);
 	for (uint32_t i = 0; i < quarter.count; i++)
-		part += s->spacing[quarter.first + i];
+		part += s->place[quarter.first + i].spacing;
 	g_test_message("spacing of a quarter: %.3f of twice the whole's", part / (2 * whole));
 	assert_near(part, 2 * whole, 0.03);
 }

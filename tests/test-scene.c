@@ -57,11 +57,11 @@ static void assert_sizes(const scene *s, const struct scene_chunk *c)
 {
 	float least = INFINITY, most = 0, disc = 0;
 	for (uint32_t i = c->first; i < c->first + c->count; i++) {
-		g_assert_cmpuint(s->spacing[i], >=, 1);
-		g_assert_cmpuint(s->disc[i], >=, s->spacing[i]);
-		g_assert_cmpfloat(s->disc[i], <=, 2.5f * s->spacing[i] + 1);
-		least = fminf(least, s->spacing[i] * 1e-4f);
-		most = fmaxf(most, s->spacing[i] * 1e-4f);
+		g_assert_cmpuint(s->place[i].spacing, >=, 1);
+		g_assert_cmpuint(s->disc[i], >=, s->place[i].spacing);
+		g_assert_cmpfloat(s->disc[i], <=, 2.5f * s->place[i].spacing + 1);
+		least = fminf(least, s->place[i].spacing * 1e-4f);
+		most = fmaxf(most, s->place[i].spacing * 1e-4f);
 		disc = fmaxf(disc, s->disc[i] * 1e-4f);
 	}
 	g_assert_cmpfloat(c->spacing_least_m, ==, least);
@@ -165,7 +165,7 @@ static double mean_spacing_m(const scene *s)
 {
 	double sum = 0;
 	for (uint32_t i = 0; i < s->count; i++)
-		sum += s->spacing[i] * 1e-4;
+		sum += s->place[i].spacing * 1e-4;
 	return sum / s->count;
 }
 
@@ -233,7 +233,7 @@ static void test_sparse(void)
 	g_assert_cmpfloat(s->spacing_median_m, >, 6.5f);
 	double area_m2 = 0;
 	for (uint32_t i = 0; i < s->count; i++)
-		area_m2 += pow(s->spacing[i] * (double)s->unit_m, 2);
+		area_m2 += pow(s->place[i].spacing * (double)s->unit_m, 2);
 	g_test_message("%u points stand for %.2f km2 of 0.54", s->count, area_m2 / 1e6);
 	/* Discs reach beyond the ends. */
 	g_assert_cmpfloat(area_m2, >, 0.9 * 540e3);
@@ -293,7 +293,7 @@ static void test_measures(void)
 	g_auto(made) m = made_of_tables(p, G_N_ELEMENTS(p), &c, 1);
 	made_open(&m);
 	for (size_t i = 0; i < G_N_ELEMENTS(p); i++) {
-		g_assert_cmpuint(m.scene->spacing[i], ==, measures[i].wanted_spacing);
+		g_assert_cmpuint(m.scene->place[i].spacing, ==, measures[i].wanted_spacing);
 		g_assert_cmpuint(m.scene->disc[i], ==, measures[i].wanted_disc);
 	}
 }
