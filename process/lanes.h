@@ -1,6 +1,6 @@
 #ifndef PROCESS_LANES_H
 #define PROCESS_LANES_H
-/* Eight cells side by side, in GCC's and clang's vectors: AVX2 in functions that are built for it, whatever the processor has
+/* Eight cells side by side, or sixteen, in GCC's and clang's vectors: AVX2 in functions that are built for it, whatever the processor has
  * elsewhere. All is inlined, so that it takes on the caller's target. In files that are built for AVX2 as a whole
  * (render/lanes-path.h) some of it is the one instruction that compilers do not find. */
 #include <stdbool.h>

@@ -2,6 +2,7 @@
 #include "process/vector3.h"
 #include "render/light.h"
 #include "render/scene-bend.h"
+#include "render/scene-list.h"
 #include "render/stroke.h"
 #include <gio/gio.h>
 #include <math.h>
@@ -124,7 +125,7 @@ uint32_t frame_copies(const struct frame_layer *l)
 
 float frame_dither_m(const scene *s, const struct frame_layer *l, const struct scene_chunk *c)
 {
-	return l->dithers_alone ? 1 / sqrtf(s->dither_per_m2 * c->part) : 0;
+	return l->dithers_alone ? scene_dither_m(s, c) : 0;
 }
 
 static float area_of(const struct frame_layer *l)

@@ -1,5 +1,6 @@
 #include "render/gles-scene.h"
 #include "render/scene-bend.h"
+#include "render/scene-list.h"
 #include "render/scene-pager.h"
 #include "render/scene-paint.h"
 #include <string.h>
@@ -90,14 +91,6 @@ static void take_looks(const scene *s, uint32_t from, uint32_t count, void *to)
 	}
 }
 
-static void take_lists(const scene *s, uint32_t from, uint32_t count, void *to)
-{
-	uint32_t *out = to;
-#pragma omp parallel for schedule(static) if (count > FEW)
-	for (uint32_t n = 0; n < count; n++)
-		out[n] = pair(s->list[from + n], s->list_spacing[from + n]);
-}
-
 static void take_bends(const scene *s, uint32_t from, uint32_t count, void *to)
 {
 	memcpy(to, scene_bend(s)[from], (size_t)count * BEND_BYTES);
@@ -107,6 +100,18 @@ static void take_paint(const scene *s, uint32_t from, uint32_t count, void *to)
 {
 	_Static_assert(sizeof(struct scene_paint_point) == PAINT_BYTES, "as paint.glsl reads it");
 	memcpy(to, &scene_paint_of(s)->point[from], (size_t)count * PAINT_BYTES);
+}
+
+/* Of a chunk: shaders look at each kind in the order of ranks. */
+static void take_list(const scene *s, const struct scene_chunk *c, uint32_t *to)
+{
+	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
+		uint32_t from = kind ? c->kind_end[kind - 1] : 0;
+		for (uint32_t n = from; n < c->kind_end[kind]; n++) {
+			uint32_t entry = s->list[c->first + n];
+			to[from + scene_list_rank(entry)] = entry;
+		}
+	}
 }
 
 typedef void take_part(const scene *s, uint32_t from, uint32_t count, void *to);
@@ -136,6 +141,15 @@ static void put(const struct gles_functions *gl, const scene *s, const struct gl
 	}
 }
 
+static void put_list(const struct gles_functions *gl, const scene *s, const struct gles_slab *slab,
+	const struct scene_chunk *c, uint32_t *piece)
+{
+	take_list(s, c, piece);
+	gl->BindBuffer(GL_SHADER_STORAGE_BUFFER, slab->lists);
+	gl->BufferSubData(GL_SHADER_STORAGE_BUFFER, (GLintptr)(c->first - slab->first) * LIST_BYTES,
+		(GLsizeiptr)c->count * LIST_BYTES, piece);
+}
+
 static GLuint upload(const struct gles_functions *gl, const scene *s, const struct gles_slab *slab,
 	uint32_t bytes, take_part *take, void *piece)
 {
@@ -162,7 +176,7 @@ static void put_chunk(const struct gles_functions *gl, const scene *s, struct gl
 		uint32_t bytes;
 		take_part *take;
 	} part[] = { { &slab->points, POINT_BYTES, take_points },
-		{ &slab->looks, LOOK_BYTES, take_looks }, { &slab->lists, LIST_BYTES, take_lists },
+		{ &slab->looks, LOOK_BYTES, take_looks },
 		{ &slab->bends, BEND_BYTES, take_bends } };
 	for (size_t n = 0; n < G_N_ELEMENTS(part); n++) {
 		if (!*part[n].name)
@@ -170,6 +184,9 @@ static void put_chunk(const struct gles_functions *gl, const scene *s, struct gl
 		put(gl, s, slab, *part[n].name, c->first, c->count, part[n].bytes, part[n].take,
 			piece);
 	}
+	if (!slab->lists)
+		slab->lists = make_buffer(gl, slab->count, LIST_BYTES);
+	put_list(gl, s, slab, c, piece);
 }
 
 static bool follow(const gles_context *c, gles_scene *g, const scene *s, GError **error)
@@ -228,10 +245,15 @@ bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GErro
 		struct gles_slab *slab = &g->slab[n];
 		slab->points = upload(&c->gl, s, slab, POINT_BYTES, take_points, piece);
 		slab->looks = upload(&c->gl, s, slab, LOOK_BYTES, take_looks, piece);
-		slab->lists = upload(&c->gl, s, slab, LIST_BYTES, take_lists, piece);
+		slab->lists = make_buffer(&c->gl, slab->count, LIST_BYTES);
 		if (!gles_context_check(c, "copying the points to the GPU", error))
 			return false;
 	}
+	for (uint32_t n = 0; n < s->chunks; n++)
+		put_list(
+			&c->gl, s, &g->slab[gles_scene_slab(g, &s->chunk[n])], &s->chunk[n], piece);
+	if (!gles_context_check(c, "copying the lists of points to the GPU", error))
+		return false;
 	g->serial = s->serial;
 	return true;
 }

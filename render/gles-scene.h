@@ -11,7 +11,7 @@
 struct gles_slab {
 	GLuint points;         /* 16 bytes each: q0 q1, q2 spacing, disc degree kind, normal */
 	GLuint looks;          /* 8: rgba, direction */
-	GLuint lists;          /* 4: list, list_spacing */
+	GLuint lists;          /* 4: entries (scene-list.h), of each kind in the order of ranks */
 	GLuint bends;          /* 2: k1, k2 (scene-bend.h); 0 until they are asked for */
 	GLuint paint;          /* 8: rgb detail, way (scene-paint.h); 0 until it is asked for */
 	uint32_t first, count; /* of points */

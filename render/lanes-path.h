@@ -1,13 +1,13 @@
 #ifndef RENDER_LANES_PATH_H
 #define RENDER_LANES_PATH_H
-/* What is done for eight points or pixels at a time stands in files named *-lanes.c, which are built once for each kind of processor
+/* What is done for eight points or pixels at a time, or sixteen, stands in files named *-lanes.c, which are built once for each kind of processor
  * (render/module.mk): the same bytes from all of them. Their functions have the kind behind their names. */
 
 enum lanes_path {
 	LANES_PORTABLE,
 #if defined __x86_64__
 	LANES_AVX2,
-	LANES_AVX512, /* of its vectors those of eight, with masks */
+	LANES_AVX512, /* of its vectors those of eight, with masks; of sixteen where a file asks for them (process/lanes.h) */
 #endif
 	LANES_PATHS
 };

@@ -1,6 +1,7 @@
 #include "render/scene-take.h"
 #include "render/scene-cover.h"
 #include "render/scene-foliage.h"
+#include "render/scene-list.h"
 #include "render/scene-planes.h"
 #include <math.h>
 #include <string.h>
@@ -14,11 +15,6 @@
 /* No plane, but leaves: of the plane's error, 0.1 mm and of the point's size. */
 #define LEAF_ERROR       200.f
 #define LEAF_ERROR_SIZES 0.35f
-
-/* Cells of a chunk's box along each axis, for the shares of kinds around a point. */
-#define CELLS 8
-/* Ridges of feature points at an edge are so many points wide. */
-#define RIDGE_WIDTH 2.f
 
 /* ---- a chunk ---- */
 
@@ -118,7 +114,6 @@ static void find_extremes(const scene *s, struct scene_chunk *c)
 {
 	c->spacing_least_m = INFINITY;
 	c->spacing_most_m = c->disc_most_m = 0;
-	memset(c->list_spacing_most_m, 0, sizeof c->list_spacing_most_m);
 	for (uint32_t i = c->first; i < c->first + c->count; i++) {
 		float spacing_m = s->place[i].spacing * s->unit_m;
 		c->disc_most_m = higher(c->disc_most_m, s->disc[i] * s->unit_m);
@@ -127,115 +122,18 @@ static void find_extremes(const scene *s, struct scene_chunk *c)
 	}
 }
 
-static void list_kinds(scene *s, struct scene_chunk *c)
-{
-	uint32_t at = 0;
-	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
-		for (uint32_t i = 0; i < c->count; i++)
-			if (s->kind[c->first + i] == kind)
-				s->list[c->first + at++] = (uint16_t)i;
-		c->kind_end[kind] = at;
-	}
-}
-
-/* ---- how far points of the same kind stand apart ---- */
-
-struct shares {
-	uint16_t of_kind[FEATURE_KINDS][CELLS + 2][CELLS + 2][CELLS + 2]; /* with an empty margin */
-	uint32_t around[FEATURE_KINDS][CELLS][CELLS][CELLS];
-};
-
-static int cell_of(uint16_t q)
-{
-	return q * CELLS >> 16;
-}
-
-static void count_kinds(const scene *s, const struct scene_chunk *c, struct shares *h)
-{
-	memset(h->of_kind, 0, sizeof h->of_kind);
-	for (uint32_t i = c->first; i < c->first + c->count; i++)
-		h->of_kind[s->kind[i]][cell_of(s->place[i].q[2]) + 1][cell_of(s->place[i].q[1]) + 1]
-			  [cell_of(s->place[i].q[0]) + 1]++;
-}
-
-/* Along each axis in turn. */
-static void add_up_kind(
-	const uint16_t of[CELLS + 2][CELLS + 2][CELLS + 2], uint32_t ret[CELLS][CELLS][CELLS])
-{
-	uint32_t along[CELLS + 2][CELLS + 2][CELLS], across[CELLS + 2][CELLS][CELLS];
-	for (int z = 0; z < CELLS + 2; z++)
-		for (int y = 0; y < CELLS + 2; y++)
-			for (int x = 0; x < CELLS; x++)
-				along[z][y][x] = of[z][y][x] + of[z][y][x + 1] + of[z][y][x + 2];
-	for (int z = 0; z < CELLS + 2; z++)
-		for (int y = 0; y < CELLS; y++)
-			for (int x = 0; x < CELLS; x++)
-				across[z][y][x] =
-					along[z][y][x] + along[z][y + 1][x] + along[z][y + 2][x];
-	for (int z = 0; z < CELLS; z++)
-		for (int y = 0; y < CELLS; y++)
-			for (int x = 0; x < CELLS; x++)
-				ret[z][y][x] =
-					across[z][y][x] + across[z + 1][y][x] + across[z + 2][y][x];
-}
-
-static void add_up(const struct scene_chunk *c, struct shares *h)
-{
-	for (int kind = 0; kind < FEATURE_KINDS; kind++)
-		if (c->kind_end[kind] > (kind ? c->kind_end[kind - 1] : 0))
-			add_up_kind(h->of_kind[kind], h->around[kind]);
-		else
-			memset(h->around[kind], 0, sizeof h->around[kind]);
-}
-
-/* Part of the points around that are drawn with the point: those of its own kind, or all on surface. */
-static float share_at(const scene *s, const struct shares *h, uint32_t i)
-{
-	int z = cell_of(s->place[i].q[2]), y = cell_of(s->place[i].q[1]),
-	    x = cell_of(s->place[i].q[0]);
-	const uint32_t surface = 1 << FEATURE_NONE | 1 << FEATURE_DITHER, own = 1u << s->kind[i];
-	uint32_t all = 0, with = 0;
-	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
-		uint32_t around = h->around[kind][z][y][x];
-		all += around;
-		with += (own & surface ? surface : own) >> kind & 1 ? around : 0;
-	}
-	return (float)with / (float)MAX(all, 1);
-}
-
-static float list_spacing_m(
-	const scene *s, const struct scene_chunk *c, const struct shares *h, uint32_t i)
-{
-	float spacing_m = s->place[i].spacing * s->unit_m;
-	/* Along the edge, where part of the points are farther apart than on surface. */
-	if (s->kind[i] == FEATURE_DIRECTED)
-		return spacing_m / (RIDGE_WIDTH * sqrtf(c->part));
-	return spacing_m / sqrtf(fmaxf(share_at(s, h, i), 1e-3f));
-}
-
-static void space_list(scene *s, struct scene_chunk *c, struct shares *h)
-{
-	count_kinds(s, c, h);
-	add_up(c, h);
-	for (uint32_t k = c->first; k < c->first + c->count; k++) {
-		uint32_t point = c->first + s->list[k];
-		float *most_m = &c->list_spacing_most_m[s->kind[point]];
-		s->list_spacing[k] = units(s, list_spacing_m(s, c, h, point));
-		*most_m = fmaxf(*most_m, s->list_spacing[k] * s->unit_m);
-	}
-}
-
 /* ---- all of it ---- */
 
 struct scene_taker {
 	scene_cover *cover;
-	struct shares shares;
+	scene_lister *lister;
 };
 
 scene_taker *scene_taker_new(void)
 {
 	scene_taker *t = g_new(scene_taker, 1);
 	t->cover = scene_cover_new();
+	t->lister = scene_lister_new();
 	return t;
 }
 
@@ -244,6 +142,7 @@ void scene_taker_free(scene_taker *t)
 	if (!t)
 		return;
 	scene_cover_free(t->cover);
+	scene_lister_free(t->lister);
 	g_free(t);
 }
 
@@ -259,6 +158,5 @@ void scene_take(scene_taker *t, scene *s, struct scene_chunk *c, const struct mo
 	if (grey->leaf_class && grey->leaf_class[c->leaf] == CLASS_VEGETATION)
 		scene_foliage_chunk(s, c, p);
 	find_extremes(s, c);
-	list_kinds(s, c);
-	space_list(s, c, &t->shares);
+	scene_list_chunk(t->lister, s, c);
 }

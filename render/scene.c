@@ -46,11 +46,16 @@ void scene_alloc_points(scene *s, size_t n)
 	struct {
 		void *plane;
 		size_t bytes;
-	} of_point[] = { { &s->place, sizeof *s->place }, { &s->disc, sizeof *s->disc },
-		{ &s->normal, sizeof *s->normal }, { &s->direction, sizeof *s->direction },
-		{ &s->rgba, sizeof *s->rgba }, { &s->kind, sizeof *s->kind },
-		{ &s->degree, sizeof *s->degree }, { &s->list, sizeof *s->list },
-		{ &s->list_spacing, sizeof *s->list_spacing } };
+	} of_point[] = {
+		{ &s->place, sizeof *s->place },
+		{ &s->disc, sizeof *s->disc },
+		{ &s->normal, sizeof *s->normal },
+		{ &s->direction, sizeof *s->direction },
+		{ &s->rgba, sizeof *s->rgba },
+		{ &s->kind, sizeof *s->kind },
+		{ &s->degree, sizeof *s->degree },
+		{ &s->list, sizeof *s->list },
+	};
 	size_t bytes = 0;
 	for (size_t k = 0; k < G_N_ELEMENTS(of_point); k++)
 		bytes += large_part(n * of_point[k].bytes);

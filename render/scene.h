@@ -1,9 +1,9 @@
 #ifndef RENDER_SCENE_H
 #define RENDER_SCENE_H
 /* The points of a site in the form that both backends draw them from: the model's chunks (process/model.h) in their order, attributes
- * apart, positions in 16 bits of each chunk's box; 28 bytes a point. Inside a chunk the points of each kind are listed in the
- * order of their ranks, so that any first part of a list is a uniform subset: the continuous resolution queue (Xu & Chen 2004,
- * sections 6.3 and 7.4), for the mask and for each layer alike.
+ * apart, positions in 16 bits of each chunk's box; 28 bytes a point. Any first part of a chunk is a uniform subset of its points: the
+ * continuous resolution queue (Xu & Chen 2004, sections 6.3 and 7.4). Layers are drawn from lists of the points of each kind, which have
+ * ranks of their own.
  *
  * Where that is more than memory may be taken, some of it is there at a time (scene-pager.h), and all else as some points of many
  * chunks together: the chunks are then those that the last turn has chosen, in view as fine as they are there and wanted, and
@@ -21,6 +21,8 @@
 /* Of a scene without a pager: indices of points are so many at most. */
 #define SCENE_POINTS_MOST (INT32_MAX - 4096u)
 #define SCENE_POINT_BYTES 28u
+/* Of each kind in a chunk. */
+#define SCENE_LIST_STEPS 16
 
 /* Of a point: where it is in the box of its chunk, and the edge of the square of surface that it stands for, in units. */
 struct scene_place {
@@ -39,8 +41,10 @@ struct scene_chunk {
 	bool is_aside;  /* the last turn has it out of view: it is not drawn */
 	uint32_t on_planes; /* of its points: those that planes stand for (scene-planes.h) */
 	float list_spacing_most_m[FEATURE_KINDS];
-	uint32_t kind_end
-		[FEATURE_KINDS]; /* of its part of list: where the points of each kind end, counted from first */
+	/* Of its part of list, counted from first: where the points of each kind end, and steps of them (scene-list.h). */
+	uint32_t kind_end[FEATURE_KINDS];
+	uint16_t list_end[FEATURE_KINDS][SCENE_LIST_STEPS];
+	int32_t list_last[FEATURE_KINDS];
 };
 
 typedef struct scene scene;
@@ -68,9 +72,8 @@ struct scene {
 	uint8_t (*rgba)
 		[4]; /* sRGB; of intensities where there is no colour (scene-grey.h); a 0: has neither */
 	uint8_t *kind, *degree;
-	/* Indices in the chunk, kind by kind, each in the order of ranks; and as many spacings among those that
-	 * are drawn with them: along edges, among leaves, and on surface, whether they are dithering points or not. */
-	uint16_t *list, *list_spacing;
+	/* Of each chunk: its points kind by kind, those first that are drawn from far away (scene-list.h). */
+	uint32_t *list;
 	uint32_t *id; /* with a pager: which point of the model it is; NULL: that of its index */
 	/* Of coloured points, 0..1: a twentieth is darker, a twentieth is lighter; 0 and 1 without any. */
 	float darkest, lightest;

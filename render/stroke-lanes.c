@@ -1,3 +1,4 @@
+#include "render/scene-list.h"
 #include "render/stroke-shows.h"
 #include <string.h>
 
@@ -30,35 +31,37 @@ INLINE void turn_along(const struct brush *b, struct stroke *s, const float alon
 	s->along[1] = along[0] * turn[1] + along[1] * turn[0];
 }
 
-/* line NULL: at the layer's own angle; not flat: of one depth. */
-INLINE struct stroke stroke_of(const struct brush *b, const struct candidate *c, float alpha,
-	float growth, const struct line *line, bool is_flat)
+/* line NULL: at the layer's own angle; not flat: of one depth. Part by part, where it is to be: a whole that is made elsewhere is waited for
+ * when it is copied. */
+INLINE void put_stroke(const struct brush *b, const struct candidate *c, float alpha, float growth,
+	const struct line *line, bool is_flat, struct stroke *s)
 {
 	const struct ink_step *ink = &b->layer->ink;
-	struct stroke s = { .x_px = c->x_px,
-		.y_px = c->y_px,
-		.alpha = alpha,
-		.point = c->id,
-		.copy = (uint8_t)c->copy };
+	s->x_px = c->x_px;
+	s->y_px = c->y_px;
+	s->alpha = alpha;
+	s->point = c->id;
+	s->copy = (uint8_t)c->copy;
+	s->lay = s->aslant = 0;
+	s->slope[0] = s->slope[1] = 0;
 	float half_px =
 		growth * ink->length_px / 2 *
 		(1 + ink->length_variation * around_zero(c->id, stroke_salt(c->copy, SALT_LENGTH)));
-	s.half_width_px = growth * ink->width_px / 2;
-	s.q = 1 / c->depth_m;
+	s->half_width_px = growth * ink->width_px / 2;
+	s->q = 1 / c->depth_m;
 	if (line) {
 		float whole = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
 		half_px *= CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
-		turn_along(b, &s, line->along);
+		turn_along(b, s, line->along);
 		for (int k = 0; k < 2; k++)
-			s.slope[k] = line->slope * line->along[k];
+			s->slope[k] = line->slope * line->along[k];
 	} else {
-		turn_along(b, &s, b->layer->own_way);
+		turn_along(b, s, b->layer->own_way);
 		if (is_flat)
-			plane_slope(b, c, half_px, s.slope);
+			plane_slope(b, c, half_px, s->slope);
 	}
-	s.half_length_px = half_px;
-	colour_of(b, c, s.rgb);
-	return s;
+	s->half_length_px = half_px;
+	colour_of(b, c, s->rgb);
 }
 
 INLINE bool goes_along(const struct brush *b)
@@ -85,8 +88,8 @@ INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struc
 		float alpha = whole[k] * stroke_fade(c.rank, need, octaves);
 		if (alpha < ALPHA_LEAST)
 			continue;
-		block->stroke[block->count++] =
-			stroke_of(b, &c, alpha, larger[k], goes_along(b) ? &line : NULL, true);
+		put_stroke(b, &c, alpha, larger[k], goes_along(b) ? &line : NULL, true,
+			&block->stroke[block->count++]);
 	}
 }
 
@@ -106,26 +109,27 @@ INLINE void try_on_surface(
 		struct candidate c = candidate_of(l, k);
 		struct line line;
 		bool has_line = goes_along(b) && line_of(b, &c, &line);
-		block->stroke[block->count++] = stroke_of(b, &c, alpha[k],
+		put_stroke(b, &c, alpha[k],
 			MIN(stroke_growth(short_of[k]), b->layer->ink.grow) * larger[k],
-			has_line ? &line : NULL, l->is_flat[k]);
+			has_line ? &line : NULL, l->is_flat[k], &block->stroke[block->count++]);
 	}
 }
 
 /* ---- a chunk's points ---- */
 
-/* No rank above it is drawn. */
-static float need_most(const struct brush *b)
+/* No point with a key above it (scene-list.h) is drawn. */
+static float key_most(const struct brush *b)
 {
 	const struct scene_chunk *c = b->view->chunk;
 	float nearest_m = fmaxf(b->view->near_m - b->moved_m, b->lens.near_m);
 	float more = STROKE_FADE_MORE(stroke_fade_octaves(nearest_m));
-	float scale = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m) *
-		      (has_own_spacing(b) ? c->list_spacing_most_m[b->kind]
-					  : fmaxf(c->spacing_most_m, b->dither_m));
+	float px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m);
 	if (is_on_edge(b))
-		return more * scale * b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
-	return more * b->wanted_most * scale * scale;
+		return more * px_per_m * b->ray_most /
+		       (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
+	/* Those that are drawn by the spacing of all points, or as dithering points alone, have no higher keys by their own. */
+	float ret = more * b->wanted_most * px_per_m * px_per_m;
+	return b->kind == FEATURE_DIRECTED ? ret * c->spacing_most_m / scene_list_along(c) : ret;
 }
 
 /* Places in the list from which on points are fetched, before they are looked at. */
@@ -136,7 +140,16 @@ INLINE void fetch_places(const struct brush *b, uint32_t i, uint32_t end)
 	const scene *s = b->f->scene;
 	uint32_t first = b->view->chunk->first, at = first + b->list_from + i;
 	for (uint32_t k = 0; k < LANES && i + LANES <= end; k++)
-		__builtin_prefetch(&s->place[first + s->list[at + k]]);
+		__builtin_prefetch(&s->place[first + scene_list_index(s->list[at + k])]);
+}
+
+/* scene_list_spacing_m() to a unit. */
+INLINE vf farther_of(const struct brush *b, vi entry)
+{
+	float along = b->kind == FEATURE_DIRECTED ? scene_list_along(b->view->chunk) : 1;
+	vi steps = (vi)((vu)entry >> 2 * SCENE_LIST_BITS);
+	vf times = (vf)((int32_t)SCENE_LIST_NEAR + steps * (int32_t)SCENE_LIST_STEP);
+	return times * (along * b->f->scene->unit_m);
 }
 
 /* Those from i on of the list. */
@@ -146,15 +159,18 @@ INLINE void find_candidates(
 	const scene *s = b->f->scene;
 	const struct scene_chunk *chunk = b->view->chunk;
 	uint32_t at = chunk->first + b->list_from + i;
-	c->point = (int32_t)chunk->first + load_u16_whole(s->list + at);
+	vi entry = load_mask((const int32_t *)s->list + at);
+	const int32_t low = (1 << SCENE_LIST_BITS) - 1;
+	c->point = (int32_t)chunk->first + (entry & low);
 	struct lane_places p = gather_places(s->place, c->point);
 	struct lane_points l = project_lanes(b->view, p.q, &b->lens);
 	c->copy = 0;
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
-	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
-	c->spacing_m = has_own_spacing(b) ? load_u16(s->list_spacing + at) * s->unit_m
+	c->rank = (__builtin_convertvector(entry >> SCENE_LIST_BITS & low, vf) + 0.5f) *
+		  (1.f / (float)b->list_count);
+	c->spacing_m = has_own_spacing(b) ? p.spacing * farther_of(b, entry)
 					  : most(p.spacing * s->unit_m, all(b->dither_m));
 	c->left = end - i < LANES ? (1u << (end - i)) - 1 : LANES_ALL;
 	c->left &= promising(b, &l, c);
@@ -232,7 +248,7 @@ INLINE void try_queue(const struct brush *b, struct queue *q, struct stroke_chai
 
 void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
 {
-	uint32_t end = (uint32_t)MIN(need_most(b) * (float)b->list_count + 1, (float)b->list_count);
+	uint32_t end = scene_list_end(b->view->chunk, b->kind, key_most(b)) - b->list_from;
 	/* Lanes behind the last one are of some point, too. */
 	struct queue q = { 0 };
 	for (uint32_t i = 0; i < end; i += LANES) {

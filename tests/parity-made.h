@@ -4,6 +4,7 @@
  * directions, colours. Each thing is a segment's class. */
 #include "process/segments.h"
 #include "render/scene-bend.h"
+#include "render/scene-list.h"
 #include <math.h>
 
 #define CHUNK 4096u
@@ -75,20 +76,6 @@ static void make_point(scene *s, GRand *r, uint32_t at, int thing)
 	s->rgba[at][3] = at % 40 ? 255 : 0;
 }
 
-static void list_points(scene *s, struct scene_chunk *c)
-{
-	uint32_t at = c->first;
-	for (int kind = 0; kind < FEATURE_KINDS; kind++) {
-		for (uint32_t i = 0; i < c->count; i++)
-			if (s->kind[c->first + i] == kind) {
-				s->list_spacing[at] = s->place[c->first + i].spacing;
-				s->list[at++] = (uint16_t)i;
-			}
-		c->kind_end[kind] = at - c->first;
-		c->list_spacing_most_m[kind] = c->spacing_most_m;
-	}
-}
-
 static void make_chunk(scene *s, GRand *r, int thing, uint32_t count)
 {
 	const struct made_thing *t = &things[thing];
@@ -107,7 +94,8 @@ static void make_chunk(scene *s, GRand *r, int thing, uint32_t count)
 	}
 	for (uint32_t i = 0; i < count; i++)
 		make_point(s, r, s->count + i, thing);
-	list_points(s, c);
+	g_autoptr(scene_lister) l = scene_lister_new();
+	scene_list_chunk(l, s, c);
 	s->count += count;
 }
 

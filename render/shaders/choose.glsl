@@ -3,7 +3,7 @@ layout(std430, binding = 3) readonly buffer Looks {
 	uvec2 looks[]; /* rgba, direction */
 };
 layout(std430, binding = 4) readonly buffer Lists {
-	uint lists[]; /* index in the chunk, list_spacing */
+	uint lists[]; /* scene-list.h */
 };
 /* The copy of a point (stroke.h) that is looked at. */
 uint copy = 0u;
@@ -14,6 +14,8 @@ const float COSINE_LEAST = 0.1, COSINE_UNKNOWN = 1.0, FORESHORTENED = 0.25;
 const float ALPHA_LEAST = 1.0 / 255.0, COPY_REACH = 1.3, FADE_MEAN = 0.7213;
 const vec2 COPY_STEPS = vec2(0.7548777, 0.5698403);
 const float LIT_TONE = 1.0, LIT_OMITTED = 2.0, LIT_COLOUR = 3.0;
+const uint LIST_NEAR = 0x3f800000u, LIST_STEP = 164482u;
+const float LIST_RIDGE = 2.0;
 const uint NO_DIRECTION = 0x8000u;
 
 struct candidate {
@@ -325,6 +327,13 @@ void asked_of(uint n, out uvec4 begin_of, out uvec4 end_of)
 	}
 }
 
+/* scene_list_spacing_m() to that of all points. */
+float farther_of(uint n, uint kind, uint entry)
+{
+	float along = kind == DIRECTED ? 1.0 / (LIST_RIDGE * sqrt(uintBitsToFloat(views[n].pipeline.w))) : 1.0;
+	return along * uintBitsToFloat(LIST_NEAR + (entry >> 24) * LIST_STEP);
+}
+
 /* Entry i of the list of view n, if its kind is drawn and it is in the picture. */
 bool candidate_of(uint n, uint i, out candidate c)
 {
@@ -340,12 +349,14 @@ bool candidate_of(uint n, uint i, out candidate c)
 	if (!is_cut() && c.rank > need_most(n, c.kind) + 1.0 / many)
 		return false;
 	uint word = is_whole() ? i : lists[views[n].at.x + i];
-	c.index = views[n].at.x + (word & 0xffffu);
-	c.point = views[n].at.y + (word & 0xffffu);
+	c.index = views[n].at.x + (word & 0xfffu);
+	c.point = views[n].at.y + (word & 0xfffu);
 	if (is_whole() && !is_contours() && (which.x >> (points[c.index].z >> 24) & 1u) == 0u)
 		return false;
 	c.view = n;
-	c.spacing_m = float((has_own_spacing(c.kind) ? word : points[c.index].y) >> 16) * UNIT_M;
+	c.spacing_m = float(points[c.index].y >> 16) * UNIT_M;
+	if (has_own_spacing(c.kind))
+		c.spacing_m *= farther_of(n, c.kind, word);
 	if (!is_whole())
 		c.spacing_m = max(c.spacing_m, dither_m(n, c.kind));
 	vec3 at = place_of(n, points[c.index]);
