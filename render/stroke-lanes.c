@@ -1,5 +1,7 @@
+#define LANES_MAY_BE_WIDE
 #include "render/scene-list.h"
 #include "render/stroke-shows.h"
+#include "render/surface-lanes.h"
 #include <string.h>
 
 /* Strokes along an edge that comes towards the camera are shorter, down to this part. */
@@ -76,8 +78,9 @@ INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struc
 	find_normals(b, gather(b->f->scene->normal, l->point, 4), l);
 	l->away = away_of(b, l);
 	vf whole = opacity_of(b, l), larger = enlarged(b, l);
-	struct stroke_block *block = block_of(to, LANES);
-	for (unsigned left = l->left & bits(whole >= ALPHA_LEAST); left; left &= left - 1) {
+	unsigned left = l->left & bits(whole >= ALPHA_LEAST);
+	struct stroke_block *block = block_of(to, (uint32_t)__builtin_popcount(left));
+	for (; left; left &= left - 1) {
 		int k = __builtin_ctz(left);
 		struct candidate c = candidate_of(l, k);
 		struct line line;
@@ -93,6 +96,92 @@ INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struc
 	}
 }
 
+/* ---- eight strokes ---- */
+
+/* What put_stroke() tells of one that has no line. */
+struct pen_lanes {
+	vf along[2], half_length_px, half_width_px, q, slope[2];
+	vi rgb;
+};
+
+INLINE vi byte_of(vf level, int place)
+{
+	return __builtin_convertvector(least(most(level, all(0)), all(255)), vi) << 8 * place;
+}
+
+INLINE vi colours_of(const struct brush *b, const struct lane_candidates *c)
+{
+	const struct frame_light *light = &b->f->light;
+	const struct ink_step *ink = &b->layer->ink;
+	vi own = (vi)all(0) + (ink->ink[0] | ink->ink[1] << 8 | ink->ink[2] << 16), ret = own ^ own;
+	if (ink->colour != COLOUR_POINT)
+		return own;
+	vi rgba = gather(b->f->scene->rgba, c->point, 4);
+	vf grey = __builtin_convertvector(lightness_of(rgba), vf), lit = all(1);
+	if (b->layer->lit == LIT_COLOUR)
+		lit = 1 - light->amount * (1 - diffuse_of(b, c));
+	for (int k = 0; k < 3; k++) {
+		vf level = __builtin_convertvector(rgba >> 8 * k & 255, vf);
+		ret |= byte_of(lit * (grey + ink->saturation * (level - grey)) + 0.5f, k);
+	}
+	return (vi)choose((rgba >> 24 & 255) != 0, (vf)ret, (vf)own);
+}
+
+INLINE struct pen_lanes pens_of(const struct brush *b, const struct lane_candidates *c, vf growth)
+{
+	const struct ink_step *ink = &b->layer->ink;
+	struct pen_lanes p = { .half_width_px = growth * ink->width_px * 0.5f,
+		.q = 1 / c->depth_m,
+		.rgb = colours_of(b, c) };
+	vf vary = 1 + ink->length_variation *
+			      lanes_around_zero(c->id, stroke_salt(c->copy, SALT_LENGTH));
+	p.half_length_px = growth * ink->length_px * 0.5f * vary;
+	vi n = __builtin_convertvector(
+		lanes_chance(c->id, stroke_salt(c->copy, SALT_ANGLE)) * 256, vi);
+	vf cosine = (vf)gather(b->layer->turn, 2 * n, 4),
+	   sine = (vf)gather(&b->layer->turn[0][1], 2 * n, 4);
+	const float *along = b->layer->own_way;
+	p.along[0] = along[0] * cosine - along[1] * sine;
+	p.along[1] = along[0] * sine + along[1] * cosine;
+	plane_slopes(b, c, p.half_length_px, p.slope);
+	return p;
+}
+
+INLINE void put_strokes(const struct brush *b, const struct lane_candidates *c, unsigned which,
+	vf alpha, vf growth, struct stroke_block *to)
+{
+	struct pen_lanes p = pens_of(b, c, growth);
+	for (; which; which &= which - 1) {
+		int k = __builtin_ctz(which);
+		struct stroke *s = &to->stroke[to->count++];
+		s->x_px = c->x_px[k];
+		s->y_px = c->y_px[k];
+		for (int n = 0; n < 2; n++) {
+			s->along[n] = p.along[n][k];
+			s->slope[n] = p.slope[n][k];
+		}
+		s->half_length_px = p.half_length_px[k];
+		s->half_width_px = p.half_width_px[k];
+		s->alpha = alpha[k];
+		s->q = p.q[k];
+		memcpy(s->rgb, (const char *)&p.rgb + 4 * k, sizeof s->rgb);
+		s->copy = (uint8_t)c->copy;
+		s->point = (uint32_t)c->id[k];
+		s->lay = s->aslant = 0;
+	}
+}
+
+/* How much larger, where there are not enough points. */
+INLINE vf growths(const struct brush *b, const struct lane_candidates *c)
+{
+	vf short_of = c->need / (c->last * copies_of(b, c)), ret = all(MIN(1, b->layer->ink.grow));
+	for (unsigned left = c->left & bits(short_of > 1); left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		ret[k] = MIN(stroke_growth(short_of[k]), b->layer->ink.grow);
+	}
+	return ret * enlarged(b, c);
+}
+
 INLINE void try_on_surface(
 	const struct brush *b, struct lane_candidates *l, struct stroke_chain *to)
 {
@@ -101,18 +190,21 @@ INLINE void try_on_surface(
 		return;
 	vf need = l->need * STROKE_FADE_MORE(l->octaves);
 	vf alpha = opacity_of(b, l) * fade_of(l->rank, need, l->octaves);
-	vf larger = enlarged(b, l);
-	vf short_of = l->need / (l->last * copies_of(b, l));
-	struct stroke_block *block = block_of(to, LANES);
-	for (unsigned left = l->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
-		int k = __builtin_ctz(left);
-		struct candidate c = candidate_of(l, k);
-		struct line line;
-		bool has_line = goes_along(b) && line_of(b, &c, &line);
-		put_stroke(b, &c, alpha[k],
-			MIN(stroke_growth(short_of[k]), b->layer->ink.grow) * larger[k],
-			has_line ? &line : NULL, l->is_flat[k], &block->stroke[block->count++]);
-	}
+	unsigned left = l->left & bits(alpha >= ALPHA_LEAST);
+	if (!left)
+		return;
+	vf growth = growths(b, l);
+	struct stroke_block *block = block_of(to, (uint32_t)__builtin_popcount(left));
+	if (!goes_along(b))
+		put_strokes(b, l, left, alpha, growth, block);
+	else
+		for (; left; left &= left - 1) {
+			int k = __builtin_ctz(left);
+			struct candidate c = candidate_of(l, k);
+			struct line line;
+			put_stroke(b, &c, alpha[k], growth[k], line_of(b, &c, &line) ? &line : NULL,
+				l->is_flat[k], &block->stroke[block->count++]);
+		}
 }
 
 /* ---- a chunk's points ---- */
@@ -176,27 +268,15 @@ INLINE void find_candidates(
 	c->left &= promising(b, &l, c);
 }
 
-/* The points themselves too. */
-INLINE void try_copies(const struct brush *b, struct lane_candidates *c, struct stroke_chain *to)
-{
-	find_wanted(b, c);
-	vf copies = copies_of(b, c);
-	for (; c->left && c->copy < b->copies; c->copy++) {
-		struct lane_candidates one = *c;
-		try_on_surface(b, &one, to);
-		c->rank += c->last;
-		c->left &= bits((c->rank < c->most) & ((float)c->copy + 1 < copies));
-	}
-}
-
 /* Most points of a chunk are soon told to be no strokes. The others wait until there are some, so that all lanes have work, and what is
  * known of them is on its way meanwhile. */
-#define QUEUE 64
+#define QUEUE      64
+#define QUEUE_MOST (QUEUE + 2 * LANES)
 struct queue {
 	uint32_t count;
-	int32_t point[QUEUE + LANES];
-	float rank[QUEUE + LANES], spacing_m[QUEUE + LANES];
-	float x_px[QUEUE + LANES], y_px[QUEUE + LANES], depth_m[QUEUE + LANES];
+	int32_t point[QUEUE_MOST];
+	float rank[QUEUE_MOST], spacing_m[QUEUE_MOST];
+	float x_px[QUEUE_MOST], y_px[QUEUE_MOST], depth_m[QUEUE_MOST];
 };
 
 INLINE void put_in_queue(const struct brush *b, const struct lane_candidates *c, struct queue *q)
@@ -219,10 +299,10 @@ INLINE void put_in_queue(const struct brush *b, const struct lane_candidates *c,
 	}
 }
 
-/* Eight of them, or the last ones. */
-INLINE struct lane_candidates from_queue(const struct queue *q, uint32_t at)
+/* Eight of them, or the last ones before end. */
+INLINE struct lane_candidates from_queue(const struct queue *q, uint32_t at, uint32_t end)
 {
-	uint32_t left = q->count - at;
+	uint32_t left = end > at ? end - at : 0;
 	struct lane_candidates c = { .point = load_mask(q->point + at),
 		.rank = load(q->rank + at),
 		.spacing_m = load(q->spacing_m + at),
@@ -233,17 +313,64 @@ INLINE struct lane_candidates from_queue(const struct queue *q, uint32_t at)
 	return c;
 }
 
-INLINE void try_queue(const struct brush *b, struct queue *q, struct stroke_chain *to)
+/* Points that are looked at together, however many lanes there are, so that strokes come in the same order. */
+#define GROUP   16
+#define VECTORS (GROUP / LANES)
+
+/* The points themselves too. */
+INLINE void try_copies(
+	const struct brush *b, struct lane_candidates c[VECTORS], struct stroke_chain *to)
 {
-	for (uint32_t at = 0; at < q->count; at += LANES) {
-		struct lane_candidates c = from_queue(q, at);
-		find_ids(b, &c);
-		if (is_on_edge(b))
-			try_on_edges(b, &c, to);
-		else
-			try_copies(b, &c, to);
+	vf copies[VECTORS];
+	for (int n = 0; n < VECTORS; n++) {
+		find_wanted(b, &c[n]);
+		copies[n] = copies_of(b, &c[n]);
 	}
-	q->count = 0;
+	for (uint32_t copy = 0; copy < b->copies; copy++) {
+		unsigned left = 0;
+		for (int n = 0; n < VECTORS; n++) {
+			if (!c[n].left)
+				continue;
+			struct lane_candidates one = c[n];
+			one.copy = copy;
+			try_on_surface(b, &one, to);
+			c[n].rank += c[n].last;
+			c[n].left &= bits((c[n].rank < c[n].most) & ((float)copy + 1 < copies[n]));
+			left |= c[n].left;
+		}
+		if (!left)
+			break;
+	}
+}
+
+INLINE void try_group(const struct brush *b, const struct queue *q, uint32_t at, uint32_t end,
+	struct stroke_chain *to)
+{
+	struct lane_candidates c[VECTORS];
+	for (uint32_t n = 0; n < VECTORS; n++) {
+		c[n] = from_queue(q, at + n * LANES, end);
+		find_ids(b, &c[n]);
+	}
+	if (!is_on_edge(b)) {
+		try_copies(b, c, to);
+		return;
+	}
+	for (int n = 0; n < VECTORS; n++)
+		try_on_edges(b, &c[n], to);
+}
+
+/* As many of them as there are groups of, or all; those behind them move up. */
+INLINE void try_queue(const struct brush *b, struct queue *q, uint32_t end, struct stroke_chain *to)
+{
+	for (uint32_t at = 0; at < end; at += GROUP)
+		try_group(b, q, at, end, to);
+	q->count -= end;
+	store((float *)q->point, load((const float *)q->point + end));
+	store(q->rank, load(q->rank + end));
+	store(q->spacing_m, load(q->spacing_m + end));
+	store(q->x_px, load(q->x_px + end));
+	store(q->y_px, load(q->y_px + end));
+	store(q->depth_m, load(q->depth_m + end));
 }
 
 void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
@@ -257,8 +384,8 @@ void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
 		find_candidates(b, i, end, &c);
 		if (c.left)
 			put_in_queue(b, &c, &q);
-		if (q.count >= QUEUE - LANES)
-			try_queue(b, &q, to);
+		if (q.count >= QUEUE)
+			try_queue(b, &q, QUEUE, to);
 	}
-	try_queue(b, &q, to);
+	try_queue(b, &q, q.count, to);
 }
