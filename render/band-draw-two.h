@@ -1,0 +1,91 @@
+#ifndef RENDER_BAND_DRAW_TWO_H
+#define RENDER_BAND_DRAW_TWO_H
+/* Two rows of a short line at once, eight pixels of each, where vectors are that wide. The same numbers as those of a row alone. Internal
+ * to band-draw-lanes.c; all is inlined. */
+#include "render/band-pen.h"
+
+#if defined __AVX512VBMI__
+
+static const wf two_numbers = { 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7 };
+
+/* In either half all the same. */
+INLINE wf two_of(float first, float second)
+{
+	return _mm512_mask_mov_ps(_mm512_set1_ps(first), 0xff00, _mm512_set1_ps(second));
+}
+
+/* Eight from each of two places on. */
+INLINE wf two_load(const float *from, const ptrdiff_t at[2])
+{
+	return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(from + at[0])),
+		_mm256_loadu_ps(from + at[1]), 1);
+}
+
+INLINE void two_store(float *to, const ptrdiff_t at[2], wf x)
+{
+	_mm256_storeu_ps(to + at[0], _mm512_castps512_ps256(x));
+	_mm256_storeu_ps(to + at[1], _mm512_extractf32x8_ps(x, 1));
+}
+
+INLINE wf two_clamp01(wf x)
+{
+	return _mm512_min_ps(_mm512_max_ps(x, _mm512_setzero_ps()), _mm512_set1_ps(1));
+}
+
+/* line_alpha() */
+INLINE wf two_line_alpha(const struct pen *p, wf dx, wf dy)
+{
+	wf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
+	return two_clamp01(p->reach_along - _mm512_abs_ps(along)) *
+	       two_clamp01(p->reach_across - _mm512_abs_ps(across)) * p->strength;
+}
+
+/* shows(); at: of their keys */
+INLINE wf two_shown(const struct pen *p, const visibility_mask *m, const ptrdiff_t at[2], wf dx,
+	wf dy, wf alpha)
+{
+	wf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+	wf depth = two_load((const float *)(const void *)m->key, at);
+	return _mm512_maskz_mov_ps(
+		_mm512_cmp_ps_mask(q * depth, _mm512_set1_ps(p->shows_from), _CMP_GE_OQ), alpha);
+}
+
+/* blend_at() */
+INLINE void two_blend(const struct pen *p, enum band_blend blend, wf alpha,
+	const struct band_ink *ink, const ptrdiff_t at[2])
+{
+	if (blend == BAND_STRONGEST || blend == BAND_COVERING)
+		two_store(ink->bare, at, _mm512_min_ps(two_load(ink->bare, at), 1 - alpha));
+	else if (blend != BAND_COLOURED)
+		two_store(ink->bare, at, two_load(ink->bare, at) * (1 - alpha));
+	for (int k = 0; k < 3 && blend == BAND_COLOURED; k++)
+		two_store(ink->channel[k], at,
+			two_load(ink->channel[k], at) * (1 - alpha * (1 - p->colour[k])));
+	if (blend != BAND_PAINTED)
+		return;
+	for (int k = 0; k < 3; k++)
+		two_store(
+			ink->channel[k], at, two_load(ink->channel[k], at) + alpha * p->colour[k]);
+	two_store(ink->weight, at, two_load(ink->weight, at) + alpha);
+}
+
+/* Rows y and the next one of a line; left: where their pixels begin. */
+INLINE void two_of_line(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum band_blend blend, int y, const int32_t left[2])
+{
+	wf dx = two_of((float)left[0] + 0.5f - p->s->x_px, (float)left[1] + 0.5f - p->s->x_px) +
+		two_numbers;
+	wf dy = two_of((float)y + 0.5f - p->s->y_px, (float)(y + 1) + 0.5f - p->s->y_px);
+	wf alpha = two_line_alpha(p, dx, dy) * p->alpha;
+	ptrdiff_t row = (ptrdiff_t)(y - (int)b->from) * b->pitch + BAND_MARGIN;
+	if (m) {
+		ptrdiff_t keys = (ptrdiff_t)y * m->pitch;
+		alpha = two_shown(p, m, (ptrdiff_t[]){ keys + left[0], keys + m->pitch + left[1] },
+			dx, dy, alpha);
+	}
+	two_blend(p, blend, alpha, ink, (ptrdiff_t[]){ row + left[0], row + b->pitch + left[1] });
+}
+
+#endif
+
+#endif
