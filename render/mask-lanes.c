@@ -1,3 +1,4 @@
+#define LANES_MAY_BE_WIDE
 #include "render/mask-lanes.h"
 #include "render/disc-lanes.h"
 #include <math.h>
@@ -45,17 +46,32 @@ INLINE vi keys_of(vf depth_m, int32_t pipeline)
 	return ((vi)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | pipeline;
 }
 
-/* Eight columns of one disc, from column on, and so many rows; what is outside has the highest key. */
+/* Few discs are wider: so many columns are drawn at once, however many lanes there are. */
+#define COLUMNS 8
+typedef float cf __attribute__((vector_size(4 * COLUMNS)));
+typedef int32_t ci __attribute__((vector_size(4 * COLUMNS)));
+typedef int32_t ci_loose __attribute__((vector_size(4 * COLUMNS), aligned(4), may_alias));
+static const cf column_number = { 0, 1, 2, 3, 4, 5, 6, 7 };
+
+INLINE ci lower_columns(ci a, ci b)
+{
+	ci ret;
+	for (int k = 0; k < COLUMNS; k++)
+		ret[k] = (int32_t)MIN((uint32_t)a[k], (uint32_t)b[k]);
+	return ret;
+}
+
+/* Columns of one disc, from column on, and so many rows; what is outside has the highest key. */
 INLINE void draw_columns(const struct mask_target *t, const struct discs *d, int k, int column,
 	int rows, int32_t pipeline)
 {
-	vf c = (float)column + lane_number;
-	vf away = d->away[k] + (d->along[k] + d->flat[k] * c) * c,
+	cf c = (float)column + column_number;
+	cf away = d->away[k] + (d->along[k] + d->flat[k] * c) * c,
 	   step = d->step[k] + d->cross[k] * c, depth_m = d->depth_m[k] + d->tilt[0][k] * c;
 	int32_t *at = t->key + d->at[k] + column;
 	for (; rows > 0; rows--, at += t->pitch) {
-		store_mask(
-			at, lower_unsigned(load_mask(at), keys_of(depth_m, pipeline) | (away > 0)));
+		ci key = ((ci)depth_m & ~((1 << MASK_PIPELINE_BITS) - 1)) | pipeline | (away > 0);
+		*(ci_loose *)at = lower_columns(*(const ci_loose *)at, key);
 		depth_m += d->tilt[1][k];
 		away += step;
 		step += d->steep2[k];
@@ -73,7 +89,7 @@ INLINE vf push(const struct mask_step *s, const struct lens *l, const struct dis
 
 /* Points that wait, some at a time, for what is next done to them, side by side: few of a vector are wide, and how many rows these have is
  * hard to foresee, so that nothing which takes long should wait for it. */
-#define SHEET 32
+#define SHEET (256 / LANES)
 enum { LOW, MIDDLE, HIGH, SIZES };
 /* Those of few rows are drawn as if they had a few more. */
 #define ROWS_LOW    2
@@ -171,7 +187,7 @@ INLINE void lay_out_wide(const struct mask_step *step, const struct mask_target 
 	struct discs *w = &to->discs[n];
 	find_discs(t, &d, push(step, &p->lens, &d), w);
 	vi wide = d.drawn & (w->columns > 0) & (w->rows > 0);
-	vi narrow = w->columns <= LANES;
+	vi narrow = w->columns <= COLUMNS;
 	vi low = narrow & (w->rows <= ROWS_LOW), middle = narrow & (w->rows <= ROWS_MIDDLE);
 	sort_in(to, n, LOW, wide & low);
 	sort_in(to, n, MIDDLE, wide & middle & ~low);
@@ -187,7 +203,7 @@ INLINE void draw_size(
 		if (rows)
 			draw_columns(t, d, k, 0, rows, pipeline);
 		else
-			for (int column = 0; column < d->columns[k]; column += LANES)
+			for (int column = 0; column < d->columns[k]; column += COLUMNS)
 				draw_columns(t, d, k, column, d->rows[k], pipeline);
 	}
 }
@@ -226,119 +242,5 @@ void LANES_NAME(mask_draw)(const frame *f, const struct mask_target *t, const st
 			draw_dots(t, &sheet);
 		if (sheet.wide > (SHEET - 1) * LANES || is_last)
 			draw_wide(step, t, &p, v->pipeline, &sheet);
-	}
-}
-
-/* ---- holes ---- */
-
-INLINE vi keys_at(const int32_t *const rows[5], int down, int x)
-{
-	return *(const vi_loose *)(rows[down + 2] + x);
-}
-
-/* A pixel between two that are nearer, one or two pixels wide, belongs to them. */
-INLINE vi filled(const int32_t *const rows[5], int x)
-{
-	static const int pairs[8][4] = { { -1, 0, 1, 0 }, { 0, -1, 0, 1 }, { -1, -1, 1, 1 },
-		{ 1, -1, -1, 1 }, { -2, 0, 1, 0 }, { -1, 0, 2, 0 }, { 0, -2, 0, 1 },
-		{ 0, -1, 0, 2 } };
-	vi own = keys_at(rows, 0, x), between = own;
-	for (int n = 0; n < 8; n++)
-		between = lower(between, higher(keys_at(rows, pairs[n][1], x + pairs[n][0]),
-						 keys_at(rows, pairs[n][3], x + pairs[n][2])));
-	vi is_hole = (vf)between * MASK_HOLE < (vf)own;
-	return (between & is_hole) | (own & ~is_hole);
-}
-
-INLINE void fill_row(const int32_t *const rows[5], int32_t *to, uint32_t width)
-{
-	for (int x = 0; x < (int)width; x += LANES)
-		store_mask(to + x, filled(rows, x));
-}
-
-/* ---- threads' pictures together ---- */
-
-/* Nothing beyond the picture's edges, whatever discs there left, and nothing above and below. */
-INLINE void merge_row(const visibility_mask *m, int y, int32_t *to)
-{
-	const int32_t *row[FRAME_THREADS_MOST];
-	if (y < 0 || y >= (int)m->height) {
-		mask_clear(to - MASK_MARGIN, m->pitch);
-		return;
-	}
-	for (uint32_t n = 0; n < m->threads; n++)
-		row[n] = mask_first_key(m, m->part[n]) + (ptrdiff_t)y * m->pitch;
-	for (int x = 0; x < (int)m->width; x += LANES) {
-		vi key = load_mask(row[0] + x);
-		for (uint32_t n = 1; n < m->threads; n++)
-			key = lower(key, load_mask(row[n] + x));
-		store_mask(to + x, key);
-	}
-	for (int x = 0; x < MASK_MARGIN; x++)
-		to[-1 - x] = to[(int)m->width + x] = MASK_EMPTY;
-}
-
-/* ---- tiles ---- */
-
-/* Keys of the deepest pixels so far of a row of tiles. */
-INLINE void deepen(const int32_t *row, uint32_t width, vi *deepest)
-{
-	vi column = __builtin_convertvector(lane_number, vi);
-	for (uint32_t x = 0; x < width; x += LANES)
-		deepest[x / MASK_TILE] = higher(deepest[x / MASK_TILE],
-			load_mask(row + x) & (column + (int32_t)x < (int32_t)width));
-}
-
-INLINE void put_tiles(visibility_mask *m, uint32_t down, vi *deepest)
-{
-	for (uint32_t across = 0; across < m->tiles_across; across++) {
-		int32_t most = 0;
-		for (int k = 0; k < LANES; k++)
-			most = MAX(most, deepest[across][k]);
-		m->deepest_m[down * m->tiles_across + across] = mask_depth(most);
-		deepest[across] = (vi){ 0 };
-	}
-}
-
-void LANES_NAME(mask_look)(visibility_mask *m, uint32_t down, struct mask_bench *b)
-{
-	uint32_t end = MIN((down + 1) * MASK_TILE, m->height);
-	for (uint32_t y = down * MASK_TILE; y < end; y++) {
-		merge_row(m, (int)y, b->row[0]);
-		deepen(b->row[0], m->width, b->deepest);
-	}
-	put_tiles(m, down, b->deepest);
-}
-
-/* Of all threads' pictures: of tiles from .. end, two rows above and two below. Others draw over these when they finish theirs. */
-void LANES_NAME(mask_look_around)(
-	const visibility_mask *m, uint32_t from, uint32_t end, struct mask_bench *b)
-{
-	int top = (int)(from * MASK_TILE), below = (int)MIN(end * MASK_TILE, m->height);
-	for (int k = 0; k < 2; k++) {
-		merge_row(m, top - 2 + k, b->row[k]);
-		merge_row(m, below + k, b->below[k]);
-	}
-}
-
-/* The first picture of a thread becomes the mask's, row by row: those farther down are as they were. */
-void LANES_NAME(mask_finish)(visibility_mask *m, uint32_t from, uint32_t end, struct mask_bench *b)
-{
-	int top = (int)(from * MASK_TILE), below = (int)MIN(end * MASK_TILE, m->height);
-	for (int k = 0; k < 2 && from < end; k++)
-		merge_row(m, top + k, b->row[2 + k]);
-	for (int y = top; y < below; y++) {
-		int32_t *to = m->key + (ptrdiff_t)y * m->pitch, *first = b->row[0];
-		if (y + 2 < below)
-			merge_row(m, y + 2, b->row[4]);
-		else
-			memcpy(b->row[4] - MASK_MARGIN, b->below[y + 2 - below] - MASK_MARGIN,
-				m->pitch * sizeof *to);
-		fill_row((const int32_t *const *)b->row, to, m->width);
-		deepen(to, m->width, b->deepest);
-		memmove(b->row, b->row + 1, 4 * sizeof *b->row);
-		b->row[4] = first;
-		if ((y + 1) % MASK_TILE == 0 || y + 1 == below)
-			put_tiles(m, (uint32_t)y / MASK_TILE, b->deepest);
 	}
 }

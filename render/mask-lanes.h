@@ -1,6 +1,6 @@
 #ifndef RENDER_MASK_LANES_H
 #define RENDER_MASK_LANES_H
-/* How a mask is drawn and put together, eight pixels at a time. Internal to mask.c. */
+/* How a mask is drawn (mask-lanes.c) and put together (mask-finish-lanes.c), eight pixels at a time. Internal to mask.c. */
 #include "process/lanes.h"
 #include "render/mask.h"
 

@@ -11,7 +11,7 @@
 
 /* Vectors read beyond the end of a chunk, at most into the next block, which may be written meanwhile: what they get there is masked, but
  * taken for indices before, and may be any. */
-#define POINTS_BEYOND (UINT16_MAX + 1u + 16u)
+#define POINTS_BEYOND (MODEL_CHUNK_POINTS + 16u)
 #define THREADS_MOST  8u
 /* Readers give way to whoever draws. On two cores frames of a flight took 25 ms in the mean and 72 at most so, with half as many points
  * missing 43 ms and 240 at 5. */
