@@ -1,3 +1,4 @@
+#define LANES_MAY_BE_WIDE
 #include "render/draw-lanes.h"
 #include "render/edl.h"
 #include "render/light.h"
@@ -14,13 +15,11 @@ INLINE void fill(const struct band *b, float *plane, float value)
 
 /* ---- paper ---- */
 
-typedef uint8_t vb_loose __attribute__((vector_size(8), aligned(1), may_alias));
-
 INLINE void lay_row(const float colour[3], float grain, const uint8_t *height, uint32_t width,
 	float *relief, float *const canvas[3])
 {
 	for (uint32_t x = 0; x < width; x += LANES) {
-		vb_loose h = { 0 };
+		vb_row h = { 0 };
 		memcpy(&h, height + x, MIN(LANES, width - x));
 		vf up = (__builtin_convertvector(h, vf) - PAPER_TEXTURE_MEAN) * (1 / 128.f);
 		store(relief + x, up);
