@@ -38,7 +38,8 @@ struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
 	struct frame_paint *p = g_new0(struct frame_paint, 1);
 	const struct paint_step *step = &l->step->paint;
 	p->step = *step;
-	p->seen = scene_paint_of(s);
+	p->scene = s;
+	p->seen = scene_paint_hold(s);
 	p->palette = pencil_box_of(step->palette);
 	p->exposure = scene_exposure_of(s, step->exposure);
 	make_levels(p, l, texture);
@@ -63,6 +64,7 @@ void frame_paint_free(struct frame_paint *p)
 		stroke_texture_free(p->level[n].texture);
 		g_free(p->level[n].texels);
 	}
+	scene_paint_release(p->scene);
 	g_free(p);
 }
 

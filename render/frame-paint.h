@@ -44,7 +44,8 @@
 
 struct frame_paint {
 	struct paint_step step;
-	const scene_paint *seen;
+	const scene *scene;
+	const scene_paint *seen; /* held */
 	pencil_box palette;
 	float exposure; /* scene_exposed() */
 	struct paint_level {

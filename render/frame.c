@@ -564,6 +564,8 @@ frame *frame_new_coarse(
 	}
 	if (!frame_move(f, c, error) || !add_layers(f, error))
 		return NULL;
+	if (!f->is_painted)
+		scene_paint_forget(s);
 	find_sheets(f);
 	frame_set_light(f, &d->whole.light);
 	frame_set_focus(f, &d->whole.focus);

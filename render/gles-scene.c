@@ -98,8 +98,16 @@ static void take_bends(const scene *s, uint32_t from, uint32_t count, void *to)
 
 static void take_paint(const scene *s, uint32_t from, uint32_t count, void *to)
 {
-	_Static_assert(sizeof(struct scene_paint_point) == PAINT_BYTES, "as paint.glsl reads it");
-	memcpy(to, &scene_paint_of(s)->point[from], (size_t)count * PAINT_BYTES);
+	const scene_paint *seen = scene_paint_of(s);
+	uint8_t(*out)[PAINT_BYTES] = to;
+#pragma omp parallel for schedule(static) if (count > FEW)
+	for (uint32_t n = 0; n < count; n++) {
+		int16_t way[2];
+		scene_paint_rgb(seen->look[from + n], out[n]);
+		out[n][3] = seen->detail[from + n];
+		scene_paint_way(seen->look[from + n], way);
+		memcpy(out[n] + 4, way, sizeof way);
+	}
 }
 
 /* Of a chunk: shaders look at each kind in the order of ranks. */
@@ -232,8 +240,19 @@ void gles_scene_clear(const gles_context *c, gles_scene *g)
 	memset(g, 0, sizeof *g);
 }
 
+static void forget_paint(const gles_context *c, gles_scene *g)
+{
+	for (uint32_t n = 0; n < g->slabs; n++) {
+		c->gl.DeleteBuffers(1, &g->slab[n].paint);
+		g->slab[n].paint = 0;
+	}
+	g->is_painted = false;
+}
+
 bool gles_scene_hold(const gles_context *c, gles_scene *g, const scene *s, GError **error)
 {
+	if (g->is_painted && !scene_paint_is_there(s))
+		forget_paint(c, g);
 	if (s->pager)
 		return hold_paged(c, g, s, error);
 	if (g->serial == s->serial)

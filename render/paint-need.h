@@ -16,7 +16,7 @@
 #define FOLLOW_LEAST 0.25f
 
 struct paint_lanes {
-	vi rgb_detail, way; /* struct scene_paint_point */
+	vi rgb_detail, way; /* of what is seen of the points (scene-paint.h), bytes and halves */
 	vf part;            /* of all strokes that are wanted, those that are here */
 	vf along[3], up[3]; /* in the plane of the stroke, as the camera sees it; unit */
 	vf wave;            /* -1..1: how strokes around here are turned */
@@ -147,16 +147,32 @@ INLINE vf paint_per_px(const struct brush *b, struct lane_candidates *c)
 	       least(cosine_of(b, c, magnitude(along) + turned), all(b->ray_most));
 }
 
+/* scene_paint_rgb() */
+INLINE vi seen_rgb(vi look)
+{
+	return SCENE_PAINT_OF_FIVE(look & 31) | SCENE_PAINT_OF_SIX(look >> 5 & 63) << 8 |
+	       SCENE_PAINT_OF_FIVE(look >> 11 & 31) << 16;
+}
+
+/* scene_paint_way() */
+INLINE vi seen_way(vi look)
+{
+	vi first = look << 8 >> 24, second = look >> 24;
+	vi way = (first * SCENE_PAINT_WAY_FACTOR & UINT16_MAX) | second * SCENE_PAINT_WAY_FACTOR
+									 << 16;
+	vi none = first == SCENE_PAINT_NO_WAY;
+	return (way & ~none) | (none & (MODEL_NORMAL_NONE & UINT16_MAX));
+}
+
 /* What is the same for all copies of the points, which stand in a row. What is quickly told comes first. */
 INLINE void find_paint(
 	const struct brush *b, uint32_t at, struct lane_candidates *c, struct paint_lanes *p)
 {
 	const struct frame_paint *paint = b->layer->paint;
 	const scene *s = b->f->scene;
-	const float *seen = (const float *)(const void *)&paint->seen->point[at];
-	vf first = load(seen), second = load(seen + LANES);
-	p->rgb_detail = (vi)evens(first, second);
-	p->way = (vi)odds(first, second);
+	vi look = load_mask((const int32_t *)paint->seen->look + at);
+	p->rgb_detail = seen_rgb(look) | load_u8_whole(paint->seen->detail + at) << 24;
+	p->way = seen_way(look);
 	p->part = (vf)gather(paint->part, p->rgb_detail >> 24 & 255, 4);
 	c->last = 1 / (c->spacing_m * c->spacing_m);
 	c->rank *= c->last;

@@ -39,13 +39,13 @@ const uint8_t *scene_bend_halves(void)
 	return table;
 }
 
-static void read_chunk(const model *m, const struct model_chunk *chunk, uint8_t (*k)[2])
+static void read_chunk(const model *m, const struct model_chunk *chunk, uint8_t (*ret)[2])
 {
 	const struct model_point *p = model_points(m) + chunk->first;
 	const uint8_t *of_half = scene_bend_halves();
 	for (uint32_t i = 0; i < chunk->points; i++) {
-		k[chunk->first + i][0] = of_half[p[i].k1];
-		k[chunk->first + i][1] = of_half[p[i].k2];
+		ret[i][0] = of_half[p[i].k1];
+		ret[i][1] = of_half[p[i].k2];
 	}
 	product_forget(model_file(m), p, chunk->points * sizeof *p);
 }
@@ -57,7 +57,7 @@ static void read_all(const scene *s, struct scene_bend_plane *b)
 	b->k = g_malloc((s->count + 16u) * sizeof *b->k); /* vectors read beyond the end */
 #pragma omp parallel for schedule(dynamic, 8)
 	for (uint64_t n = 0; n < chunks; n++)
-		read_chunk(b->model, &chunk[n], b->k);
+		read_chunk(b->model, &chunk[n], b->k + chunk[n].first);
 }
 
 const uint8_t (*scene_bend(const scene *s))[2]
@@ -72,6 +72,18 @@ const uint8_t (*scene_bend(const scene *s))[2]
 		g_once_init_leave(&b->made, 1);
 	}
 	return b->k;
+}
+
+const uint8_t (*scene_bend_of_chunk(const scene *s, uint32_t chunk, uint8_t (*room)[2]))[2]
+{
+	struct scene_bend_plane *b = s->bend;
+	uint64_t chunks;
+	if (!b)
+		return NULL;
+	if (!b->model || g_atomic_pointer_get(&b->made))
+		return (const uint8_t(*)[2])b->k + s->chunk[chunk].first;
+	read_chunk(b->model, &model_chunks(b->model, &chunks)[chunk], room);
+	return (const uint8_t(*)[2])room;
 }
 
 void scene_bend_free(struct scene_bend_plane *b)

@@ -11,6 +11,9 @@
 /* Of each point k1, the one of the greater magnitude, and k2. NULL: the scene is of no model (scene_alloc). The scene's; any thread. */
 const uint8_t (*scene_bend(const scene *s))[2];
 
+/* The same of one chunk's points alone, which is not kept: in room, for so many as a chunk has, or where they are kept already. */
+const uint8_t (*scene_bend_of_chunk(const scene *s, uint32_t chunk, uint8_t (*room)[2]))[2];
+
 uint8_t scene_bend_pack(float per_m);
 /* 1/m, of all bytes. */
 const float *scene_bend_table(void);

@@ -159,7 +159,7 @@ static void alloc_points(scene_pager *p, scene *s, uint64_t memory_bytes)
 	scene_alloc_points(s, count);
 	s->id = large_new(count * sizeof *s->id);
 	s->bend = g_new0(struct scene_bend_plane, 1);
-	s->paint = g_new0(struct scene_paint_plane, 1);
+	s->paint = scene_paint_new();
 	s->bend->k = g_malloc(count * sizeof *s->bend->k);
 }
 

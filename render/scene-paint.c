@@ -1,6 +1,7 @@
 #include "render/scene-paint.h"
 #include "process/segments.h"
 #include "process/vector3.h"
+#include "render/large.h"
 #include "render/scene-bend.h"
 #include <math.h>
 #include <string.h>
@@ -154,38 +155,57 @@ static void across(const scene *s, uint32_t point, int16_t ret[2])
 		model_pack_normal(v, ret);
 }
 
-static void find_way(const struct look *l, const uint8_t (*bend)[2], uint32_t point,
-	const struct cell *near, struct scene_paint_point *to)
+/* bend: k1 and k2 of the point; NULL: not known. */
+static void find_way(const struct look *l, const uint8_t bend[2], uint32_t point,
+	const struct cell *near, int16_t ret[2])
 {
 	const scene *s = l->s;
 	float way[3];
-	to->way[0] = MODEL_NORMAL_NONE;
-	to->way[1] = 0;
+	ret[0] = MODEL_NORMAL_NONE;
+	ret[1] = 0;
 	if (is_edge(s, point))
-		memcpy(to->way, s->direction[point], sizeof to->way);
+		memcpy(ret, s->direction[point], sizeof *s->direction);
 	else if (main_way(near, way))
-		model_pack_normal(way, to->way);
+		model_pack_normal(way, ret);
 	else if (bend && s->kind[point] < FEATURE_UNDIRECTED &&
 		 s->direction[point][0] != MODEL_NORMAL_NONE &&
-		 s->normal[point][0] != MODEL_NORMAL_NONE && is_bent(bend[point]))
-		across(s, point, to->way);
+		 s->normal[point][0] != MODEL_NORMAL_NONE && is_bent(bend))
+		across(s, point, ret);
 }
 
-static void look_at_point(const struct look *l, const uint8_t (*bend)[2], uint32_t point,
-	const struct cell *near, struct scene_paint_point *to)
+static uint32_t pack_way(const int16_t way[2])
+{
+	int8_t byte[2] = { SCENE_PAINT_NO_WAY, 0 };
+	for (int k = 0; k < 2 && way[0] != MODEL_NORMAL_NONE; k++)
+		byte[k] = (int8_t)lrintf((float)way[k] / SCENE_PAINT_WAY_FACTOR);
+	return (uint32_t)(uint8_t)byte[0] << 16 | (uint32_t)(uint8_t)byte[1] << 24;
+}
+
+static uint32_t pack_rgb(const float rgb[3])
+{
+	static const float most[3] = { 31, 63, 31 };
+	uint32_t bits[3];
+	for (int k = 0; k < 3; k++)
+		bits[k] = (uint32_t)(rgb[k] * most[k] / 255 + 0.5f);
+	return bits[0] | bits[1] << 5 | bits[2] << 11;
+}
+
+static void look_at_point(const struct look *l, const uint8_t bend[2], uint32_t point,
+	const struct cell *near, scene_paint *to)
 {
 	const uint8_t *rgba = l->s->rgba[point];
-	float differs = 0;
+	float differs = 0, mean[3];
+	int16_t way[2];
 	for (int k = 0; k < 3; k++) {
-		float mean = near->rgb[k] / near->points;
-		to->rgb[k] = (uint8_t)(mean + 0.5f);
-		differs = fmaxf(differs, fabsf((float)rgba[k] - mean) / 255);
+		mean[k] = near->rgb[k] / near->points;
+		differs = fmaxf(differs, fabsf((float)rgba[k] - mean[k]) / 255);
 	}
 	differs = (differs - COLOURS_ALIKE) / (COLOURS_DIFFER - COLOURS_ALIKE);
 	float beside = DETAIL_BESIDE * fminf(DETAIL_SPREADS * near->detail / near->points, 1);
 	float detail = fmaxf(detail_of(l->s, point), beside);
-	to->detail = (uint8_t)(255 * CLAMP(fmaxf(detail, differs), 0, 1) + 0.5f);
-	find_way(l, bend, point, near, to);
+	to->detail[point] = (uint8_t)(255 * CLAMP(fmaxf(detail, differs), 0, 1) + 0.5f);
+	find_way(l, bend, point, near, way);
+	to->look[point] = pack_rgb(mean) | pack_way(way);
 }
 
 static void sum_up(const struct look *l, struct scene_paint_chunk *to)
@@ -205,6 +225,7 @@ static void sum_up(const struct look *l, struct scene_paint_chunk *to)
 	to->is_leafy = (float)undirected > LEAFY * (float)l->chunk->count;
 }
 
+/* bend: of its points, or NULL. */
 static void look_at_chunk(const scene *s, const struct scene_chunk *chunk, const uint8_t (*bend)[2],
 	scene_paint *to, struct scene_paint_chunk *ret, struct cell *cell, struct cell *near)
 {
@@ -223,8 +244,8 @@ static void look_at_chunk(const scene *s, const struct scene_chunk *chunk, const
 				near[cell_at(&l, at) - cell] = around(&l, at);
 	for (uint32_t i = 0; i < chunk->count; i++) {
 		cell_of(&l, chunk->first + i, at);
-		look_at_point(&l, bend, chunk->first + i, &near[cell_at(&l, at) - cell],
-			&to->point[chunk->first + i]);
+		look_at_point(&l, bend ? bend[i] : NULL, chunk->first + i,
+			&near[cell_at(&l, at) - cell], to);
 	}
 }
 
@@ -270,18 +291,18 @@ static void find_middles(const scene *s, float (*ret_m)[3])
 /* Those that were not looked at yet. */
 static void look_at_new(const scene *s, scene_paint *to)
 {
-	const uint8_t(*bend)[2] = scene_bend(s);
 #pragma omp parallel
 	{
 		g_autofree struct cell *cell = g_new(struct cell, 2 * CELLS * CELLS * CELLS);
+		uint8_t room[MODEL_CHUNK_POINTS][2];
 #pragma omp for schedule(dynamic, 8)
 		for (uint32_t n = 0; n < s->chunks; n++) {
 			const struct scene_chunk *c = &s->chunk[n];
 			size_t place = (size_t)(scene_paint_chunk_of(to, s, c) - to->chunk);
 			if (to->stamp && to->stamp[place] == c->stamp)
 				continue;
-			look_at_chunk(s, c, bend, to, &to->chunk[place], cell,
-				cell + CELLS * CELLS * CELLS);
+			look_at_chunk(s, c, scene_bend_of_chunk(s, n, room), to, &to->chunk[place],
+				cell, cell + CELLS * CELLS * CELLS);
 			memcpy(to->chunk[place].middle_m, to->middle_m[c->leaf],
 				sizeof to->middle_m[0]);
 			if (to->stamp)
@@ -294,7 +315,12 @@ static void look_at_all(const scene *s, scene_paint *to)
 {
 	uint32_t points = s->pager ? scene_pager_points(s->pager) : s->count,
 		 chunks = s->pager ? points / SCENE_PAGER_ALIGNED : s->chunks;
-	to->point = g_new0(struct scene_paint_point, points + 16u);
+	size_t count = points + 16u; /* vectors read beyond the end */
+	char *at = large_new(large_part(count * sizeof *to->look) + count);
+	to->look = large_take(&at, count * sizeof *to->look);
+	to->detail = (uint8_t *)at;
+	memset(to->look + points, 0, 16 * sizeof *to->look);
+	memset(to->detail + points, 0, 16);
 	to->chunk = g_new0(struct scene_paint_chunk, chunks + 1);
 	to->stamp = s->pager ? g_new0(uint32_t, chunks + 1) : NULL;
 	to->middle_m = g_malloc0_n(SEGMENTS_MAX + 1, sizeof *to->middle_m);
@@ -302,30 +328,75 @@ static void look_at_all(const scene *s, scene_paint *to)
 	look_at_new(s, to);
 }
 
-const scene_paint *scene_paint_of(const scene *s)
+static void clear(scene_paint *p)
+{
+	large_free(p->look); /* and detail */
+	g_free(p->chunk);
+	g_free(p->stamp);
+	g_free(p->middle_m);
+	memset(p, 0, sizeof *p);
+}
+
+const scene_paint *scene_paint_hold(const scene *s)
 {
 	struct scene_paint_plane *p = s->paint;
-	if (g_once_init_enter(&p->made)) {
+	g_mutex_lock(&p->lock);
+	p->holders++;
+	if (!p->paint.look)
 		look_at_all(s, &p->paint);
-		g_once_init_leave(&p->made, 1);
-	}
+	g_mutex_unlock(&p->lock);
 	return &p->paint;
+}
+
+void scene_paint_release(const scene *s)
+{
+	struct scene_paint_plane *p = s->paint;
+	g_mutex_lock(&p->lock);
+	p->holders--;
+	g_mutex_unlock(&p->lock);
+}
+
+void scene_paint_forget(const scene *s)
+{
+	struct scene_paint_plane *p = s->paint;
+	g_mutex_lock(&p->lock);
+	if (!p->holders)
+		clear(&p->paint);
+	g_mutex_unlock(&p->lock);
+}
+
+bool scene_paint_is_there(const scene *s)
+{
+	struct scene_paint_plane *p = s->paint;
+	g_mutex_lock(&p->lock);
+	bool ret = p->paint.look;
+	g_mutex_unlock(&p->lock);
+	return ret;
 }
 
 void scene_paint_follow(const scene *s)
 {
 	struct scene_paint_plane *p = s->paint;
-	if (p && g_atomic_pointer_get(&p->made))
+	if (!p)
+		return;
+	g_mutex_lock(&p->lock);
+	if (p->paint.look)
 		look_at_new(s, &p->paint);
+	g_mutex_unlock(&p->lock);
+}
+
+struct scene_paint_plane *scene_paint_new(void)
+{
+	struct scene_paint_plane *p = g_new0(struct scene_paint_plane, 1);
+	g_mutex_init(&p->lock);
+	return p;
 }
 
 void scene_paint_free(struct scene_paint_plane *p)
 {
 	if (!p)
 		return;
-	g_free(p->paint.point);
-	g_free(p->paint.chunk);
-	g_free(p->paint.stamp);
-	g_free(p->paint.middle_m);
+	clear(&p->paint);
+	g_mutex_clear(&p->lock);
 	g_free(p);
 }

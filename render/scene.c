@@ -68,7 +68,7 @@ scene *scene_alloc(uint32_t count, uint32_t chunks)
 {
 	scene *s = g_new0(scene, 1);
 	s->serial = scene_serial();
-	s->paint = g_new0(struct scene_paint_plane, 1);
+	s->paint = scene_paint_new();
 	s->count = count;
 	s->chunks = chunks;
 	s->lightest = 1;
