@@ -399,13 +399,13 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 #define AHEAD 8
 
 INLINE void draw_all(const struct band *b, const struct frame_layer *l,
-	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
-	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
+	const struct band_strokes *strokes, const visibility_mask *m, const struct band_ink *ink,
+	enum kernel kernel, enum band_blend blend)
 {
 	const float *light = light_of_bytes();
-	for (uint32_t n = 0; n < count; n++) {
-		__builtin_prefetch(which[MIN(n + AHEAD, count - 1)]);
-		struct pen p = pen_of(l, which[n], kernel);
+	for (uint32_t n = 0; n < strokes->count; n++) {
+		__builtin_prefetch(band_stroke(strokes, MIN(n + AHEAD, strokes->count - 1)));
+		struct pen p = pen_of(l, band_stroke(strokes, n), kernel);
 		for (int k = 0; k < 3; k++)
 			p.colour[k] = light[p.s->rgb[k]];
 		draw_stroke(&p, b, m, ink, kernel, blend);
@@ -417,24 +417,24 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 /* So that each kernel and way of blending has loops of its own. */
 #define WITH_BLEND(kernel)                                                                         \
 	switch (blend) {                                                                           \
-	case BAND_INKED: draw_all(b, l, which, count, m, ink, kernel, BAND_INKED); break;          \
-	case BAND_COLOURED: draw_all(b, l, which, count, m, ink, kernel, BAND_COLOURED); break;    \
-	case BAND_PAINTED: draw_all(b, l, which, count, m, ink, kernel, BAND_PAINTED); break;      \
+	case BAND_INKED: draw_all(b, l, strokes, m, ink, kernel, BAND_INKED); break;               \
+	case BAND_COLOURED: draw_all(b, l, strokes, m, ink, kernel, BAND_COLOURED); break;         \
+	case BAND_PAINTED: draw_all(b, l, strokes, m, ink, kernel, BAND_PAINTED); break;           \
 	case BAND_STRONGEST:                                                                       \
-	case BAND_COVERING: draw_all(b, l, which, count, m, ink, kernel, BAND_STRONGEST); break;   \
+	case BAND_COVERING: draw_all(b, l, strokes, m, ink, kernel, BAND_STRONGEST); break;        \
 	case BAND_LAID: break; /* has a texture */                                                 \
 	}
 
 void LANES_NAME(band_draw)(const struct band *b, const struct frame_layer *l,
-	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
-	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
+	const struct band_strokes *strokes, const visibility_mask *m, const struct band_ink *ink,
+	enum kernel kernel, enum band_blend blend)
 {
 	switch (kernel) {
 	case KERNEL_SPRITE: WITH_BLEND(KERNEL_SPRITE); break;
 	case KERNEL_LINE: WITH_BLEND(KERNEL_LINE); break;
 	case KERNEL_TEXTURE:
 		if (blend == BAND_LAID) {
-			draw_all(b, l, which, count, m, ink, KERNEL_TEXTURE, BAND_LAID);
+			draw_all(b, l, strokes, m, ink, KERNEL_TEXTURE, BAND_LAID);
 			break;
 		}
 		if (l->few_texels) {

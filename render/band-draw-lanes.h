@@ -4,8 +4,8 @@
 #include "render/bands.h"
 
 LANES_DECLARE(void, band_draw,
-	(const struct band *b, const struct frame_layer *l, const struct stroke *const *which,
-		uint32_t count, const visibility_mask *m, const struct band_ink *ink,
-		enum kernel kernel, enum band_blend blend));
+	(const struct band *b, const struct frame_layer *l, const struct band_strokes *strokes,
+		const visibility_mask *m, const struct band_ink *ink, enum kernel kernel,
+		enum band_blend blend));
 
 #endif

@@ -19,9 +19,8 @@ enum band_blend band_blend_of(const struct frame_layer *l)
 }
 
 void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,
-	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
-	const struct band_ink *ink)
+	const struct band_strokes *strokes, const visibility_mask *m, const struct band_ink *ink)
 {
 	LANES_OF(f->lanes, band_draw)
-	(b, l, which, count, m, ink, band_kernel_of(l), band_blend_of(l));
+	(b, l, strokes, m, ink, band_kernel_of(l), band_blend_of(l));
 }

@@ -7,59 +7,107 @@ static inline float reach_down(const struct stroke *s)
 	return fabsf(s->along[1]) * s->half_length_px + fabsf(s->along[0]) * s->half_width_px + 1;
 }
 
-struct reach {
-	uint16_t first, end; /* bands */
+struct band_reach {
+	uint16_t first, end;
 };
 
-static struct reach bands_of(const struct stroke *s, float more, uint32_t height)
+static struct band_reach reach_of(const struct stroke *s, float more, uint32_t height)
 {
 	float reach = reach_down(s) + more, low = s->y_px - reach, high = s->y_px + reach;
 	if (high < 0 || low >= (float)height)
-		return (struct reach){ 0 };
-	return (struct reach){ (uint16_t)(fmaxf(low, 0) / BAND_ROWS),
+		return (struct band_reach){ 0 };
+	return (struct band_reach){ (uint16_t)(fmaxf(low, 0) / BAND_ROWS),
 		(uint16_t)(fminf(high, (float)(height - 1)) / BAND_ROWS + 1) };
 }
 
-/* Parts of a layer that are looked at side by side: so many that threads are done at about the same time. */
-#define PARTS 16
+/* Parts of all blocks that are looked at side by side: so many that threads are done at about the same time. */
+#define PARTS 32
 
-static uint32_t part_end(const struct stroke_blocks *strokes, uint32_t parts)
+/* What is filled. */
+struct filling {
+	band_lists *to;
+	const frame *f;
+	const struct stroke_blocks *of_layer;
+	uint32_t height;
+	uint32_t block_end[FRAME_LAYERS_MAX],
+		stroke_end[FRAME_LAYERS_MAX]; /* of all layers in a row */
+	uint32_t *at; /* of each part, layer, and band: how many; then where they go */
+};
+
+/* Blocks of one layer that are in a part. */
+struct piece {
+	uint32_t layer, from, end;
+};
+
+static struct piece piece_of(const struct filling *w, uint32_t part, uint32_t layer)
 {
-	return (uint32_t)((uint64_t)strokes->blocks * parts / PARTS);
+	uint64_t all = w->block_end[w->f->layers - 1];
+	uint32_t before = layer ? w->block_end[layer - 1] : 0,
+		 from = (uint32_t)(all * part / PARTS), end = (uint32_t)(all * (part + 1) / PARTS);
+	return (struct piece){ layer, MAX(from, before) - before,
+		MAX(MIN(end, w->block_end[layer]), before) - before };
 }
 
-static void count_part(const struct stroke_blocks *strokes, uint32_t part, float more,
-	uint32_t height, struct reach *reach, uint32_t *count)
+static void count_piece(const struct filling *w, const struct piece *p, uint32_t *count)
 {
-	for (uint32_t k = part_end(strokes, part); k < part_end(strokes, part + 1); k++) {
+	const struct stroke_blocks *strokes = &w->of_layer[p->layer];
+	struct band_reach *reach = w->to->reach + w->stroke_end[p->layer] - strokes->count;
+	float more = w->f->layer[p->layer].paint ? BAND_AROUND : 0;
+	for (uint32_t k = p->from; k < p->end; k++) {
 		const struct stroke_block *b = strokes->block[k];
 		for (uint32_t n = 0; n < b->count; n++) {
-			struct reach r = reach[b->first + n] =
-				bands_of(&b->stroke[n], more, height);
+			struct band_reach r = reach[b->first + n] =
+				reach_of(&b->stroke[n], more, w->height);
 			for (uint32_t band = r.first; band < r.end; band++)
 				count[band]++;
 		}
 	}
 }
 
-/* Memory for so many, of any content; a quarter more, so that the next frames have enough of it too. */
+static void fill_piece(const struct filling *w, const struct piece *p, uint32_t *at)
+{
+	const struct stroke_blocks *strokes = &w->of_layer[p->layer];
+	const struct band_reach *reach = w->to->reach + w->stroke_end[p->layer] - strokes->count;
+	for (uint32_t k = p->from; k < p->end; k++) {
+		const struct stroke_block *b = strokes->block[k];
+		for (uint32_t n = 0; n < b->count; n++) {
+			struct band_reach r = reach[b->first + n];
+			for (uint32_t band = r.first; band < r.end; band++)
+				w->to->which[at[band]++] = k << BAND_STROKE_BITS | n;
+		}
+	}
+}
+
+typedef void look_at_piece(const struct filling *w, const struct piece *p, uint32_t *at);
+
+static void look_at_part(const struct filling *w, uint32_t part, look_at_piece *look)
+{
+	for (uint32_t n = 0; n < w->f->layers; n++) {
+		struct piece p = piece_of(w, part, n);
+		if (p.from < p.end)
+			look(w, &p, w->at + (part * w->f->layers + n) * w->to->bands);
+	}
+}
+
+/* Memory for so many, of any content; an eighth more, so that the next frames have enough of it too. */
 static void *grown(void *memory, size_t *room, size_t count, size_t bytes)
 {
 	if (memory && count <= *room)
 		return memory;
 	g_free(memory);
-	*room = count + count / 4 + 1;
+	*room = count + count / 8 + 1;
 	return g_malloc_n(*room, bytes);
 }
 
-/* Turns counts of all parts, band by band, into where each begins. */
-static void lay_out(band_lists *b, uint32_t *count)
+/* Turns counts of all parts, layer by layer and band by band, into where each begins. */
+static void lay_out(const struct filling *w)
 {
-	uint32_t total = 0;
-	for (uint32_t k = 0; k < b->bands; k++) {
+	band_lists *b = w->to;
+	uint32_t total = 0, lists = w->f->layers * b->bands;
+	for (uint32_t k = 0; k < lists; k++) {
 		for (uint32_t part = 0; part < PARTS; part++) {
-			uint32_t own = count[part * b->bands + k];
-			count[part * b->bands + k] = total;
+			uint32_t own = w->at[part * lists + k];
+			w->at[part * lists + k] = total;
 			total += own;
 		}
 		b->end[k] = total;
@@ -67,39 +115,40 @@ static void lay_out(band_lists *b, uint32_t *count)
 	b->which = grown(b->which, &b->room, total, sizeof *b->which);
 }
 
-static void fill_part(band_lists *to, const struct stroke_blocks *strokes, uint32_t part,
-	const struct reach *reach, uint32_t *at)
+void band_lists_fill(
+	band_lists *b, const frame *f, const struct stroke_blocks *of_layer, uint32_t height)
 {
-	for (uint32_t k = part_end(strokes, part); k < part_end(strokes, part + 1); k++) {
-		const struct stroke_block *b = strokes->block[k];
-		for (uint32_t n = 0; n < b->count; n++) {
-			struct reach r = reach[b->first + n];
-			for (uint32_t band = r.first; band < r.end; band++)
-				to->which[at[band]++] = &b->stroke[n];
-		}
+	struct filling w = { b, f, of_layer, height };
+	uint32_t blocks = 0, strokes = 0;
+	for (uint32_t n = 0; n < f->layers; n++) {
+		w.block_end[n] = blocks += of_layer[n].blocks;
+		w.stroke_end[n] = strokes += of_layer[n].count;
 	}
+	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
+	b->end = g_renew(uint32_t, b->end, f->layers * b->bands + 1);
+	b->reach = grown(b->reach, &b->reach_room, strokes, sizeof *b->reach);
+	g_autofree uint32_t *at = w.at = g_new0(uint32_t, PARTS * f->layers * b->bands + 1);
+#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
+	for (uint32_t part = 0; part < PARTS; part++)
+		look_at_part(&w, part, count_piece);
+	lay_out(&w);
+#pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
+	for (uint32_t part = 0; part < PARTS; part++)
+		look_at_part(&w, part, fill_piece);
 }
 
-void band_lists_fill(band_lists *b, const struct frame_layer *l,
-	const struct stroke_blocks *strokes, uint32_t height, bool single_thread)
+struct band_strokes band_strokes_of(
+	const band_lists *b, const struct stroke_blocks *of_layer, uint32_t layer, uint32_t band)
 {
-	float more = l->paint ? BAND_AROUND : 0;
-	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
-	b->end = g_renew(uint32_t, b->end, b->bands + 1);
-	g_autofree struct reach *reach = g_new(struct reach, strokes->count + 1);
-	g_autofree uint32_t *at = g_new0(uint32_t, PARTS * b->bands);
-#pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
-	for (uint32_t part = 0; part < PARTS; part++)
-		count_part(strokes, part, more, height, reach, at + part * b->bands);
-	lay_out(b, at);
-#pragma omp parallel for schedule(dynamic, 1) if (!single_thread)
-	for (uint32_t part = 0; part < PARTS; part++)
-		fill_part(b, strokes, part, reach, at + part * b->bands);
+	uint32_t list = layer * b->bands + band, first = list ? b->end[list - 1] : 0;
+	return (struct band_strokes){ b->which + first, b->end[list] - first,
+		of_layer[layer].block };
 }
 
 void band_lists_clear(band_lists *b)
 {
-	g_clear_pointer(&b->end, g_free);
+	g_free(b->end);
 	g_free(b->which);
+	g_free(b->reach);
 	*b = (band_lists){ 0 };
 }

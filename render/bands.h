@@ -17,19 +17,37 @@ static inline float *band_row(const struct band *b, float *plane, uint32_t y)
 	return plane + (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
 }
 
-/* Which strokes of a layer touch which band, or where light falls on them the row above or below, in their order. */
+/* Which strokes of each layer touch which band, or where light falls on them the row above or below, in their order. */
 typedef struct band_lists band_lists;
 /* Zero at first; clear it in the end. */
 struct band_lists {
 	uint32_t bands;
-	uint32_t *end; /* of each band's part of which */
-	const struct stroke **which;
-	size_t room; /* for so many in which */
+	uint32_t *end; /* layer by layer, of each band's part of which */
+	uint32_t
+		*which; /* the number of the stroke's block in its layer, and of the stroke in it */
+	size_t room, reach_room;  /* for so many in which, in reach */
+	struct band_reach *reach; /* of each stroke, while they are filled */
 };
-/* l: of the strokes. */
-void band_lists_fill(band_lists *b, const struct frame_layer *l,
-	const struct stroke_blocks *strokes, uint32_t height, bool single_thread);
+/* Of all layers of the frame. */
+void band_lists_fill(
+	band_lists *b, const frame *f, const struct stroke_blocks *of_layer, uint32_t height);
 void band_lists_clear(band_lists *b);
+
+/* Those of one layer in one band: so many, and where they are. */
+struct band_strokes {
+	const uint32_t *which;
+	uint32_t count;
+	struct stroke_block *const *block;
+};
+struct band_strokes band_strokes_of(
+	const band_lists *b, const struct stroke_blocks *of_layer, uint32_t layer, uint32_t band);
+#define BAND_STROKE_BITS 7
+_Static_assert(STROKE_BLOCK <= 1u << BAND_STROKE_BITS, "a number in a block");
+static inline const struct stroke *band_stroke(const struct band_strokes *s, uint32_t n)
+{
+	uint32_t which = s->which[n];
+	return &s->block[which >> BAND_STROKE_BITS]->stroke[which & ((1u << BAND_STROKE_BITS) - 1)];
+}
 
 /* What strokes of a layer are drawn with. */
 enum kernel { KERNEL_SPRITE, KERNEL_LINE, KERNEL_TEXTURE };
@@ -57,7 +75,6 @@ struct band_ink {
 };
 /* Draws strokes of the layer over the planes. m may be NULL. */
 void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,
-	const struct stroke *const *which, uint32_t count, const visibility_mask *m,
-	const struct band_ink *ink);
+	const struct band_strokes *strokes, const visibility_mask *m, const struct band_ink *ink);
 
 #endif

@@ -356,14 +356,13 @@ INLINE void draw_layer(
 	const struct draw_job *j, const struct band *b, struct draw_desk *d, uint32_t n)
 {
 	const struct frame_layer *l = &j->f->layer[n];
-	const band_lists *lists = &j->lists[n];
-	uint32_t band = b->from / BAND_ROWS, first = band ? lists->end[band - 1] : 0;
-	if (lists->end[band] == first)
+	struct band_strokes strokes =
+		band_strokes_of(j->lists, j->of_layer, n, b->from / BAND_ROWS);
+	if (!strokes.count)
 		return;
 	struct band drawn = l->paint ? laid_band(b, j->to->height) : *b;
 	clear_ink(l, &drawn, d);
-	band_draw(&drawn, j->f, l, lists->which + first, lists->end[band] - first,
-		l->stipple || l->is_profile ? NULL : j->mask, &d->ink);
+	band_draw(&drawn, j->f, l, &strokes, l->stipple || l->is_profile ? NULL : j->mask, &d->ink);
 	if (!l->paint) {
 		add_layer(l, b, d);
 		return;

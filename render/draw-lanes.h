@@ -26,7 +26,8 @@ struct draw_job {
 	const visibility_mask *mask;
 	const struct chunk_view *views;
 	uint32_t count;
-	const band_lists *lists; /* of each layer; NULL: no strokes */
+	const band_lists *lists;              /* NULL: no strokes */
+	const struct stroke_blocks *of_layer; /* that they are of */
 	struct picture_buffer *to;
 	/* Of pictures that are filtered: paper without its grain; or what filters made, which lies where paper, points and shading do else,
 	 * and may be to. */

@@ -8,7 +8,7 @@ struct draw_room {
 	visibility_mask *mask, *joined; /* of a sheet or the frame; of all sheets */
 	stroke_room *strokes;
 	const struct stroke_blocks *of_layer; /* its strokes */
-	band_lists lists[FRAME_LAYERS_MAX];
+	band_lists lists;
 	/* Of each thread, for bands of a picture so wide. */
 	uint32_t desks, pitch;
 	struct draw_desk *desk;

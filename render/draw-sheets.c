@@ -233,7 +233,7 @@ static bool draw_sheet(struct sheet_job *s, const struct sheet_plan *p, struct p
 		.views = p->views,
 		.count = p->count,
 		.flat = true,
-		.lists = r->lists,
+		.lists = &r->lists,
 		.first_row = p->box.top,
 		.end_row = p->box.bottom };
 	j.mask = r->mask = visibility_mask_renew(r->mask, s->f, p->views, p->count);
@@ -244,11 +244,10 @@ static bool draw_sheet(struct sheet_job *s, const struct sheet_plan *p, struct p
 	r->of_layer = stroke_room_fill_some(
 		r->strokes, s->f, j.mask, p->views, p->count, frame_layers_over(s->f, false));
 	s->t.choose_s += draw_lap(&s->since_us);
-	for (uint32_t n = 0; n < s->f->layers; n++) {
-		band_lists_fill(&r->lists[n], &s->f->layer[n], &r->of_layer[n], to->height,
-			s->f->single_thread);
+	j.of_layer = r->of_layer;
+	band_lists_fill(&r->lists, s->f, r->of_layer, to->height);
+	for (uint32_t n = 0; n < s->f->layers; n++)
 		s->t.strokes += r->of_layer[n].count;
-	}
 	s->t.bin_s += draw_lap(&s->since_us);
 	if (p->box.bottom > p->box.top)
 		draw_bands(r, &j);
@@ -433,13 +432,12 @@ static void finish(
 		r->of_layer =
 			stroke_room_fill_some(r->strokes, s->f, r->joined, views, count, over);
 		s->t.choose_s += draw_lap(&s->since_us);
-		for (uint32_t n = 0; n < s->f->layers; n++) {
-			band_lists_fill(&r->lists[n], &s->f->layer[n], &r->of_layer[n],
-				s->to->height, s->f->single_thread);
+		band_lists_fill(&r->lists, s->f, r->of_layer, s->to->height);
+		for (uint32_t n = 0; n < s->f->layers; n++)
 			s->t.strokes += r->of_layer[n].count;
-		}
 		s->t.bin_s += draw_lap(&s->since_us);
-		j.lists = r->lists;
+		j.lists = &r->lists;
+		j.of_layer = r->of_layer;
 	}
 	draw_bands(r, &j);
 	s->t.draw_s += draw_lap(&s->since_us);

@@ -65,8 +65,7 @@ static void clear_room(draw_room *r)
 	filter_room_clear(&r->filters);
 	filter_room_clear(&r->pictures);
 	stroke_room_free(r->strokes);
-	for (int n = 0; n < FRAME_LAYERS_MAX; n++)
-		band_lists_clear(&r->lists[n]);
+	band_lists_clear(&r->lists);
 	clear_desks(r);
 }
 
@@ -173,11 +172,9 @@ void draw_frame(
 		clear_room(&own);
 		return;
 	}
-	band_lists *lists = r->lists;
-	for (uint32_t n = 0; n < f->layers; n++)
-		band_lists_fill(
-			&lists[n], &f->layer[n], &r->of_layer[n], to->height, f->single_thread);
-	j.lists = lists;
+	band_lists_fill(&r->lists, f, r->of_layer, to->height);
+	j.lists = &r->lists;
+	j.of_layer = r->of_layer;
 	t.bin_s = draw_lap(&since_us);
 	draw_bands(r, &j);
 	t.draw_s = draw_lap(&since_us);
