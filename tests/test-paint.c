@@ -259,8 +259,7 @@ struct sums {
 	float *plane[6];
 };
 
-static struct sums sums_of(
-	const frame *f, const struct band *b, const struct stroke **which, uint32_t count)
+static struct sums sums_of(const frame *f, const struct band *b, const struct band_strokes *strokes)
 {
 	struct sums s;
 	for (int k = 0; k < 6; k++)
@@ -271,7 +270,7 @@ static struct sums sums_of(
 		.channel = { s.plane[1], s.plane[2], s.plane[3] },
 		.weight = s.plane[4],
 		.height = s.plane[5] };
-	band_draw(b, f, &f->layer[0], which, count, NULL, &ink);
+	band_draw(b, f, &f->layer[0], strokes, NULL, &ink);
 	return s;
 }
 
@@ -286,13 +285,20 @@ static void test_order(void)
 	struct camera c = before_wall(4, 0);
 	g_autoptr(drawing) d = paint(LIT, ALL);
 	g_autoptr(frame) f = made_frame(shared_wall(), d, &c);
-	stroke_list *l = strokes_of(f, true);
-	g_autofree const struct stroke **in_order = g_new(const struct stroke *, l->count),
-				       **back = g_new(const struct stroke *, l->count);
-	for (uint32_t n = 0; n < l->count; n++)
-		in_order[n] = back[l->count - 1 - n] = &l->stroke[n];
+	uint32_t views;
+	g_autofree struct chunk_view *view = chunk_views_new(f, &views);
+	g_autoptr(visibility_mask) mask = visibility_mask_new(f, view, views);
+	g_autoptr(stroke_room) room = stroke_room_new();
+	const struct stroke_blocks *all = stroke_room_fill(room, f, mask, view, views);
+	g_autofree uint32_t *in_order = g_new(uint32_t, all->count),
+			    *back = g_new(uint32_t, all->count);
+	for (uint32_t k = 0, at = 0; k < all->blocks; k++)
+		for (uint32_t n = 0; n < all->block[k]->count; n++, at++)
+			in_order[at] = back[all->count - 1 - at] = k << BAND_STROKE_BITS | n;
 	struct band b = { SIDE, 320, BAND_ROWS, SIDE + 2 * BAND_MARGIN };
-	struct sums one = sums_of(f, &b, in_order, l->count), two = sums_of(f, &b, back, l->count);
+	struct sums one = sums_of(
+			    f, &b, &(struct band_strokes){ in_order, all->count, all->block }),
+		    two = sums_of(f, &b, &(struct band_strokes){ back, all->count, all->block });
 	int most = 0;
 	for (uint32_t y = b.from; y < b.from + b.rows; y++)
 		for (uint32_t x = 0; x < SIDE; x++) {
@@ -305,7 +311,31 @@ static void test_order(void)
 		g_free(one.plane[k]);
 		g_free(two.plane[k]);
 	}
-	stroke_lists_free(l, f->layers);
+}
+
+/* What is seen of points is there as long as something is painted, and until something is drawn that is not. */
+static void test_forgets(void)
+{
+	g_auto(made) m = made_court();
+	const scene *s = made_read(&m);
+	double at[3] = { 103, 203, 4.2 }, eye[3] = { 103.5, 198, 5 };
+	struct camera c = camera_look_at(eye, at, 60, 300, 240);
+	g_autoptr(drawing) painted = paint(LIT, ALL);
+	g_autoptr(drawing) inked = made_drawing(MADE_SITE("{\"step\":\"lines\"}"));
+	g_assert_false(scene_paint_is_there(s));
+	frame *f = made_frame(s, painted, &c);
+	struct picture_buffer first = made_picture(f);
+	frame_free(made_frame(s, inked, &c));
+	g_assert_true(scene_paint_is_there(s));
+	frame_free(f);
+	g_assert_true(scene_paint_is_there(s));
+	frame_free(made_frame(s, inked, &c));
+	g_assert_false(scene_paint_is_there(s));
+	g_autoptr(frame) again = made_frame(s, painted, &c);
+	struct picture_buffer second = made_picture(again);
+	made_assert_same(&first, &second);
+	picture_buffer_clear(&first);
+	picture_buffer_clear(&second);
 }
 
 int main(int argc, char **argv)
@@ -318,5 +348,6 @@ int main(int argc, char **argv)
 	g_test_add_func("/paint/hides", test_hides);
 	g_test_add_func("/paint/lanes", test_lanes);
 	g_test_add_func("/paint/order", test_order);
+	g_test_add_func("/paint/forgets", test_forgets);
 	return g_test_run();
 }
