@@ -117,8 +117,7 @@ static float weight_of(const frame *f, const struct frame_layer *l, const struct
 {
 	const struct frame_hatch *h = l->hatch;
 	if (l->paint)
-		return (float)s->aslant / 255 /
-		       l->paint->part[l->paint->seen->detail[s->point]];
+		return (float)s->aslant / 255 / l->paint->part[l->paint->seen->detail[s->point]];
 	if (!h)
 		return 1;
 	float brightness = frame_hatch_brightness(f, h, s->point);

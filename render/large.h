@@ -1,7 +1,7 @@
 #ifndef RENDER_LARGE_H
 #define RENDER_LARGE_H
 /* Memory of many megabytes that is read here and there, on large pages where the system has them: processors remember where only so
- * many pages are. Any thread. */
+ * many pages are. What is freed goes back to the system. Any thread. */
 #include <glib.h>
 
 /* Of any content. Like g_malloc it ends the program where there is none. */
