@@ -12,6 +12,9 @@
 /* A level way that is shorter than this, as that of floors, gives way to the picture's right. */
 #define LEVEL_LEAST 0.15f
 #define LEVEL_SURE  0.45f
+/* Ways that are across each other turn either way, by what floats are rounded by: upright edges of walls are, to level ways. So they turn
+ * one way; sine of twice the angle. */
+#define ACROSS_SURE 1e-3f
 /* A way that lies less in the plane is none of it. */
 #define FOLLOW_LEAST 0.25f
 
@@ -80,7 +83,7 @@ INLINE void mix_ways(const vf plane[3], vf way[3], const vf other[3], vf part)
 	cosine /= most(root(cosine * cosine + sine * sine), all(1e-6f));
 	vf along = root(most(0.5f + 0.5f * cosine, all(0))),
 	   across = root(most(0.5f - 0.5f * cosine, all(0)));
-	across = choose(sine < 0, -across, across);
+	across = choose(sine < -ACROSS_SURE, -across, across);
 	for (int k = 0; k < 3; k++)
 		way[k] = along * way[k] + across * up[k];
 }

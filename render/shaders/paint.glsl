@@ -1,5 +1,5 @@
 /* Brush strokes: the rules of paint-need.h and paint-lanes.c. */
-const float LEVEL_LEAST = 0.15, LEVEL_SURE = 0.45, FOLLOW_LEAST = 0.25;
+const float LEVEL_LEAST = 0.15, LEVEL_SURE = 0.45, FOLLOW_LEAST = 0.25, ACROSS_SURE = 1e-3;
 const float PAINT_NARROWEST = 0.3, PAINT_DETAIL_SMALLER = 0.8, PAINT_LEAVES = 0.8;
 
 /* What is the same for all copies of a point. */
@@ -39,7 +39,7 @@ vec3 mix_ways(vec3 plane, vec3 way, vec3 other, float part)
 	vec2 twice = vec2(1.0 + part * (at.x * at.x - at.y * at.y - 1.0), part * 2.0 * at.x * at.y);
 	float cosine = twice.x / max(length(twice), 1e-6);
 	float across = sqrt(max(0.5 - 0.5 * cosine, 0.0));
-	return sqrt(max(0.5 + 0.5 * cosine, 0.0)) * way + (twice.y < 0.0 ? -across : across) * up;
+	return sqrt(max(0.5 + 0.5 * cosine, 0.0)) * way + (twice.y < -ACROSS_SURE ? -across : across) * up;
 }
 
 vec3 level_way(vec3 plane)
