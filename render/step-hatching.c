@@ -90,6 +90,7 @@ const struct step_parameter hatching_parameters[] = {
 	GROW,
 	COPIES,
 	SCATTER,
+	REACH_OVER,
 	DEGREE(0),
 	SURROUNDINGS(0.3),
 	{ NULL },
