@@ -24,13 +24,13 @@ static float luminance_of(const uint8_t rgb[3])
 	return light_luminance(linear);
 }
 
-/* frame_evenly(), but that opaque dots lie beside each other rather than on each other (measured on walls, with the most they come to). */
+/* FRAME_EVENLY, but that opaque dots lie beside each other rather than on each other (measured on walls, with the most they come to). */
 static float evenly(const struct frame_layer *l, const struct hatching_step *step)
 {
 	float round = fminf(step->ink.width_px / step->ink.length_px, 1);
 	float box = l->ink.length_px * l->ink.width_px * step->ink.opacity;
 	float full = fminf(l->stroke_area_px / fmaxf(box, 1e-3f), 1);
-	return frame_evenly(l) + DOTS_EVENLY * round * full;
+	return l->ink.reach_m > 0 ? FRAME_AMONG_LEAVES : FRAME_EVENLY + DOTS_EVENLY * round * full;
 }
 
 /* Strokes that let through what is wanted of white paper's light. */
