@@ -4,8 +4,13 @@
 
 /* Strokes that come towards the camera are shorter, down to this part. */
 #define SHORTEST_SEEN 0.25f
-/* What has turned away already is still on the line, to this cosine. */
-#define BEYOND 0.03f
+/* What has turned away already is less and less on the line, to this cosine; what is hinted at begins as far before. And what is bent as
+ * little as is asked for has no line yet; a whole one where it is bent so many times as much. */
+#define BEYOND    0.08f
+#define BENT_SURE 1.5f
+/* Lines that are hinted at glide over what hardly is bent as soon as the eye moves: they are as wide there as it takes the eye to move by
+ * so many radians, and as much fainter. */
+#define GLIDES 0.06f
 
 /* What is seen beside lies behind from this part of the depth on, and surely at the second. */
 #define STEP_LEAST 0.03f
@@ -54,13 +59,20 @@ INLINE struct eye_lanes look_at_eye(
 	return e;
 }
 
+/* 0..1 */
+INLINE vf bent_enough(const struct brush *b, vf bent)
+{
+	float least = fmaxf(b->layer->step->contours.bent_least_per_m, 1e-3f);
+	return clamp01((bent - least) * (1 / ((BENT_SURE - 1) * least)));
+}
+
 /* The cosine falls to nothing, and does so within few pixels: c^2 / 2 k of a metre on the screen. */
 INLINE vf outline_weight(const struct brush *b, const struct eye_lanes *e, vf px_per_m)
 {
 	const struct contours_step *step = &b->layer->step->contours;
 	vf away_px = e->cosine * e->cosine * px_per_m / (2 * most(e->radial, all(1e-3f)));
-	vi is_there = (e->radial > step->bent_least_per_m) & (e->cosine > -BEYOND);
-	return where(is_there, step->outlines * strength(b, away_px));
+	vf turned = clamp01(1 + e->cosine * (1 / BEYOND));
+	return step->outlines * strength(b, away_px) * turned * bent_enough(b, e->radial);
 }
 
 /* The radial curvature goes through nothing, where surface is a saddle: so far away as it takes to change by the curvature itself within a
@@ -71,11 +83,14 @@ INLINE vf suggested_weight(
 {
 	const struct contours_step *step = &b->layer->step->contours;
 	vf most_bent = most(magnitude(k[0]), all(1e-3f));
+	float band_px = b->layer->step->contours.band_px * b->f->ink_px;
+	vf wider = most(GLIDES * e->cosine * px_per_m / (most_bent * band_px), all(1));
 	vf away_px = magnitude(e->radial) / (most_bent * most_bent) * e->cosine * px_per_m;
 	vf slanted =
 		clamp01((step->slant_least - e->cosine) * (4 / fmaxf(step->slant_least, 1e-3f)));
-	vi is_there = (k[0] * k[1] < 0) & (most_bent > step->bent_least_per_m) & (e->cosine > 0);
-	return where(is_there, step->suggestive * slanted * strength(b, away_px));
+	vf faces = clamp01(e->cosine * (1 / BEYOND));
+	return where(k[0] * k[1] < 0, step->suggestive * slanted * strength(b, away_px / wider) /
+					      wider * faces * bent_enough(b, most_bent));
 }
 
 /* Of smooth surface. */
@@ -193,7 +208,7 @@ INLINE void try_points(
 	struct contour_lanes h = { .weight = all(0) };
 	find_normals(b, *(const vi_loose *)(const void *)b->f->scene->normal[at], c);
 	if (hides_backs(b))
-		c->left &= bits(along_of(b, c) <= BEYOND);
+		c->left &= bits(along_of(b, c) <= BEYOND * b->ray_most);
 	if (!c->left)
 		return;
 	find_wanted_here(b, c);

@@ -1,9 +1,15 @@
 /* Contours: the rules of contour-lanes.c. */
-const float CONTOUR_SHORTEST_SEEN = 0.25, BEYOND = 0.03;
+const float CONTOUR_SHORTEST_SEEN = 0.25, BEYOND = 0.08, BENT_SURE = 1.5, GLIDES = 0.06;
 
 float strength(float away_px)
 {
 	return clamp(1.0 - away_px * (1.0 / contour.y), 0.0, 1.0);
+}
+
+float bent_enough(float bent)
+{
+	float least = max(contour_least.y, 1e-3);
+	return clamp((bent - least) * (1.0 / ((BENT_SURE - 1.0) * least)), 0.0, 1.0);
 }
 
 /* How near it is to a line of smooth surface; along what that runs is the way of h. */
@@ -22,12 +28,13 @@ float smooth_weight(candidate c, vec3 normal, out hatch h)
 	vec3 turn_of = k.x * dot(axis, way) * axis + k.y * dot(across, way) * across;
 	float radial = dot(turn_of, way), most_bent = max(abs(k.x), 1e-3);
 	float outline = 0.0, hinted = 0.0;
-	if (radial > contour_least.y && cosine > -BEYOND)
-		outline = contour.z * strength(cosine * cosine * px_per_m / (2.0 * max(radial, 1e-3)));
-	if (k.x * k.y < 0.0 && most_bent > contour_least.y && cosine > 0.0)
-		hinted = contour.w *
+	outline = contour.z * strength(cosine * cosine * px_per_m / (2.0 * max(radial, 1e-3))) *
+		  clamp(1.0 + cosine * (1.0 / BEYOND), 0.0, 1.0) * bent_enough(radial);
+	float wider = max(GLIDES * cosine * px_per_m / (most_bent * contour.y), 1.0);
+	if (k.x * k.y < 0.0)
+		hinted = contour.w * clamp(cosine * (1.0 / BEYOND), 0.0, 1.0) * bent_enough(most_bent) *
 			 clamp((contour_least.x - cosine) * (4.0 / max(contour_least.x, 1e-3)), 0.0, 1.0) *
-			 strength(abs(radial) / (most_bent * most_bent) * cosine * px_per_m);
+			 strength(abs(radial) / (most_bent * most_bent) * cosine * px_per_m / wider) / wider;
 	if (outline >= hinted)
 		h.way[0] = laid_flat(normal, cross(normal, turn_of)).xyz;
 	else
