@@ -163,27 +163,23 @@ INLINE vf root(vf x)
 	return x;
 }
 
+/* The scale is part of the instruction. */
+#if defined LANES_WIDE
+#define LANES_GATHER(from, at, scale) ((vi)_mm512_i32gather_epi32((__m512i)(at), from, scale))
+#elif defined __AVX2__
+#define LANES_GATHER(from, at, scale) ((vi)_mm256_i32gather_epi32(from, (__m256i)(at), scale))
+#endif
+
 /* Of four bytes each, which need not be aligned; bytes: from one place to the next. */
 INLINE vi gather(const void *from, vi at, int bytes)
 {
-#if defined LANES_WIDE
-	if (bytes == 8)
-		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 8);
-	if (bytes == 4)
-		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 4);
-	if (bytes == 2)
-		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 2);
-	if (bytes == 1)
-		return (vi)_mm512_i32gather_epi32((__m512i)at, from, 1);
-#elif defined __AVX2__
-	if (bytes == 8)
-		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 8);
-	if (bytes == 4)
-		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 4);
-	if (bytes == 2)
-		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 2);
-	if (bytes == 1)
-		return (vi)_mm256_i32gather_epi32(from, (__m256i)at, 1);
+#if defined __AVX2__
+	switch (bytes) {
+	case 8: return LANES_GATHER(from, at, 8);
+	case 4: return LANES_GATHER(from, at, 4);
+	case 2: return LANES_GATHER(from, at, 2);
+	case 1: return LANES_GATHER(from, at, 1);
+	}
 #endif
 	vi ret;
 	for (int k = 0; k < LANES; k++)

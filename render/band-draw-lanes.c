@@ -117,25 +117,6 @@ INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum ker
 
 #if defined __AVX512VBMI__
 
-INLINE void wide_blend(const struct pen *p, enum band_blend blend, wf alpha,
-	const struct band_ink *ink, ptrdiff_t at)
-{
-	wf bare = blend == BAND_COLOURED ? (wf){ 0 } : wide_load(ink->bare + at);
-	if (blend == BAND_STRONGEST || blend == BAND_COVERING)
-		wide_store(ink->bare + at, _mm512_min_ps(bare, 1 - alpha));
-	else if (blend != BAND_COLOURED)
-		wide_store(ink->bare + at, bare * (1 - alpha));
-	for (int k = 0; k < 3 && blend == BAND_COLOURED; k++)
-		wide_store(ink->channel[k] + at,
-			wide_load(ink->channel[k] + at) * (1 - alpha * (1 - p->colour[k])));
-	if (blend != BAND_PAINTED)
-		return;
-	for (int k = 0; k < 3; k++)
-		wide_store(ink->channel[k] + at,
-			wide_load(ink->channel[k] + at) + alpha * p->colour[k]);
-	wide_store(ink->weight + at, wide_load(ink->weight + at) + alpha);
-}
-
 /* draw_eight() of few texels */
 INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum band_blend blend,
 	const int32_t *keys, ptrdiff_t at, const struct spot *spot)
@@ -151,7 +132,8 @@ INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum b
 		drawn = _mm512_mask_cmp_ps_mask(
 			drawn, q * depth, p->shows_from + (wf){ 0 }, _CMP_GE_OQ);
 	}
-	wide_blend(p, blend, _mm512_maskz_mov_ps(drawn, alpha), ink, at + spot->left);
+	wide_blend(p, blend, _mm512_maskz_mov_ps(drawn, alpha), ink,
+		(ptrdiff_t[]){ at + spot->left, at + spot->left + LANES }, false);
 }
 
 #endif

@@ -50,23 +50,37 @@ INLINE wf two_shown(const struct pen *p, const visibility_mask *m, const ptrdiff
 		_mm512_cmp_ps_mask(q * depth, _mm512_set1_ps(p->shows_from), _CMP_GE_OQ), alpha);
 }
 
-/* blend_at() */
-INLINE void two_blend(const struct pen *p, enum band_blend blend, wf alpha,
-	const struct band_ink *ink, const ptrdiff_t at[2])
+/* Apart or in a row. */
+INLINE wf sixteen_load(const float *from, const ptrdiff_t at[2], bool apart)
 {
+	return apart ? two_load(from, at) : wide_load(from + at[0]);
+}
+
+INLINE void sixteen_store(float *to, const ptrdiff_t at[2], bool apart, wf x)
+{
+	if (apart)
+		two_store(to, at, x);
+	else
+		wide_store(to + at[0], x);
+}
+
+/* blend_at() */
+INLINE void wide_blend(const struct pen *p, enum band_blend blend, wf alpha,
+	const struct band_ink *ink, const ptrdiff_t at[2], bool apart)
+{
+	wf bare = blend == BAND_COLOURED ? (wf){ 0 } : sixteen_load(ink->bare, at, apart);
 	if (blend == BAND_STRONGEST || blend == BAND_COVERING)
-		two_store(ink->bare, at, _mm512_min_ps(two_load(ink->bare, at), 1 - alpha));
+		sixteen_store(ink->bare, at, apart, _mm512_min_ps(bare, 1 - alpha));
 	else if (blend != BAND_COLOURED)
-		two_store(ink->bare, at, two_load(ink->bare, at) * (1 - alpha));
-	for (int k = 0; k < 3 && blend == BAND_COLOURED; k++)
-		two_store(ink->channel[k], at,
-			two_load(ink->channel[k], at) * (1 - alpha * (1 - p->colour[k])));
-	if (blend != BAND_PAINTED)
-		return;
-	for (int k = 0; k < 3; k++)
-		two_store(
-			ink->channel[k], at, two_load(ink->channel[k], at) + alpha * p->colour[k]);
-	two_store(ink->weight, at, two_load(ink->weight, at) + alpha);
+		sixteen_store(ink->bare, at, apart, bare * (1 - alpha));
+	for (int k = 0; k < 3 && (blend == BAND_COLOURED || blend == BAND_PAINTED); k++) {
+		wf is = sixteen_load(ink->channel[k], at, apart);
+		sixteen_store(ink->channel[k], at, apart,
+			blend == BAND_PAINTED ? is + alpha * p->colour[k]
+					      : is * (1 - alpha * (1 - p->colour[k])));
+	}
+	if (blend == BAND_PAINTED)
+		sixteen_store(ink->weight, at, apart, sixteen_load(ink->weight, at, apart) + alpha);
 }
 
 /* Rows y and the next one of a line; left: where their pixels begin. */
@@ -83,7 +97,8 @@ INLINE void two_of_line(const struct pen *p, const struct band *b, const visibil
 		alpha = two_shown(p, m, (ptrdiff_t[]){ keys + left[0], keys + m->pitch + left[1] },
 			dx, dy, alpha);
 	}
-	two_blend(p, blend, alpha, ink, (ptrdiff_t[]){ row + left[0], row + b->pitch + left[1] });
+	wide_blend(p, blend, alpha, ink, (ptrdiff_t[]){ row + left[0], row + b->pitch + left[1] },
+		true);
 }
 
 #endif

@@ -141,7 +141,7 @@ INLINE void try_strokes(const struct brush *b, struct lane_candidates *c,
 		   least(h->chance * (1 / HATCH_FOOT), all(1)); /* frame_hatch_pressure() */
 	if (!(c->left & bits(alpha >= ALPHA_LEAST)))
 		return;
-	vf growth = row_growth(b, c) * enlarged(b, c) * h->larger;
+	vf growth = growth_of(b, c) * enlarged(b, c) * h->larger;
 	turn_ways(b, c, h, way);
 	struct pen_lanes first = pen_of(b, c, h, way[0], 0, growth);
 	first.alpha = alpha;

@@ -228,7 +228,7 @@ INLINE vf paint_growth(
 {
 	struct lane_candidates broad = *c;
 	broad.need = c->need * b->layer->paint->broad / p->part;
-	return row_growth(b, &broad);
+	return growth_of(b, &broad);
 }
 
 #endif

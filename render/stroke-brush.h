@@ -36,10 +36,9 @@ struct brush {
 
 /* A point that may become a stroke. */
 struct candidate {
-	uint32_t point, id, copy; /* of the scene; struct stroke */
+	uint32_t point; /* of the scene */
 	float rank, spacing_m;
 	float x_px, y_px, depth_m;
-	float normal[3]; /* as the camera sees it; 0 0 0: none */
 };
 
 /* Part of the depth from which on what is behind the mask is gone. On the way there it fades: the mask is as rough as the points are,
@@ -86,20 +85,6 @@ INLINE void ray_of(const struct brush *b, const struct candidate *c, float ret[3
 	ret[0] = (c->x_px - b->lens.middle_x) / b->lens.focal_px * b->lens.fan;
 	ret[1] = (c->y_px - b->lens.middle_y) / b->lens.focal_px * b->lens.fan;
 	ret[2] = 1;
-}
-
-/* 1/depth over the screen, of the plane through the point. */
-INLINE void plane_slope(
-	const struct brush *b, const struct candidate *c, float reach_px, float ret[2])
-{
-	float ray[3], steepest = 0.5f / (c->depth_m * MAX(reach_px, 1));
-	ray_of(b, c, ray);
-	float away = vector3_dot(c->normal, ray) * c->depth_m * b->lens.focal_px *
-		     LENS_STRETCH(&b->lens, c->depth_m);
-	for (int k = 0; k < 2; k++) {
-		ret[k] = fabsf(away) > 1e-6f ? c->normal[k] / away : 0;
-		ret[k] = CLAMP(ret[k], -steepest, steepest);
-	}
 }
 
 /* The line through the point on the screen: unit, and pixels to a metre of it; 1/depth along it. */

@@ -7,64 +7,7 @@
 /* Strokes along an edge that comes towards the camera are shorter, down to this part. */
 #define FORESHORTENED 0.25f
 
-/* ---- the stroke ---- */
-
-INLINE void colour_of(const struct brush *b, const struct candidate *c, uint8_t ret[3])
-{
-	const struct frame_light *light = &b->f->light;
-	const struct ink_step *ink = &b->layer->ink;
-	const uint8_t *rgba = b->f->scene->rgba[c->point];
-	memcpy(ret, ink->ink, 3);
-	if (ink->colour != COLOUR_POINT || !rgba[3])
-		return;
-	float grey = scene_lightness(rgba), lit = 1;
-	if (b->layer->lit == LIT_COLOUR)
-		lit = 1 - light->amount * (1 - frame_diffuse(light, c->normal));
-	for (int k = 0; k < 3; k++)
-		ret[k] = (uint8_t)CLAMP(
-			lit * (grey + ink->saturation * (rgba[k] - grey)) + 0.5f, 0, 255);
-}
-
-INLINE void turn_along(const struct brush *b, struct stroke *s, const float along[2])
-{
-	const float *turn = b->layer->turn[(
-		int)(stroke_chance(s->point, stroke_salt(s->copy, SALT_ANGLE)) * 256)];
-	s->along[0] = along[0] * turn[0] - along[1] * turn[1];
-	s->along[1] = along[0] * turn[1] + along[1] * turn[0];
-}
-
-/* line NULL: at the layer's own angle; not flat: of one depth. Part by part, where it is to be: a whole that is made elsewhere is waited for
- * when it is copied. */
-INLINE void put_stroke(const struct brush *b, const struct candidate *c, float alpha, float growth,
-	const struct line *line, bool is_flat, struct stroke *s)
-{
-	const struct ink_step *ink = &b->layer->ink;
-	s->x_px = c->x_px;
-	s->y_px = c->y_px;
-	s->alpha = alpha;
-	s->point = c->id;
-	s->copy = (uint8_t)c->copy;
-	s->lay = s->aslant = 0;
-	s->slope[0] = s->slope[1] = 0;
-	float half_px =
-		growth * ink->length_px / 2 *
-		(1 + ink->length_variation * around_zero(c->id, stroke_salt(c->copy, SALT_LENGTH)));
-	s->half_width_px = growth * ink->width_px / 2;
-	s->q = 1 / c->depth_m;
-	if (line) {
-		float whole = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
-		half_px *= CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
-		turn_along(b, s, line->along);
-		for (int k = 0; k < 2; k++)
-			s->slope[k] = line->slope * line->along[k];
-	} else {
-		turn_along(b, s, b->layer->own_way);
-		if (is_flat)
-			plane_slope(b, c, half_px, s->slope);
-	}
-	s->half_length_px = half_px;
-	colour_of(b, c, s->rgb);
-}
+/* ---- along what ---- */
 
 INLINE bool goes_along(const struct brush *b)
 {
@@ -73,32 +16,25 @@ INLINE bool goes_along(const struct brush *b)
 	       (direction == DIRECTION_EDGE && b->kind == FEATURE_DIRECTED);
 }
 
-INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struct stroke_chain *to)
+/* Strokes that go along lines; the others lie at the layer's own angle. */
+struct line_lanes {
+	vi are_there;
+	vf along[2], shorter, slope;
+};
+
+INLINE void put_line(const struct brush *b, const struct candidate *c, const struct line *line,
+	int k, struct line_lanes *to)
 {
-	find_normals(b, gather(b->f->scene->normal, l->point, 4), l);
-	l->away = away_of(b, l);
-	vf whole = opacity_of(b, l), larger = enlarged(b, l);
-	unsigned left = l->left & bits(whole >= ALPHA_LEAST);
-	struct stroke_block *block = block_of(to, (uint32_t)__builtin_popcount(left));
-	for (; left; left &= left - 1) {
-		int k = __builtin_ctz(left);
-		struct candidate c = candidate_of(l, k);
-		struct line line;
-		if (!line_of(b, &c, &line))
-			continue;
-		float octaves = stroke_fade_octaves(c.depth_m),
-		      need = need_along(b, &c, &line) * STROKE_FADE_MORE(octaves) / larger[k];
-		float alpha = whole[k] * stroke_fade(c.rank, need, octaves);
-		if (alpha < ALPHA_LEAST)
-			continue;
-		put_stroke(b, &c, alpha, larger[k], goes_along(b) ? &line : NULL, true,
-			&block->stroke[block->count++]);
-	}
+	float whole = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
+	to->are_there[k] = -1;
+	to->shorter[k] = CLAMP(2 * line->px_per_m / whole, FORESHORTENED, 1);
+	to->slope[k] = line->slope;
+	for (int n = 0; n < 2; n++)
+		to->along[n][k] = line->along[n];
 }
 
-/* ---- eight strokes ---- */
+/* ---- the strokes ---- */
 
-/* What put_stroke() tells of one that has no line. */
 struct pen_lanes {
 	vf along[2], half_length_px, half_width_px, q, slope[2];
 	vi rgb;
@@ -111,15 +47,15 @@ INLINE vi byte_of(vf level, int place)
 
 INLINE vi colours_of(const struct brush *b, const struct lane_candidates *c)
 {
-	const struct frame_light *light = &b->f->light;
 	const struct ink_step *ink = &b->layer->ink;
-	vi own = (vi)all(0) + (ink->ink[0] | ink->ink[1] << 8 | ink->ink[2] << 16), ret = own ^ own;
+	vi own = (vi)all(0) + (ink->ink[0] | ink->ink[1] << 8 | ink->ink[2] << 16),
+	   ret = (vi)all(0);
 	if (ink->colour != COLOUR_POINT)
 		return own;
 	vi rgba = gather(b->f->scene->rgba, c->point, 4);
 	vf grey = __builtin_convertvector(lightness_of(rgba), vf), lit = all(1);
 	if (b->layer->lit == LIT_COLOUR)
-		lit = 1 - light->amount * (1 - diffuse_of(b, c));
+		lit = 1 - b->f->light.amount * (1 - diffuse_of(b, c));
 	for (int k = 0; k < 3; k++) {
 		vf level = __builtin_convertvector(rgba >> 8 * k & 255, vf);
 		ret |= byte_of(lit * (grey + ink->saturation * (level - grey)) + 0.5f, k);
@@ -127,7 +63,9 @@ INLINE vi colours_of(const struct brush *b, const struct lane_candidates *c)
 	return (vi)choose((rgba >> 24 & 255) != 0, (vf)ret, (vf)own);
 }
 
-INLINE struct pen_lanes pens_of(const struct brush *b, const struct lane_candidates *c, vf growth)
+/* lines NULL: none has one. */
+INLINE struct pen_lanes pens_of(const struct brush *b, const struct lane_candidates *c, vf growth,
+	const struct line_lanes *lines)
 {
 	const struct ink_step *ink = &b->layer->ink;
 	struct pen_lanes p = { .half_width_px = growth * ink->width_px * 0.5f,
@@ -135,25 +73,34 @@ INLINE struct pen_lanes pens_of(const struct brush *b, const struct lane_candida
 		.rgb = colours_of(b, c) };
 	vf vary = 1 + ink->length_variation *
 			      lanes_around_zero(c->id, stroke_salt(c->copy, SALT_LENGTH));
+	vf along[2] = { all(b->layer->own_way[0]), all(b->layer->own_way[1]) };
 	p.half_length_px = growth * ink->length_px * 0.5f * vary;
+	plane_slopes(b, c, p.half_length_px, p.slope);
+	if (lines) {
+		for (int k = 0; k < 2; k++) {
+			vf slope = lines->slope * lines->along[k];
+			p.slope[k] = choose(lines->are_there, slope, p.slope[k]);
+			along[k] = choose(lines->are_there, lines->along[k], along[k]);
+		}
+		p.half_length_px *= choose(lines->are_there, lines->shorter, all(1));
+	}
 	vi n = __builtin_convertvector(
 		lanes_chance(c->id, stroke_salt(c->copy, SALT_ANGLE)) * 256, vi);
 	vf cosine = (vf)gather(b->layer->turn, 2 * n, 4),
 	   sine = (vf)gather(&b->layer->turn[0][1], 2 * n, 4);
-	const float *along = b->layer->own_way;
 	p.along[0] = along[0] * cosine - along[1] * sine;
 	p.along[1] = along[0] * sine + along[1] * cosine;
-	plane_slopes(b, c, p.half_length_px, p.slope);
 	return p;
 }
 
 INLINE void put_strokes(const struct brush *b, const struct lane_candidates *c, unsigned which,
-	vf alpha, vf growth, struct stroke_block *to)
+	vf alpha, vf growth, const struct line_lanes *lines, struct stroke_chain *to)
 {
-	struct pen_lanes p = pens_of(b, c, growth);
+	struct stroke_block *block = block_of(to, (uint32_t)__builtin_popcount(which));
+	struct pen_lanes p = pens_of(b, c, growth, lines);
 	for (; which; which &= which - 1) {
 		int k = __builtin_ctz(which);
-		struct stroke *s = &to->stroke[to->count++];
+		struct stroke *s = &block->stroke[block->count++];
 		s->x_px = c->x_px[k];
 		s->y_px = c->y_px[k];
 		for (int n = 0; n < 2; n++) {
@@ -171,15 +118,29 @@ INLINE void put_strokes(const struct brush *b, const struct lane_candidates *c, 
 	}
 }
 
-/* How much larger, where there are not enough points. */
-INLINE vf growths(const struct brush *b, const struct lane_candidates *c)
+/* ---- which of them ---- */
+
+INLINE void try_on_edges(const struct brush *b, struct lane_candidates *l, struct stroke_chain *to)
 {
-	vf short_of = c->need / (c->last * copies_of(b, c)), ret = all(MIN(1, b->layer->ink.grow));
-	for (unsigned left = c->left & bits(short_of > 1); left; left &= left - 1) {
+	find_normals(b, gather(b->f->scene->normal, l->point, 4), l);
+	l->is_flat = ~has_no_normal(l);
+	l->away = away_of(b, l);
+	vf whole = opacity_of(b, l), larger = enlarged(b, l), alpha = all(0);
+	struct line_lanes lines = { .are_there = (vi)all(0) };
+	for (unsigned left = l->left & bits(whole >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
-		ret[k] = MIN(stroke_growth(short_of[k]), b->layer->ink.grow);
+		struct candidate c = candidate_of(l, k);
+		struct line line;
+		if (!line_of(b, &c, &line))
+			continue;
+		float octaves = stroke_fade_octaves(c.depth_m),
+		      need = need_along(b, &c, &line) * STROKE_FADE_MORE(octaves) / larger[k];
+		alpha[k] = whole[k] * stroke_fade(c.rank, need, octaves);
+		put_line(b, &c, &line, k, &lines);
 	}
-	return ret * enlarged(b, c);
+	unsigned which = bits(alpha >= ALPHA_LEAST);
+	if (which)
+		put_strokes(b, l, which, alpha, larger, goes_along(b) ? &lines : NULL, to);
 }
 
 INLINE void try_on_surface(
@@ -190,21 +151,19 @@ INLINE void try_on_surface(
 		return;
 	vf need = l->need * STROKE_FADE_MORE(l->octaves);
 	vf alpha = opacity_of(b, l) * fade_of(l->rank, need, l->octaves);
-	unsigned left = l->left & bits(alpha >= ALPHA_LEAST);
-	if (!left)
+	unsigned which = l->left & bits(alpha >= ALPHA_LEAST);
+	if (!which)
 		return;
-	vf growth = growths(b, l);
-	struct stroke_block *block = block_of(to, (uint32_t)__builtin_popcount(left));
-	if (!goes_along(b))
-		put_strokes(b, l, left, alpha, growth, block);
-	else
-		for (; left; left &= left - 1) {
-			int k = __builtin_ctz(left);
-			struct candidate c = candidate_of(l, k);
-			struct line line;
-			put_stroke(b, &c, alpha[k], growth[k], line_of(b, &c, &line) ? &line : NULL,
-				l->is_flat[k], &block->stroke[block->count++]);
-		}
+	struct line_lanes lines = { .are_there = (vi)all(0) };
+	for (unsigned left = goes_along(b) ? which : 0; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		struct candidate c = candidate_of(l, k);
+		struct line line;
+		if (line_of(b, &c, &line))
+			put_line(b, &c, &line, k, &lines);
+	}
+	put_strokes(b, l, which, alpha, growth_of(b, l) * enlarged(b, l),
+		goes_along(b) ? &lines : NULL, to);
 }
 
 /* ---- a chunk's points ---- */

@@ -126,7 +126,7 @@ INLINE vf lanes_around_zero(vi point, uint32_t salt)
 	return 2 * lanes_chance(point, salt) - 1;
 }
 
-/* All points that there are where dithering points count as so far apart as they are alone. */
+/* Of all points where dithering points are, to a square metre: c->spacing_m is how far apart these are alone. */
 INLINE vf per_m2_of(const struct brush *b, const struct lane_candidates *c)
 {
 	const scene *s = b->f->scene;

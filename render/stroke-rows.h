@@ -59,16 +59,4 @@ INLINE void row_each(const struct brush *b, struct stroke_chain *to,
 	}
 }
 
-/* How much larger their strokes are where points are too few. */
-INLINE vf row_growth(const struct brush *b, const struct lane_candidates *c)
-{
-	vf short_of = c->need / (c->last * copies_of(b, c));
-	vf ret = all(1);
-	for (unsigned left = bits(short_of > 1) & c->left; left; left &= left - 1) {
-		int k = __builtin_ctz(left);
-		ret[k] = MIN(stroke_growth(short_of[k]), b->layer->ink.grow);
-	}
-	return ret;
-}
-
 #endif

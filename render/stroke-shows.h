@@ -110,9 +110,20 @@ INLINE void fetch(const struct brush *b, const struct lane_candidates *c)
 
 INLINE struct candidate candidate_of(const struct lane_candidates *l, int k)
 {
-	return (struct candidate){ (uint32_t)l->point[k], (uint32_t)l->id[k], l->copy, l->rank[k],
-		l->spacing_m[k], l->x_px[k], l->y_px[k], l->depth_m[k],
-		{ l->normal[0][k], l->normal[1][k], l->normal[2][k] } };
+	return (struct candidate){ (uint32_t)l->point[k], l->rank[k], l->spacing_m[k], l->x_px[k],
+		l->y_px[k], l->depth_m[k] };
+}
+
+/* How much larger their strokes are where points are too few. */
+INLINE vf growth_of(const struct brush *b, const struct lane_candidates *c)
+{
+	vf short_of = c->need / (c->last * copies_of(b, c));
+	vf ret = all(1);
+	for (unsigned left = bits(short_of > 1) & c->left; left; left &= left - 1) {
+		int k = __builtin_ctz(left);
+		ret[k] = MIN(stroke_growth(short_of[k]), b->layer->ink.grow);
+	}
+	return ret;
 }
 
 /* A block with room for so many. */

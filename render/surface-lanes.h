@@ -1,7 +1,7 @@
 #ifndef RENDER_SURFACE_LANES_H
 #define RENDER_SURFACE_LANES_H
-/* Directions on surfaces, of eight points at a time: in their planes, on the screen, and how they are bent. Internal to hatch-lanes.c,
- * contour-lanes.c and paint-lanes.c; all is inlined. */
+/* Directions on surfaces, of eight points at a time: in their planes, on the screen, and how they are bent. Internal to stroke-lanes.c,
+ * hatch-lanes.c, contour-lanes.c and paint-lanes.c; all is inlined. */
 #include "render/scene-bend.h"
 #include "render/stroke-shows.h"
 
@@ -56,7 +56,7 @@ INLINE struct way_lanes way_on_screen(
 	return w;
 }
 
-/* plane_slope() of what is flat. */
+/* 1/depth over the screen, of the planes through what is flat. */
 INLINE void plane_slopes(
 	const struct brush *b, const struct lane_candidates *c, vf reach_px, vf ret[2])
 {
