@@ -163,11 +163,16 @@ INLINE vf root(vf x)
 	return x;
 }
 
-/* The scale is part of the instruction. */
+/* The scale is part of the instruction. half: 0 or 1, of at; so many are as wide as all lanes. */
 #if defined LANES_WIDE
 #define LANES_GATHER(from, at, scale) ((vi)_mm512_i32gather_epi32((__m512i)(at), from, scale))
+#define LANES_GATHER_TWO(from, at, half, scale)                                                    \
+	((vf)_mm512_i32gather_epi64(_mm512_extracti64x4_epi64((__m512i)(at), half), from, scale))
 #elif defined __AVX2__
 #define LANES_GATHER(from, at, scale) ((vi)_mm256_i32gather_epi32(from, (__m256i)(at), scale))
+#define LANES_GATHER_TWO(from, at, half, scale)                                                    \
+	((vf)_mm256_i32gather_epi64(                                                               \
+		(const long long *)(from), _mm256_extracti128_si256((__m256i)(at), half), scale))
 #endif
 
 /* Of four bytes each, which need not be aligned; bytes: from one place to the next. */
@@ -190,25 +195,11 @@ INLINE vi gather(const void *from, vi at, int bytes)
 /* Two of four bytes each that lie side by side; bytes: from one place to the next, 4 or 8. */
 INLINE void gather_pairs(const void *from, vi at, int bytes, vi *ret_first, vi *ret_second)
 {
-#if defined LANES_WIDE
-	__m256i first = _mm512_castsi512_si256((__m512i)at),
-		second = _mm512_extracti64x4_epi64((__m512i)at, 1);
-	__m512i low = bytes == 4 ? _mm512_i32gather_epi64(first, from, 4)
-				 : _mm512_i32gather_epi64(first, from, 8);
-	__m512i high = bytes == 4 ? _mm512_i32gather_epi64(second, from, 4)
-				  : _mm512_i32gather_epi64(second, from, 8);
-	*ret_first = (vi)evens((vf)low, (vf)high);
-	*ret_second = (vi)odds((vf)low, (vf)high);
-#elif defined __AVX2__
-	const long long *pairs = from;
-	__m128i first = _mm256_castsi256_si128((__m256i)at),
-		second = _mm256_extracti128_si256((__m256i)at, 1);
-	__m256i low = bytes == 4 ? _mm256_i32gather_epi64(pairs, first, 4)
-				 : _mm256_i32gather_epi64(pairs, first, 8);
-	__m256i high = bytes == 4 ? _mm256_i32gather_epi64(pairs, second, 4)
-				  : _mm256_i32gather_epi64(pairs, second, 8);
-	*ret_first = (vi)evens((vf)low, (vf)high);
-	*ret_second = (vi)odds((vf)low, (vf)high);
+#if defined __AVX2__
+	vf low = bytes == 4 ? LANES_GATHER_TWO(from, at, 0, 4) : LANES_GATHER_TWO(from, at, 0, 8),
+	   high = bytes == 4 ? LANES_GATHER_TWO(from, at, 1, 4) : LANES_GATHER_TWO(from, at, 1, 8);
+	*ret_first = (vi)evens(low, high);
+	*ret_second = (vi)odds(low, high);
 #else
 	*ret_first = gather(from, at, bytes);
 	*ret_second = gather((const char *)from + 4, at, bytes);

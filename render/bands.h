@@ -22,9 +22,8 @@ typedef struct band_lists band_lists;
 /* Zero at first; clear it in the end. */
 struct band_lists {
 	uint32_t bands;
-	uint32_t *end; /* layer by layer, of each band's part of which */
-	uint32_t
-		*which; /* the number of the stroke's block in its layer, and of the stroke in it */
+	uint32_t *end;            /* layer by layer, of each band's part of which */
+	uint32_t *which;          /* band_stroke() */
 	size_t room, reach_room;  /* for so many in which, in reach */
 	struct band_reach *reach; /* of each stroke, while they are filled */
 };
@@ -41,6 +40,7 @@ struct band_strokes {
 };
 struct band_strokes band_strokes_of(
 	const band_lists *b, const struct stroke_blocks *of_layer, uint32_t layer, uint32_t band);
+/* The number of the stroke's block in its layer, and that of the stroke in it. */
 #define BAND_STROKE_BITS 7
 _Static_assert(STROKE_BLOCK <= 1u << BAND_STROKE_BITS, "a number in a block");
 static inline const struct stroke *band_stroke(const struct band_strokes *s, uint32_t n)
