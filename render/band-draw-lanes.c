@@ -334,17 +334,19 @@ INLINE void draw_short_rows(const struct pen *p, const struct band *b, const vis
 {
 	for (; y < end; y += LANES) {
 		vi first, stop;
-		int32_t left[LANES];
 		int k = 0, rows = MIN(LANES, end - y);
+		struct short_rows r = { .y = y };
 		find_rows(p, b, y, &first, &stop);
-		store_mask(left, first);
+		store_mask(r.left, first);
 #if defined __AVX512VBMI__
+		r.dx = __builtin_convertvector(first, vf) + 0.5f - p->s->x_px;
+		r.dy = (float)y + lane_number + 0.5f - p->s->y_px;
 		for (; k + 1 < rows; k += 2)
-			two_of_line(p, b, m, ink, blend, y + k, left + k);
+			two_of_line(p, b, m, ink, blend, &r, k);
 #endif
 		for (; k < rows; k++)
 			draw_spot(p, b, m, ink, KERNEL_LINE, blend,
-				&(struct spot){ y + k, left[k], stop[k] });
+				&(struct spot){ y + k, r.left[k], stop[k] });
 	}
 }
 
@@ -387,7 +389,8 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 	const float *light = light_of_bytes();
 	for (uint32_t n = 0; n < strokes->count; n++) {
 		__builtin_prefetch(band_stroke(strokes, MIN(n + AHEAD, strokes->count - 1)));
-		struct pen p = pen_of(l, band_stroke(strokes, n), kernel);
+		struct stroke s = stroke_unpack(band_stroke(strokes, n));
+		struct pen p = pen_of(l, &s, kernel);
 		for (int k = 0; k < 3; k++)
 			p.colour[k] = light[p.s->rgb[k]];
 		draw_stroke(&p, b, m, ink, kernel, blend);

@@ -4,15 +4,16 @@
  * to band-draw-lanes.c; all is inlined. */
 #include "render/band-pen.h"
 
+/* Of eight rows from y on: how far their first pixels' middles are from the stroke's, and which pixels those are. */
+struct short_rows {
+	vf dx, dy;
+	int32_t left[LANES];
+	int y;
+};
+
 #if defined __AVX512VBMI__
 
 static const wf two_numbers = { 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7 };
-
-/* In either half all the same. */
-INLINE wf two_of(float first, float second)
-{
-	return _mm512_mask_mov_ps(_mm512_set1_ps(first), 0xff00, _mm512_set1_ps(second));
-}
 
 /* Eight from each of two places on. */
 INLINE wf two_load(const float *from, const ptrdiff_t at[2])
@@ -83,17 +84,24 @@ INLINE void wide_blend(const struct pen *p, enum band_blend blend, wf alpha,
 		sixteen_store(ink->weight, at, apart, sixteen_load(ink->weight, at, apart) + alpha);
 }
 
-/* Rows y and the next one of a line; left: where their pixels begin. */
-INLINE void two_of_line(const struct pen *p, const struct band *b, const visibility_mask *m,
-	const struct band_ink *ink, enum band_blend blend, int y, const int32_t left[2])
+/* Row k in the lower half, the next one in the upper. */
+INLINE wf two_of_rows(vf row, int k)
 {
-	wf dx = two_of((float)left[0] + 0.5f - p->s->x_px, (float)left[1] + 0.5f - p->s->x_px) +
-		two_numbers;
-	wf dy = two_of((float)y + 0.5f - p->s->y_px, (float)(y + 1) + 0.5f - p->s->y_px);
+	const __m512i both = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
+	return _mm512_permutexvar_ps(
+		_mm512_add_epi32(both, _mm512_set1_epi32(k)), _mm512_castps256_ps512(row));
+}
+
+/* Row k and the next one. */
+INLINE void two_of_line(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, enum band_blend blend, const struct short_rows *r, int k)
+{
+	wf dx = two_of_rows(r->dx, k) + two_numbers, dy = two_of_rows(r->dy, k);
 	wf alpha = two_line_alpha(p, dx, dy) * p->alpha;
-	ptrdiff_t row = (ptrdiff_t)(y - (int)b->from) * b->pitch + BAND_MARGIN;
+	ptrdiff_t row = (ptrdiff_t)(r->y + k - (int)b->from) * b->pitch + BAND_MARGIN;
+	const int32_t *left = r->left + k;
 	if (m) {
-		ptrdiff_t keys = (ptrdiff_t)y * m->pitch;
+		ptrdiff_t keys = (ptrdiff_t)(r->y + k) * m->pitch;
 		alpha = two_shown(p, m, (ptrdiff_t[]){ keys + left[0], keys + m->pitch + left[1] },
 			dx, dy, alpha);
 	}

@@ -1,23 +1,20 @@
 #include "render/bands.h"
 #include <math.h>
 
-/* Rows that the stroke may touch. */
-static inline float reach_down(const struct stroke *s)
-{
-	return fabsf(s->along[1]) * s->half_length_px + fabsf(s->along[0]) * s->half_width_px + 1;
-}
-
 struct band_reach {
 	uint16_t first, end;
 };
 
+/* Of the rows that the stroke may touch. */
 static struct band_reach reach_of(const struct stroke *s, float more, uint32_t height)
 {
-	float reach = reach_down(s) + more, low = s->y_px - reach, high = s->y_px + reach;
+	float reach = fabsf(s->along[1]) * s->half_length_px +
+		      fabsf(s->along[0]) * s->half_width_px + 1 + more;
+	float low = s->y_px - reach, high = s->y_px + reach, last = (float)(height - 1);
 	if (high < 0 || low >= (float)height)
 		return (struct band_reach){ 0 };
-	return (struct band_reach){ (uint16_t)(fmaxf(low, 0) / BAND_ROWS),
-		(uint16_t)(fminf(high, (float)(height - 1)) / BAND_ROWS + 1) };
+	return (struct band_reach){ (uint16_t)(MAX(low, 0) / BAND_ROWS),
+		(uint16_t)(MIN(high, last) / BAND_ROWS + 1) };
 }
 
 /* Parts of all blocks that are looked at side by side: so many that threads are done at about the same time. */
@@ -56,8 +53,8 @@ static void count_piece(const struct filling *w, const struct piece *p, uint32_t
 	for (uint32_t k = p->from; k < p->end; k++) {
 		const struct stroke_block *b = strokes->block[k];
 		for (uint32_t n = 0; n < b->count; n++) {
-			struct band_reach r = reach[b->first + n] =
-				reach_of(&b->stroke[n], more, w->height);
+			struct stroke s = stroke_unpack(&b->stroke[n]);
+			struct band_reach r = reach[b->first + n] = reach_of(&s, more, w->height);
 			for (uint32_t band = r.first; band < r.end; band++)
 				count[band]++;
 		}

@@ -43,7 +43,7 @@ struct band_strokes band_strokes_of(
 /* The number of the stroke's block in its layer, and that of the stroke in it. */
 #define BAND_STROKE_BITS 7
 _Static_assert(STROKE_BLOCK <= 1u << BAND_STROKE_BITS, "a number in a block");
-static inline const struct stroke *band_stroke(const struct band_strokes *s, uint32_t n)
+static inline const struct stroke_packed *band_stroke(const struct band_strokes *s, uint32_t n)
 {
 	uint32_t which = s->which[n];
 	return &s->block[which >> BAND_STROKE_BITS]->stroke[which & ((1u << BAND_STROKE_BITS) - 1)];

@@ -234,10 +234,10 @@ INLINE void try_points(
 		alpha[k] *= exp2f((b->lens.begin_m - c->depth_m[k]) / ink->fade_m);
 	struct way_lanes w = way_on_screen(b, c, h.way);
 	vf larger = enlarged(b, c);
-	struct stroke_block *block = block_of(to, LANES);
 	for (unsigned left = c->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
-		block->stroke[block->count++] = stroke_of(b, c, &w, k, alpha[k], larger[k]);
+		struct stroke s = stroke_of(b, c, &w, k, alpha[k], larger[k]);
+		stroke_chain_add(to, &s);
 	}
 }
 

@@ -98,8 +98,10 @@ void LANES_NAME(stroke_cut)(const struct brush *b, struct stroke_chain *to)
 		find_normals(b,
 			*(const vi_loose *)(const void *)b->f->scene->normal[chunk->first + i], &c);
 		struct cut_lanes w = cut_of(b, &c, px_per_m);
-		struct stroke_block *block = block_of(to, LANES);
-		for (unsigned left = c.left & bits(w.alpha >= ALPHA_LEAST); left; left &= left - 1)
-			block->stroke[block->count++] = stroke_of(b, &c, &w, __builtin_ctz(left));
+		for (unsigned left = c.left & bits(w.alpha >= ALPHA_LEAST); left;
+			left &= left - 1) {
+			struct stroke s = stroke_of(b, &c, &w, __builtin_ctz(left));
+			stroke_chain_add(to, &s);
+		}
 	}
 }

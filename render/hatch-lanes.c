@@ -118,12 +118,11 @@ INLINE vf second_of(
 INLINE void write_strokes(const struct brush *b, const struct lane_candidates *c,
 	const struct hatch_lanes *h, const struct pen_lanes *p, vf growth, struct stroke_chain *to)
 {
-	struct stroke_block *block = block_of(to, LANES);
 	for (unsigned left = c->left & bits(p->alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
-		struct stroke *s = &block->stroke[block->count++];
-		*s = stroke_of_pen(c, p, k, growth[k] * b->layer->ink.width_px / 2);
-		hatch_colour(b, (uint32_t)c->point[k], s->point, (uint32_t)h->shade[k], s->rgb);
+		struct stroke s = stroke_of_pen(c, p, k, growth[k] * b->layer->ink.width_px / 2);
+		hatch_colour(b, (uint32_t)c->point[k], s.point, (uint32_t)h->shade[k], s.rgb);
+		stroke_chain_add(to, &s);
 	}
 }
 

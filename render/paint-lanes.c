@@ -103,11 +103,9 @@ INLINE void write_paint(const struct brush *b, const struct lane_candidates *c,
 	if (b->layer->lit == LIT_COLOUR)
 		lit = 1 - b->f->light.amount * (1 - diffuse_of(b, c));
 	plane_slopes(b, c, half_length, slope);
-	struct stroke_block *block = block_of(to, LANES);
 	for (unsigned left = c->left & bits(alpha >= ALPHA_LEAST); left; left &= left - 1) {
 		int k = __builtin_ctz(left);
-		struct stroke *s = &block->stroke[block->count++];
-		*s = (struct stroke){ .x_px = c->x_px[k],
+		struct stroke s = { .x_px = c->x_px[k],
 			.y_px = c->y_px[k],
 			.along = { way.along[0][k], way.along[1][k] },
 			.half_length_px = half_length[k],
@@ -117,11 +115,12 @@ INLINE void write_paint(const struct brush *b, const struct lane_candidates *c,
 			.slope = { slope[0][k], slope[1][k] },
 			.point = (uint32_t)c->id[k],
 			.copy = (uint8_t)c->copy };
-		s->aslant = (uint8_t)(255 * p->aslant[k] + 0.5f);
-		s->lay = lay_of(b, s, size[k]);
+		s.aslant = (uint8_t)(255 * p->aslant[k] + 0.5f);
+		s.lay = lay_of(b, &s, size[k]);
 		float width_m = ink->width_px * larger[k] * scale_m[k] / b->lens.focal_px;
-		paint_colour(b, (uint32_t)c->point[k], s, (uint32_t)p->rgb_detail[k], width_m,
-			lit[k], s->rgb);
+		paint_colour(b, (uint32_t)c->point[k], &s, (uint32_t)p->rgb_detail[k], width_m,
+			lit[k], s.rgb);
+		stroke_chain_add(to, &s);
 	}
 }
 

@@ -103,13 +103,6 @@ static bool stroke_of(const struct frame_layer *l, const struct profile_link *li
 	return true;
 }
 
-static void put(struct stroke_chain *to, const struct stroke *s)
-{
-	if (!to->last || to->last->count == STROKE_BLOCK)
-		stroke_chain_grow(to);
-	to->last->stroke[to->last->count++] = *s;
-}
-
 void profile_strokes(const frame *f, const struct frame_layer *l, const visibility_mask *m,
 	struct stroke_chain *to)
 {
@@ -132,7 +125,7 @@ void profile_strokes(const frame *f, const struct frame_layer *l, const visibili
 		bool is_drawn = stroke_of(l, &link[n], seen[n], width[n], &s);
 		s.copy = follows && !(link[n].flags & LINK_FIRST);
 		if (is_drawn)
-			put(to, &s);
+			stroke_chain_add(to, &s);
 		follows = is_drawn;
 	}
 }

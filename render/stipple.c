@@ -279,8 +279,6 @@ void stipple_draw(
 		struct stroke one = stroke_of(s, f, l, &d, is_left_out(s, f, l->stipple, &d));
 		if (one.alpha < ALPHA_LEAST)
 			continue;
-		if (!to->last || to->last->count == STROKE_BLOCK)
-			stroke_chain_grow(to);
-		to->last->stroke[to->last->count++] = one;
+		stroke_chain_add(to, &one);
 	}
 }

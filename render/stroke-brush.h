@@ -15,6 +15,12 @@ struct stroke_chain {
 };
 /* Another block at its end. */
 void stroke_chain_grow(struct stroke_chain *c);
+static inline void stroke_chain_add(struct stroke_chain *c, const struct stroke *s)
+{
+	if (!c->last || c->last->count == STROKE_BLOCK)
+		stroke_chain_grow(c);
+	c->last->stroke[c->last->count++] = stroke_pack(s);
+}
 
 /* A layer as one chunk draws it. */
 struct brush {

@@ -37,7 +37,7 @@ INLINE void put_line(const struct brush *b, const struct candidate *c, const str
 
 struct pen_lanes {
 	vf along[2], half_length_px, half_width_px, q, slope[2];
-	vi rgb;
+	vi rgb; /* 0 above */
 };
 
 INLINE vi byte_of(vf level, int place)
@@ -93,28 +93,58 @@ INLINE struct pen_lanes pens_of(const struct brush *b, const struct lane_candida
 	return p;
 }
 
+INLINE vi upper_half(vi x)
+{
+	return x << 16;
+}
+
+INLINE vi pack_along(vf x)
+{
+	vf half = choose(x < 0, all(-0.5f), all(0.5f));
+	return __builtin_convertvector(x * STROKE_ALONG + half, vi) & 0xffff;
+}
+
+INLINE vi pack_length(vf px)
+{
+	vi ret = ((vi)px - STROKE_LENGTH_LEAST + (1 << (STROKE_LENGTH_SHIFT - 1))) >>
+		 STROKE_LENGTH_SHIFT;
+	return lower(higher(ret, (vi){ 0 }), 0xffff + (vi){ 0 });
+}
+
+INLINE vi pack_slope(vf x)
+{
+	return (vi)(((vu)x + 0x8000) >> 16);
+}
+
+/* stroke_pack() */
+INLINE void pack_lanes(
+	const struct lane_candidates *c, const struct pen_lanes *p, vf alpha, vi ret[STROKE_WORDS])
+{
+	ret[STROKE_X] = (vi)c->x_px;
+	ret[STROKE_Y] = (vi)c->y_px;
+	ret[STROKE_ALONG_BOTH] = pack_along(p->along[0]) | upper_half(pack_along(p->along[1]));
+	ret[STROKE_HALVES] =
+		pack_length(p->half_length_px) | upper_half(pack_length(p->half_width_px));
+	ret[STROKE_Q] = (vi)p->q;
+	ret[STROKE_SLOPES] = pack_slope(p->slope[0]) | upper_half(pack_slope(p->slope[1]));
+	ret[STROKE_RGB_COPY] = p->rgb | (int32_t)(c->copy << 24);
+	ret[STROKE_ALPHA_LAY_ASLANT] = __builtin_convertvector(alpha * STROKE_ALPHA + 0.5f, vi);
+	ret[STROKE_POINT] = c->id;
+}
+
 INLINE void put_strokes(const struct brush *b, const struct lane_candidates *c, unsigned which,
 	vf alpha, vf growth, const struct line_lanes *lines, struct stroke_chain *to)
 {
 	struct stroke_block *block = block_of(to, (uint32_t)__builtin_popcount(which));
 	struct pen_lanes p = pens_of(b, c, growth, lines);
+	vi packed[STROKE_WORDS];
+	pack_lanes(c, &p, alpha, packed);
 	for (; which; which &= which - 1) {
-		int k = __builtin_ctz(which);
-		struct stroke *s = &block->stroke[block->count++];
-		s->x_px = c->x_px[k];
-		s->y_px = c->y_px[k];
-		for (int n = 0; n < 2; n++) {
-			s->along[n] = p.along[n][k];
-			s->slope[n] = p.slope[n][k];
-		}
-		s->half_length_px = p.half_length_px[k];
-		s->half_width_px = p.half_width_px[k];
-		s->alpha = alpha[k];
-		s->q = p.q[k];
-		memcpy(s->rgb, (const char *)&p.rgb + 4 * k, sizeof s->rgb);
-		s->copy = (uint8_t)c->copy;
-		s->point = (uint32_t)c->id[k];
-		s->lay = s->aslant = 0;
+		const uint32_t *from =
+			(const uint32_t *)(const void *)packed + __builtin_ctz(which);
+		struct stroke_packed *s = &block->stroke[block->count++];
+		for (int n = 0; n < STROKE_WORDS; n++)
+			s->word[n] = from[n * LANES];
 	}
 }
 

@@ -20,7 +20,7 @@ float stroke_growth(float need)
 /* ---- room ---- */
 
 /* Blocks that are made at once: a large page of them. */
-#define SLAB 515
+#define SLAB 518
 
 struct stroke_room {
 	GMutex lock;
@@ -236,7 +236,8 @@ stroke_list *stroke_lists_new(
 		lists[l].stroke = g_new(struct stroke, all[l].count + 1);
 		for (uint32_t n = 0; n < all[l].blocks; n++) {
 			const struct stroke_block *b = all[l].block[n];
-			memcpy(lists[l].stroke + b->first, b->stroke, b->count * sizeof *b->stroke);
+			for (uint32_t k = 0; k < b->count; k++)
+				lists[l].stroke[b->first + k] = stroke_unpack(&b->stroke[k]);
 		}
 	}
 	return lists;

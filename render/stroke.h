@@ -9,27 +9,14 @@
  * A point is drawn when its rank among its kind in its chunk is below what the density at its very place asks for, and fades in over
  * the last half of its rank, or more near the eye. So density is even, and whatever is drawn in one frame is drawn in the next. */
 #include "render/mask.h"
-
-struct stroke {
-	float x_px, y_px;
-	float along[2]; /* of length 1 */
-	float half_length_px, half_width_px;
-	float alpha;
-	/* 1/depth at a pixel is q + (x - x_px) slope[0] + (y - y_px) slope[1]. */
-	float q, slope[2];
-	uint8_t rgb[3];
-	uint8_t copy; /* 0: the point itself; else one of its patch's surface. Of hatching twice that, and 1 more of the stroke across */
-	uint32_t point; /* its scene_id() */
-	/* Of paint: how high it lies, 0 to PAINT_LAYS - 1; what is left of its area for being seen aslant, 255 all. */
-	uint8_t lay, aslant;
-};
+#include "render/stroke-pack.h"
 
 /* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */
-#define STROKE_BLOCK 78u
+#define STROKE_BLOCK 112u
 struct stroke_block {
 	struct stroke_block *next; /* of the same layer */
 	uint32_t first, count;     /* strokes before it, and in it */
-	struct stroke stroke[STROKE_BLOCK];
+	struct stroke_packed stroke[STROKE_BLOCK];
 };
 typedef struct stroke_room stroke_room;
 stroke_room *stroke_room_new(void);

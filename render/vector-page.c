@@ -257,28 +257,30 @@ static void add_strokes(struct hand *h, const struct stroke_blocks *strokes, uin
 {
 	for (uint32_t k = 0; k < strokes->blocks; k++)
 		for (uint32_t n = 0; n < strokes->block[k]->count; n++) {
-			const struct stroke *s = &strokes->block[k]->stroke[n];
-			if (!h->from->paint || s->lay / (PAINT_LAYS / VECTOR_COATS) == coat)
-				add_stroke(h, s);
+			struct stroke s = stroke_unpack(&strokes->block[k]->stroke[n]);
+			if (!h->from->paint || s.lay / (PAINT_LAYS / VECTOR_COATS) == coat)
+				add_stroke(h, &s);
 		}
 }
 
 /* ---- runs of the pen ---- */
 
-static GPtrArray *all_of(const struct stroke_blocks *strokes)
+static struct stroke *all_of(const struct stroke_blocks *strokes)
 {
-	GPtrArray *all = g_ptr_array_new();
-	for (uint32_t k = 0; k < strokes->blocks; k++)
-		for (uint32_t n = 0; n < strokes->block[k]->count; n++)
-			g_ptr_array_add(all, &strokes->block[k]->stroke[n]);
+	struct stroke *all = g_new(struct stroke, strokes->count + 1);
+	for (uint32_t k = 0; k < strokes->blocks; k++) {
+		const struct stroke_block *b = strokes->block[k];
+		for (uint32_t n = 0; n < b->count; n++)
+			all[b->first + n] = stroke_unpack(&b->stroke[n]);
+	}
 	return all;
 }
 
 /* Those that lie on each other leave ink once, as links do. */
-static void add_run(struct hand *h, const struct stroke *const *run, uint32_t count, GArray *corner)
+static void add_run(struct hand *h, const struct stroke *run, uint32_t count, GArray *corner)
 {
 	float alpha = opacity_of(h, vector_run_alpha(run, count));
-	uint16_t leaf = h->f->scene->lines->line[run[0]->point].leaf;
+	uint16_t leaf = h->f->scene->lines->line[run[0].point].leaf;
 	union look look = { .segment = leaf,
 		.shade = (uint8_t)CLAMP(alpha * SHADES + 0.5f, 0, SHADES) };
 	if (!look.shade)
@@ -298,12 +300,11 @@ static void add_run(struct hand *h, const struct stroke *const *run, uint32_t co
 
 static void add_runs(struct hand *h, const struct stroke_blocks *strokes)
 {
-	g_autoptr(GPtrArray) all = all_of(strokes);
+	g_autofree struct stroke *all = all_of(strokes);
 	g_autoptr(GArray) corner = g_array_new(FALSE, FALSE, sizeof(float[2]));
-	const struct stroke *const *stroke = (const struct stroke *const *)(void *)all->pdata;
-	for (uint32_t n = 0, count; n < all->len; n += count) {
-		count = vector_run_length(stroke, n, all->len);
-		add_run(h, stroke + n, count, corner);
+	for (uint32_t n = 0, count; n < strokes->count; n += count) {
+		count = vector_run_length(all, n, strokes->count);
+		add_run(h, all + n, count, corner);
 	}
 }
 
@@ -357,10 +358,10 @@ static double corners_of(const struct hand *h, const struct stroke_blocks *strok
 	uint32_t number = 0;
 	for (uint32_t k = 0; k < strokes->blocks; k++)
 		for (uint32_t n = 0; n < strokes->block[k]->count; n++) {
-			const struct stroke *s = &strokes->block[k]->stroke[n];
-			if (number++ % SAMPLE || !look_of(h, s, &look))
+			struct stroke s = stroke_unpack(&strokes->block[k]->stroke[n]);
+			if (number++ % SAMPLE || !look_of(h, &s, &look))
 				continue;
-			uint32_t parts = vector_shapes_of(&h->shaper, s, part);
+			uint32_t parts = vector_shapes_of(&h->shaper, &s, part);
 			for (uint32_t i = 0; i < parts; i++)
 				corners += SAMPLE * part[i].corners;
 		}

@@ -7,23 +7,23 @@
 /* A run is no shorter than this because of its alpha: where something begins to hide a line that falls within a link or two. */
 #define LINKS_LEAST 8u
 
-uint32_t vector_run_length(const struct stroke *const *stroke, uint32_t first, uint32_t count)
+uint32_t vector_run_length(const struct stroke *stroke, uint32_t first, uint32_t count)
 {
 	uint32_t end = first + 1;
-	while (end < count && stroke[end]->copy && stroke[end]->point == stroke[first]->point)
+	while (end < count && stroke[end].copy && stroke[end].point == stroke[first].point)
 		end++;
 	for (uint32_t n = first + LINKS_LEAST; n + LINKS_LEAST <= end; n++)
-		if (fabsf(stroke[n]->alpha - stroke[first]->alpha) > VECTOR_RUN_ALPHA)
+		if (fabsf(stroke[n].alpha - stroke[first].alpha) > VECTOR_RUN_ALPHA)
 			return n - first;
 	return end - first;
 }
 
-float vector_run_alpha(const struct stroke *const *run, uint32_t count)
+float vector_run_alpha(const struct stroke *run, uint32_t count)
 {
 	float sum = 0, length = 0;
 	for (uint32_t n = 0; n < count; n++) {
-		sum += run[n]->alpha * run[n]->half_length_px;
-		length += run[n]->half_length_px;
+		sum += run[n].alpha * run[n].half_length_px;
+		length += run[n].half_length_px;
 	}
 	return length > 0 ? sum / length : 0;
 }
@@ -90,12 +90,12 @@ static void add_side(const struct node *n, float side, GArray *to)
 	g_array_append_vals(to, at, 1);
 }
 
-void vector_run_outline(const struct stroke *const *run, uint32_t count, float px, GArray *ret)
+void vector_run_outline(const struct stroke *run, uint32_t count, float px, GArray *ret)
 {
 	g_autofree struct node *node = g_new(struct node, count + 1);
 	g_autofree bool *is_kept = g_new0(bool, count + 1);
 	for (uint32_t n = 0; n <= count; n++)
-		node[n] = node_between(n ? run[n - 1] : NULL, n < count ? run[n] : NULL);
+		node[n] = node_between(n ? &run[n - 1] : NULL, n < count ? &run[n] : NULL);
 	keep(node, 0, count, VECTOR_RUN_OFF_PX * px, is_kept);
 	g_array_set_size(ret, 0);
 	for (uint32_t n = 0; n <= count; n++)

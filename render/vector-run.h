@@ -10,10 +10,10 @@
 #define VECTOR_RUN_ALPHA 0.12f
 
 /* How many of the strokes from first on, of all, make up one run. */
-uint32_t vector_run_length(const struct stroke *const *stroke, uint32_t first, uint32_t count);
+uint32_t vector_run_length(const struct stroke *stroke, uint32_t first, uint32_t count);
 /* What goes around a run, in pixels of the picture; px: of one of the style's. ret: of float[2]; emptied first. */
-void vector_run_outline(const struct stroke *const *run, uint32_t count, float px, GArray *ret);
+void vector_run_outline(const struct stroke *run, uint32_t count, float px, GArray *ret);
 /* By how long its strokes are. */
-float vector_run_alpha(const struct stroke *const *run, uint32_t count);
+float vector_run_alpha(const struct stroke *run, uint32_t count);
 
 #endif

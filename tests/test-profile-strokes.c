@@ -249,19 +249,16 @@ static void test_runs(void)
 	g_autoptr(frame) f = frame_with(&m, court_lines(),
 		"\"taper_px\":40,\"width_px\":8,\"wobble_px\":2,\"pressure\":0.5", &d);
 	stroke_list *l = strokes_of(f, true);
-	g_autofree const struct stroke **all = g_new(const struct stroke *, l->count);
 	g_autoptr(GArray) corner = g_array_new(FALSE, FALSE, sizeof(float[2]));
 	uint32_t runs = 0, corners = 0, count;
-	for (uint32_t n = 0; n < l->count; n++)
-		all[n] = &l->stroke[n];
 	for (uint32_t n = 0; n < l->count; n += count, runs++) {
 		double ink = 0;
-		count = vector_run_length(all, n, l->count);
-		vector_run_outline(all + n, count, f->px, corner);
+		count = vector_run_length(l->stroke, n, l->count);
+		vector_run_outline(l->stroke + n, count, f->px, corner);
 		corners += corner->len;
 		for (uint32_t k = n; k < n + count; k++)
-			ink += (double)(4 * (all[k]->half_length_px - 0.5f) *
-					all[k]->half_width_px);
+			ink += (double)(4 * (l->stroke[k].half_length_px - 0.5f) *
+					l->stroke[k].half_width_px);
 		if (count > 20)
 			g_assert_cmpfloat(fabs(area_of(corner) / ink - 1), <, 0.04);
 	}

@@ -302,6 +302,68 @@ static void test_screen_angle(void)
 	stroke_lists_free(l, f->layers);
 }
 
+/* ---- in nine words ---- */
+
+static void assert_packed_well(const struct stroke *s)
+{
+	struct stroke_packed packed = stroke_pack(s);
+	struct stroke is = stroke_unpack(&packed);
+	g_assert_true(is.x_px == s->x_px && is.y_px == s->y_px && is.q == s->q);
+	g_assert_true(fabsf(is.half_length_px / s->half_length_px - 1) <= 1 / 4096.f);
+	g_assert_true(fabsf(is.half_width_px / s->half_width_px - 1) <= 1 / 4096.f);
+	g_assert_true(fabsf(is.alpha - s->alpha) <= 0.5f / STROKE_ALPHA);
+	for (int k = 0; k < 2; k++) {
+		g_assert_true(fabsf(is.along[k] - s->along[k]) <= 0.51f / STROKE_ALONG);
+		g_assert_true(fabsf(is.slope[k] - s->slope[k]) <= fabsf(s->slope[k]) * (1 / 256.f));
+	}
+	g_assert_cmpmem(is.rgb, 3, s->rgb, 3);
+	g_assert_true(is.copy == s->copy && is.point == s->point && is.lay == s->lay &&
+		      is.aslant == s->aslant);
+}
+
+static float any_between(GRand *chance, double low, double high)
+{
+	return (float)g_rand_double_range(chance, low, high);
+}
+
+static void test_pack(void)
+{
+	g_autoptr(GRand) chance = g_rand_new_with_seed(15);
+	struct stroke ends = { .along = { -1, 1 },
+		.half_length_px = 0.001f,
+		.half_width_px = 4e6f,
+		.alpha = 1,
+		.slope = { -0.f, 1e9f },
+		.rgb = { 255, 0, 255 },
+		.copy = 255,
+		.point = UINT32_MAX,
+		.lay = 255,
+		.aslant = 255 };
+	assert_packed_well(&ends);
+	for (int n = 0; n < 100000; n++) {
+		float turn = any_between(chance, 0, 2 * G_PI);
+		uint32_t bytes = g_rand_int(chance);
+		struct stroke s = { .x_px = any_between(chance, -1e5, 1e5),
+			.y_px = any_between(chance, -1, 1),
+			.along = { cosf(turn), sinf(turn) },
+			.half_length_px = exp2f(any_between(chance, -9.9, 20)),
+			.half_width_px = exp2f(any_between(chance, -9.9, 20)),
+			.alpha = any_between(chance, 0, 1),
+			.q = exp2f(any_between(chance, -20, 20)),
+			.slope = { any_between(chance, -1, 1), exp2f(any_between(chance, -30, 9)) },
+			.rgb = { (uint8_t)bytes, (uint8_t)(bytes >> 8), 7 },
+			.copy = (uint8_t)(bytes >> 16),
+			.point = g_rand_int(chance),
+			.lay = (uint8_t)(bytes >> 24),
+			.aslant = (uint8_t)(bytes >> 4) };
+		assert_packed_well(&s);
+	}
+	/* What is too short for it is as short as it can be; no length of 0 divides anything. */
+	struct stroke none = { .along = { 1, 0 }, .q = 1 };
+	struct stroke_packed packed = stroke_pack(&none);
+	g_assert_cmpfloat(stroke_unpack(&packed).half_width_px, ==, 1 / 1024.f);
+}
+
 /* ---- what has no direction, no normal, no size ---- */
 
 static bool is_sound(const struct stroke *s)
@@ -408,6 +470,7 @@ int main(int argc, char **argv)
 	}
 	g_test_add_func("/stroke/directions", test_directions);
 	g_test_add_func("/stroke/screen-angle", test_screen_angle);
+	g_test_add_func("/stroke/pack", test_pack);
 	g_test_add_func("/stroke/odd", test_odd);
 	return g_test_run();
 }
