@@ -68,7 +68,7 @@ INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
 
 INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
 {
-	vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+	vf q = p->q + dx * p->slope[0] + dy * p->slope[1];
 	return q * (vf) * (const vi_loose *)keys >= p->shows_from;
 }
 
@@ -100,8 +100,8 @@ struct spot {
 INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum kernel kernel,
 	enum band_blend blend, const int32_t *keys, ptrdiff_t at, const struct spot *spot)
 {
-	float dy = (float)spot->y + 0.5f - p->s->y_px;
-	vf dx = (float)spot->left + 0.5f - p->s->x_px + lane_number, alpha;
+	float dy = (float)spot->y + 0.5f - p->y_px;
+	vf dx = (float)spot->left + 0.5f - p->x_px + lane_number, alpha;
 	if (kernel == KERNEL_FEW_TEXELS)
 		alpha = where(lane_number < (float)(spot->stop - spot->left),
 			eight_few(&p->few, p->texels, p->texel_shift, spot->left, spot->y));
@@ -125,9 +125,9 @@ INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum b
 		(__mmask16)_bzhi_u32(0xffff, (uint32_t)MIN(spot->stop - spot->left, FEW_WIDE));
 	wf alpha = wide_few(&p->few, spot->left, spot->y) * p->alpha;
 	if (keys) {
-		float dy = (float)spot->y + 0.5f - p->s->y_px;
-		wf dx = (float)spot->left + 0.5f - p->s->x_px + wide_number;
-		wf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+		float dy = (float)spot->y + 0.5f - p->y_px;
+		wf dx = (float)spot->left + 0.5f - p->x_px + wide_number;
+		wf q = p->q + dx * p->slope[0] + dy * p->slope[1];
 		wf depth = wide_load((const float *)(keys + spot->left));
 		drawn = _mm512_mask_cmp_ps_mask(
 			drawn, q * depth, p->shows_from + (wf){ 0 }, _CMP_GE_OQ);
@@ -189,13 +189,13 @@ INLINE vf power_of_two(vf x)
 INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const visibility_mask *m,
 	ptrdiff_t at, int y, float dy, int left)
 {
-	vf dx = (float)left + 0.5f - p->s->x_px + lane_number;
+	vf dx = (float)left + 0.5f - p->x_px + lane_number;
 	vf thick = texture_sum(p, dx, dy) * TEXTURE_UNIT,
 	   cover = clamp01((thick - p->dry) * (1 / PAINT_COVERS));
 	if (!any(cover > 0))
 		return;
 	if (m) {
-		vf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+		vf q = p->q + dx * p->slope[0] + dy * p->slope[1];
 		cover = where(takes_paint(p, m, left, y, q), cover);
 		if (!any(cover > 0))
 			return;
@@ -211,12 +211,6 @@ INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const vis
 
 /* ---- columns and rows ---- */
 
-/* The first pixel whose middle is not before x, or 0. */
-INLINE int pixel_from(float x)
-{
-	return x > 0 ? (int)(x + 0.5f) : 0;
-}
-
 /* Sprites with less than this have eight columns and rows at most. */
 #define SPRITE_SMALL 3.4f
 
@@ -224,14 +218,13 @@ INLINE int pixel_from(float x)
 INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, enum band_blend blend)
 {
-	const struct stroke *s = p->s;
-	int left = MAX((int)(s->x_px - p->half_length), 0),
-	    top = MAX((int)floorf(s->y_px - p->half_length), (int)b->from),
-	    end = MIN((int)(s->y_px + p->half_length) + 1, (int)(b->from + b->rows));
-	if (s->x_px + p->half_length < 0 || s->x_px - p->half_length >= (float)b->width)
+	int left = MAX((int)(p->x_px - p->half_length), 0),
+	    top = MAX((int)floorf(p->y_px - p->half_length), (int)b->from),
+	    end = MIN((int)(p->y_px + p->half_length) + 1, (int)(b->from + b->rows));
+	if (p->x_px + p->half_length < 0 || p->x_px - p->half_length >= (float)b->width)
 		return;
-	vf dx = (float)left + 0.5f - s->x_px + lane_number,
-	   dy = (float)top + 0.5f - s->y_px + lane_number;
+	vf dx = (float)left + 0.5f - p->x_px + lane_number,
+	   dy = (float)top + 0.5f - p->y_px + lane_number;
 	vf dx2 = dx * dx, reach2 = p->half_length * p->half_length - dx2,
 	   across = gaussian(p, dx2) * p->alpha;
 	float down[LANES], down2[LANES];
@@ -242,7 +235,7 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 		vf alpha = where(reach2 >= down2[k], across * down[k]);
 		if (m)
 			alpha = where(shows(p, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
-					      (float)(top + k) + 0.5f - s->y_px),
+					      (float)(top + k) + 0.5f - p->y_px),
 				alpha);
 		blend_at(p, blend, alpha, ink, at);
 	}
@@ -267,27 +260,27 @@ INLINE int spot_bits(enum kernel kernel)
 /* Where the stroke's rows begin and end, of eight from y on. */
 INLINE void find_rows(const struct pen *p, const struct band *b, int y, vi *ret_left, vi *ret_right)
 {
-	vf dy = (float)y + 0.5f - p->s->y_px + lane_number;
+	vf dy = (float)y + 0.5f - p->y_px + lane_number;
 	vf low = most(dy * p->turn[0] - p->reach[0], dy * p->turn[1] - p->reach[1]),
 	   high = least(dy * p->turn[0] + p->reach[0], dy * p->turn[1] + p->reach[1]);
-	*ret_left = pixels_from(p->s->x_px + low, (int32_t)b->width);
-	*ret_right = pixels_from(p->s->x_px + high, (int32_t)b->width);
+	*ret_left = pixels_from(p->x_px + low, (int32_t)b->width);
+	*ret_right = pixels_from(p->x_px + high, (int32_t)b->width);
 }
 
 /* Rows have so many vectors at most. */
-INLINE uint32_t find_spots(const struct pen *p, const struct band *b, enum kernel kernel, int y,
-	int end, int vectors, struct spot *ret)
+INLINE uint32_t find_spots(const struct pen *p, const struct band *b, enum kernel kernel,
+	int vectors, struct spot *ret)
 {
 	const int shift = spot_bits(kernel);
 	uint32_t count = 0;
-	for (; y < end; y += LANES) {
+	for (int y = p->top; y < p->end; y += LANES) {
 		vi first, stop;
 		find_rows(p, b, y, &first, &stop);
 		int32_t left[LANES], right[LANES], vector[LANES];
 		store_mask(left, first);
 		store_mask(right, stop);
 		store_mask(vector, (stop - first + (1 << shift) - 1) >> shift);
-		for (int k = 0; k < MIN(LANES, end - y); k++) {
+		for (int k = 0; k < MIN(LANES, p->end - y); k++) {
 			for (int n = 0; n < vectors; n++)
 				ret[count + (uint32_t)n] =
 					(struct spot){ y + k, left[k] + (n << shift), right[k] };
@@ -310,38 +303,39 @@ INLINE void draw_spot(const struct pen *p, const struct band *b, const visibilit
 	}
 #endif
 	if (blend == BAND_LAID)
-		lay_eight(p, ink, m, row, at->y, (float)at->y + 0.5f - p->s->y_px, at->left);
+		lay_eight(p, ink, m, row, at->y, (float)at->y + 0.5f - p->y_px, at->left);
 	else
 		draw_eight(p, ink, kernel, blend, keys, row, at);
 }
 
 INLINE void draw_wide_rows(const struct pen *p, const struct band *b, const visibility_mask *m,
-	const struct band_ink *ink, enum kernel kernel, enum band_blend blend, int y, int end)
+	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
-	for (; y < end; y += LANES) {
+	for (int y = p->top; y < p->end; y += LANES) {
 		vi first, stop;
 		find_rows(p, b, y, &first, &stop);
-		for (int k = 0; k < MIN(LANES, end - y); k++)
+		for (int k = 0; k < MIN(LANES, p->end - y); k++)
 			for (int left = first[k]; left < stop[k]; left += 1 << spot_bits(kernel))
 				draw_spot(p, b, m, ink, kernel, blend,
 					&(struct spot){ y + k, left, stop[k] });
 	}
 }
 
-/* Of a line whose rows have eight pixels at most. There may be none in the first and last rows: then nothing is drawn there. */
+/* Of a line whose rows have eight pixels at most. There may be none in the first and last rows, nor in the one behind them: then nothing is
+ * drawn there. */
 INLINE void draw_short_rows(const struct pen *p, const struct band *b, const visibility_mask *m,
-	const struct band_ink *ink, enum band_blend blend, int y, int end)
+	const struct band_ink *ink, enum band_blend blend)
 {
-	for (; y < end; y += LANES) {
+	for (int y = p->top; y < p->end; y += LANES) {
 		vi first, stop;
-		int k = 0, rows = MIN(LANES, end - y);
+		int k = 0, rows = MIN(LANES, p->end - y);
 		struct short_rows r = { .y = y };
 		find_rows(p, b, y, &first, &stop);
 		store_mask(r.left, first);
 #if defined __AVX512VBMI__
-		r.dx = __builtin_convertvector(first, vf) + 0.5f - p->s->x_px;
-		r.dy = (float)y + lane_number + 0.5f - p->s->y_px;
-		for (; k + 1 < rows; k += 2)
+		r.dx = __builtin_convertvector(first, vf) + 0.5f - p->x_px;
+		r.dy = (float)y + lane_number + 0.5f - p->y_px;
+		for (; k < rows && y + k + 1 < (int)(b->from + b->rows); k += 2)
 			two_of_line(p, b, m, ink, blend, &r, k);
 #endif
 		for (; k < rows; k++)
@@ -353,47 +347,42 @@ INLINE void draw_short_rows(const struct pen *p, const struct band *b, const vis
 INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
-	const struct stroke *s = p->s;
 	if (kernel == KERNEL_SPRITE && p->half_length < SPRITE_SMALL) {
 		draw_small_sprite(p, b, m, ink, blend);
 		return;
 	}
-	float down = fabsf(p->sine) * p->reach_along + fabsf(p->cosine) * p->reach_across;
-	int y = MAX(pixel_from(s->y_px - down - ROUNDING), (int)b->from),
-	    end = MIN(pixel_from(s->y_px + down + ROUNDING), (int)(b->from + b->rows));
-	/* A row has a pixel more than it is long at most, rounded as its ends are in the picture. */
-	float across =
-		fminf(2 * MIN(p->reach[0], p->reach[1]) + ROUNDING_PICTURE, (float)b->width) + 1;
-	int vectors = ((int)across + (1 << spot_bits(kernel)) - 1) >> spot_bits(kernel);
+	int vectors = (p->across + (1 << spot_bits(kernel)) - 1) >> spot_bits(kernel);
 	if (kernel == KERNEL_LINE && vectors == 1) {
-		draw_short_rows(p, b, m, ink, blend, y, end);
+		draw_short_rows(p, b, m, ink, blend);
 		return;
 	}
 	if (vectors > SPOTS_ROW) {
-		draw_wide_rows(p, b, m, ink, kernel, blend, y, end);
+		draw_wide_rows(p, b, m, ink, kernel, blend);
 		return;
 	}
 	struct spot spot[SPOTS_MOST];
-	uint32_t count = find_spots(p, b, kernel, y, end, vectors, spot);
+	uint32_t count = find_spots(p, b, kernel, vectors, spot);
 	for (uint32_t n = 0; n < count; n++)
 		draw_spot(p, b, m, ink, kernel, blend, &spot[n]);
 }
-
-/* Strokes lie about in memory: so many of them ahead are fetched. */
-#define AHEAD 8
 
 INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 	const struct band_strokes *strokes, const visibility_mask *m, const struct band_ink *ink,
 	enum kernel kernel, enum band_blend blend)
 {
-	const float *light = light_of_bytes();
-	for (uint32_t n = 0; n < strokes->count; n++) {
-		__builtin_prefetch(band_stroke(strokes, MIN(n + AHEAD, strokes->count - 1)));
-		struct stroke s = stroke_unpack(band_stroke(strokes, n));
-		struct pen p = pen_of(l, &s, kernel);
-		for (int k = 0; k < 3; k++)
-			p.colour[k] = light[p.s->rgb[k]];
-		draw_stroke(&p, b, m, ink, kernel, blend);
+	for (uint32_t n = 0; n < strokes->count; n += LANES) {
+		struct pens all;
+		for (uint32_t k = 0; k < LANES; k++) {
+			/* They lie about in memory: the next ones are fetched. */
+			__builtin_prefetch(
+				band_stroke(strokes, MIN(n + LANES + k, strokes->count - 1)));
+			all.from[k] = band_stroke(strokes, MIN(n + k, strokes->count - 1));
+		}
+		find_pens(b, l, kernel, &all);
+		for (uint32_t k = 0; k < MIN(LANES, strokes->count - n); k++) {
+			struct pen p = pen_of(l, &all, (int)k, kernel);
+			draw_stroke(&p, b, m, ink, kernel, blend);
+		}
 	}
 }
 

@@ -45,7 +45,7 @@ INLINE wf two_line_alpha(const struct pen *p, wf dx, wf dy)
 INLINE wf two_shown(const struct pen *p, const visibility_mask *m, const ptrdiff_t at[2], wf dx,
 	wf dy, wf alpha)
 {
-	wf q = p->s->q + dx * p->s->slope[0] + dy * p->s->slope[1];
+	wf q = p->q + dx * p->slope[0] + dy * p->slope[1];
 	wf depth = two_load((const float *)(const void *)m->key, at);
 	return _mm512_maskz_mov_ps(
 		_mm512_cmp_ps_mask(q * depth, _mm512_set1_ps(p->shows_from), _CMP_GE_OQ), alpha);

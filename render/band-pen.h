@@ -3,6 +3,7 @@
 /* A stroke as its rows are drawn. Internal to band-draw-lanes.c; all is inlined. */
 #include "render/band-draw-few.h"
 #include "render/bands.h"
+#include "render/light.h"
 #include "render/stroke.h"
 #include <math.h>
 
@@ -26,11 +27,13 @@
 
 /* A stroke with what its rows share. */
 struct pen {
-	const struct stroke *s;
+	float x_px, y_px, q, slope[2]; /* struct stroke */
 	float cosine, sine, half_length, half_width;
 	float reach_along, reach_across;
 	/* A row dy below the middle is inside from dy turn - reach to dy turn + reach: by its ends, and by its sides. */
 	float turn[2], reach[2];
+	/* Rows that it may touch, from the first to before the end; pixels of each at most. */
+	int32_t top, end, across;
 	float falloff;    /* of a sprite */
 	float strength;   /* of a line */
 	float alpha;      /* what the kernel gives is multiplied by */
@@ -48,93 +51,232 @@ struct pen {
 	int32_t hole_px;
 };
 
-/* Lines are drawn a pixel wider than they are, with soft edges, which makes those that are thinner than that too strong. */
-INLINE float thinness(float half)
+/* ---- eight at once ---- */
+
+/* The texture of each. */
+struct pen_textures {
+	const stroke_texture *texture[LANES];
+	const uint32_t *texels[LANES];
+	uint32_t shift[LANES], variant[LANES];
+	vf length, width;
+};
+
+/* As stroke_unpack() gives them. What a pen has, but for textures of few texels, paint, and what is in the strokes alone. */
+struct pens {
+	const struct stroke_packed *from[LANES];
+	vi rgb;
+	vf x_px, y_px, q, slope[2], cosine, sine, half_length, half_width;
+	vf reach_along, reach_across, turn[2], reach[2];
+	vi top, end, across;
+	vf falloff, strength, alpha, shows_from;
+	struct pen_textures texture;
+};
+
+/* Rows to columns. */
+INLINE void transpose_eight(vi r[LANES])
 {
-	return half < 0.5f ? 2 * half / ((half + 0.5f) * (half + 0.5f)) : 1;
+	vi two[LANES], four[LANES];
+	for (int n = 0; n < LANES; n += 2) {
+		two[n] = __builtin_shufflevector(r[n], r[n + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+		two[n + 1] = __builtin_shufflevector(r[n], r[n + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+	}
+	for (int n = 0; n < LANES; n += 4)
+		for (int k = 0; k < 2; k++) {
+			four[n + 2 * k] = __builtin_shufflevector(
+				two[n + k], two[n + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+			four[n + 2 * k + 1] = __builtin_shufflevector(
+				two[n + k], two[n + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+		}
+	for (int n = 0; n < 4; n++) {
+		r[n] = __builtin_shufflevector(four[n], four[n + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+		r[n + 4] =
+			__builtin_shufflevector(four[n], four[n + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+	}
+}
+
+INLINE vf length_of(vi packed)
+{
+	return (vf)((packed << STROKE_LENGTH_SHIFT) + STROKE_LENGTH_LEAST);
+}
+
+/* stroke_unpack() */
+INLINE void unpack_pens(struct pens *p)
+{
+	_Static_assert(STROKE_POINT == LANES, "all words before it are looked at here");
+	vi word[LANES];
+	for (int k = 0; k < LANES; k++)
+		word[k] = *(const vi_loose *)(const void *)p->from[k]->word;
+	transpose_eight(word);
+	p->x_px = (vf)word[STROKE_X];
+	p->y_px = (vf)word[STROKE_Y];
+	p->cosine = __builtin_convertvector(word[STROKE_ALONG_BOTH] << 16 >> 16, vf) *
+		    (1 / STROKE_ALONG);
+	p->sine = __builtin_convertvector(word[STROKE_ALONG_BOTH] >> 16, vf) * (1 / STROKE_ALONG);
+	p->half_length = length_of(word[STROKE_HALVES] & 0xffff);
+	p->half_width = length_of((vi)((vu)word[STROKE_HALVES] >> 16));
+	p->q = (vf)word[STROKE_Q];
+	p->slope[0] = (vf)(word[STROKE_SLOPES] << 16);
+	p->slope[1] = (vf)(word[STROKE_SLOPES] & (int32_t)0xffff0000);
+	p->rgb = word[STROKE_RGB_COPY];
+	p->alpha = __builtin_convertvector(word[STROKE_ALPHA_LAY_ASLANT] & 0xffff, vf) *
+		   (1 / STROKE_ALPHA);
+}
+
+/* Lines are drawn a pixel wider than they are, with soft edges, which makes those that are thinner than that too strong. */
+INLINE vf thinness(vf half)
+{
+	return choose(half < 0.5f, 2 * half / ((half + 0.5f) * (half + 0.5f)), all(1));
 }
 
 /* The one that is sharp for its width. */
-INLINE const struct paint_level *paint_level_of(const struct frame_layer *l, const struct stroke *s)
+INLINE const struct paint_level *paint_level_of(const struct frame_layer *l, float half_width_px)
 {
 	uint32_t n = 0;
 	for (float width = PAINT_SHARP * l->ink.width_px;
-		n + 1 < PAINT_LEVELS && 2 * s->half_width_px < width; width /= 2)
+		n + 1 < PAINT_LEVELS && 2 * half_width_px < width; width /= 2)
 		n++;
 	return &l->paint->level[n];
 }
 
-INLINE void lay_pen(const struct frame_layer *l, struct pen *p)
+INLINE void find_textures(const struct frame_layer *l, struct pens *p)
+{
+	struct pen_textures *to = &p->texture;
+	for (int k = 0; k < LANES; k++) {
+		const struct paint_level *level =
+			l->paint ? paint_level_of(l, p->half_width[k]) : NULL;
+		const stroke_texture *t = to->texture[k] = level ? level->texture : l->texture;
+		uint32_t point = p->from[k]->word[STROKE_POINT], copy = (uint32_t)p->rgb[k] >> 24;
+		to->variant[k] = (uint32_t)(stroke_chance(point, stroke_salt(copy, SALT_VARIANT)) *
+					    (float)t->variants);
+		to->shift[k] = level ? level->texel_shift : l->texel_shift;
+		to->texels[k] = (level ? level->texels : l->texels) +
+				frame_texels(t, to->shift[k]) * to->variant[k];
+		to->length[k] = (float)t->length;
+		to->width[k] = (float)t->width;
+	}
+}
+
+/* The pixel at the middle of which x is or the next one, or 0. */
+INLINE vi pixel_lanes(vf x)
+{
+	return __builtin_convertvector(most(x, all(0)) + 0.5f, vi);
+}
+
+/* Where its rows are. */
+INLINE void bound_pens(const struct band *b, struct pens *p)
+{
+	vi has_ends = magnitude(p->cosine) > COSINE_LEAST,
+	   has_sides = magnitude(p->sine) > COSINE_LEAST;
+	vf by_cosine = where(has_ends, 1 / p->cosine), by_sine = where(has_sides, 1 / p->sine);
+	p->turn[0] = -p->sine * by_cosine;
+	p->turn[1] = p->cosine * by_sine;
+	p->reach[0] =
+		choose(has_ends, p->reach_along * magnitude(by_cosine) + ROUNDING, all(REACH_MOST));
+	p->reach[1] =
+		choose(has_sides, p->reach_across * magnitude(by_sine) + ROUNDING, all(REACH_MOST));
+	vf down = magnitude(p->sine) * p->reach_along + magnitude(p->cosine) * p->reach_across +
+		  ROUNDING;
+	p->top = higher(pixel_lanes(p->y_px - down), (vi)all(0) + (int32_t)b->from);
+	p->end = lower(pixel_lanes(p->y_px + down), (vi)all(0) + (int32_t)(b->from + b->rows));
+	/* A row has a pixel more than it is long at most, rounded as its ends are in the picture. */
+	vf across =
+		least(2 * least(p->reach[0], p->reach[1]) + ROUNDING_PICTURE, all((float)b->width));
+	p->across = __builtin_convertvector(across, vi) + 1;
+}
+
+/* Of those in from. */
+INLINE void find_pens(
+	const struct band *b, const struct frame_layer *l, enum kernel kernel, struct pens *p)
+{
+	unpack_pens(p);
+	p->shows_from = 1 - least(l->ink.reach_m * p->q, all(STROKE_REACH_MOST));
+	p->reach_along = p->half_length;
+	p->reach_across = p->half_width;
+	if (kernel == KERNEL_SPRITE) {
+		vf sigma = 2 * p->half_length / SIGMAS;
+		p->falloff = 1 / (2 * sigma * sigma);
+	}
+	if (kernel == KERNEL_LINE) {
+		p->reach_along += 0.5f;
+		p->reach_across += 0.5f;
+		p->strength = thinness(p->half_length) * thinness(p->half_width);
+	}
+	if (kernel >= KERNEL_TEXTURE) {
+		find_textures(l, p);
+		/* Half a texel: from the last one to nothing. */
+		p->reach_along += p->half_length / p->texture.length;
+		p->reach_across += p->half_width / p->texture.width;
+		p->alpha *= kernel == KERNEL_TEXTURE ? TEXTURE_UNIT : FEW_UNIT;
+	}
+	bound_pens(b, p);
+}
+
+/* ---- one of them ---- */
+
+INLINE void lay_pen(const struct frame_layer *l, const struct stroke_packed *from, struct pen *p)
 {
 	const struct frame_paint *paint = l->paint;
-	p->lay = (float)p->s->lay * paint->octaves[0] -
+	struct stroke s = stroke_unpack(from);
+	p->lay = (float)s.lay * paint->octaves[0] -
 		 0.5f * (paint->octaves[0] * (PAINT_LAYS - 1) + paint->octaves[1]);
 	p->octaves = paint->octaves[1];
-	p->dry = 1 - p->s->alpha;
-	p->deep = stroke_paint_reach(paint, p->s);
+	p->dry = 1 - s.alpha;
+	p->deep = stroke_paint_reach(paint, &s);
 	p->hole_px = paint->hole_px;
 }
 
-INLINE float unit_of(enum kernel kernel)
+INLINE void texture_pen(const struct frame_layer *l, const struct pens *all, int k,
+	enum kernel kernel, struct pen *p)
 {
+	const stroke_texture *t = all->texture.texture[k];
+	float along = (float)t->length / (2 * p->half_length),
+	      across = (float)t->width / (2 * p->half_width);
+	p->texel_shift = all->texture.shift[k];
+	p->texels = all->texture.texels[k];
+	p->texel_x[0] = p->cosine * along * (1 << TEXEL_BITS);
+	p->texel_y[0] = p->sine * along * (1 << TEXEL_BITS);
+	p->texel_x[1] = -p->sine * across * (1 << TEXEL_BITS);
+	p->texel_y[1] = p->cosine * across * (1 << TEXEL_BITS);
+	p->texel_end[0] = (float)(t->length + 1) * (1 << TEXEL_BITS);
+	p->texel_end[1] = (float)(t->width + 1) * (1 << TEXEL_BITS);
+	for (int n = 0; n < 2; n++)
+		p->texel_middle[n] = p->texel_end[n] / 2;
 	if (kernel == KERNEL_FEW_TEXELS)
-		return FEW_UNIT;
-	return kernel == KERNEL_TEXTURE ? TEXTURE_UNIT : 1;
+		p->few = few_of(t, l->few_texels + FRAME_FEW_TEXELS * all->texture.variant[k],
+			(float[]){ p->x_px, p->y_px },
+			(float[]){ p->cosine * along, -p->sine * across },
+			(float[]){ p->sine * along, p->cosine * across });
 }
 
-INLINE struct pen pen_of(const struct frame_layer *l, const struct stroke *s, enum kernel kernel)
+INLINE struct pen pen_of(
+	const struct frame_layer *l, const struct pens *all, int k, enum kernel kernel)
 {
-	struct pen p = { .s = s,
-		.cosine = s->along[0],
-		.sine = s->along[1],
-		.half_length = s->half_length_px,
-		.half_width = s->half_width_px,
-		.alpha = s->alpha * unit_of(kernel),
-		.shows_from = stroke_shows_from(l, s) };
-	float soft = kernel == KERNEL_LINE ? 0.5f : 0;
-	p.reach_along = p.half_length + soft;
-	p.reach_across = p.half_width + soft;
-	p.strength = thinness(p.half_length) * thinness(p.half_width);
-	if (kernel == KERNEL_SPRITE) {
-		float sigma = 2 * p.half_length / SIGMAS;
-		p.falloff = 1 / (2 * sigma * sigma);
-	}
-	if (kernel >= KERNEL_TEXTURE) {
-		const struct paint_level *level = l->paint ? paint_level_of(l, s) : NULL;
-		const stroke_texture *t = level ? level->texture : l->texture;
-		uint32_t variant =
-			(uint32_t)(stroke_chance(s->point, stroke_salt(s->copy, SALT_VARIANT)) *
-				   (float)t->variants);
-		p.texel_shift = level ? level->texel_shift : l->texel_shift;
-		p.texels = (level ? level->texels : l->texels) +
-			   frame_texels(t, p.texel_shift) * variant;
-		float along = (float)t->length / (2 * p.half_length),
-		      across = (float)t->width / (2 * p.half_width);
-		p.texel_x[0] = p.cosine * along * (1 << TEXEL_BITS);
-		p.texel_y[0] = p.sine * along * (1 << TEXEL_BITS);
-		p.texel_x[1] = -p.sine * across * (1 << TEXEL_BITS);
-		p.texel_y[1] = p.cosine * across * (1 << TEXEL_BITS);
-		p.texel_end[0] = (float)(t->length + 1) * (1 << TEXEL_BITS);
-		p.texel_end[1] = (float)(t->width + 1) * (1 << TEXEL_BITS);
-		for (int k = 0; k < 2; k++)
-			p.texel_middle[k] = p.texel_end[k] / 2;
-		if (kernel == KERNEL_FEW_TEXELS)
-			p.few = few_of(t, l->few_texels + FRAME_FEW_TEXELS * variant,
-				(float[]){ s->x_px, s->y_px },
-				(float[]){ p.cosine * along, -p.sine * across },
-				(float[]){ p.sine * along, p.cosine * across });
-		/* Half a texel: from the last one to nothing. */
-		p.reach_along += 0.5f / along;
-		p.reach_across += 0.5f / across;
-	}
-	bool has_ends = fabsf(p.cosine) > COSINE_LEAST, has_sides = fabsf(p.sine) > COSINE_LEAST;
-	float by_cosine = has_ends ? 1 / p.cosine : 0, by_sine = has_sides ? 1 / p.sine : 0;
+	const float *light = light_of_bytes();
+	struct pen p = { .x_px = all->x_px[k],
+		.y_px = all->y_px[k],
+		.q = all->q[k],
+		.slope = { all->slope[0][k], all->slope[1][k] },
+		.cosine = all->cosine[k],
+		.sine = all->sine[k],
+		.half_length = all->half_length[k],
+		.half_width = all->half_width[k],
+		.reach_along = all->reach_along[k],
+		.reach_across = all->reach_across[k],
+		.turn = { all->turn[0][k], all->turn[1][k] },
+		.reach = { all->reach[0][k], all->reach[1][k] },
+		.top = all->top[k],
+		.end = all->end[k],
+		.across = all->across[k],
+		.falloff = kernel == KERNEL_SPRITE ? all->falloff[k] : 0,
+		.strength = kernel == KERNEL_LINE ? all->strength[k] : 0,
+		.alpha = all->alpha[k],
+		.shows_from = all->shows_from[k] };
+	for (int n = 0; n < 3; n++)
+		p.colour[n] = light[all->rgb[k] >> 8 * n & 255];
+	if (kernel >= KERNEL_TEXTURE)
+		texture_pen(l, all, k, kernel, &p);
 	if (l->paint)
-		lay_pen(l, &p);
-	p.turn[0] = -p.sine * by_cosine;
-	p.turn[1] = p.cosine * by_sine;
-	p.reach[0] = has_ends ? p.reach_along * fabsf(by_cosine) + ROUNDING : REACH_MOST;
-	p.reach[1] = has_sides ? p.reach_across * fabsf(by_sine) + ROUNDING : REACH_MOST;
+		lay_pen(l, all->from[k], &p);
 	return p;
 }
 

@@ -394,24 +394,30 @@ INLINE void lay_ground(const struct draw_job *j, const struct band *b, struct dr
 	}
 }
 
-INLINE void put_out(const struct draw_job *j, const struct band *b, const struct draw_desk *d)
+/* Of pixels side by side, whose light is there in the canvas. */
+INLINE vi srgb_at(const struct draw_desk *d, size_t at)
 {
 	const uint8_t *srgb = light_srgb_bytes();
+	vi ret = (vi)all(0) + (int32_t)0xff000000;
+	for (int k = 0; k < 3; k++) {
+		vf light = clamp01(load(d->canvas[k] + at));
+		vi step = __builtin_convertvector(light * (LIGHT_STEPS - 1) + 0.5f, vi);
+		ret |= (gather(srgb, step, 1) & 255) << 8 * k;
+	}
+	return ret;
+}
+
+INLINE void put_out(const struct draw_job *j, const struct band *b, const struct draw_desk *d)
+{
 	for (uint32_t y = b->from; y < b->from + b->rows; y++) {
 		uint8_t(*to)[4] = j->to->rgba + (size_t)y * b->width;
 		size_t row = (size_t)(y - b->from) * b->pitch + BAND_MARGIN;
 		for (uint32_t x = 0; x < b->width; x += LANES) {
-			int32_t step[3][LANES];
-			for (int k = 0; k < 3; k++) {
-				vf light = clamp01(load(d->canvas[k] + row + x));
-				store_mask(step[k], __builtin_convertvector(
-							    light * (LIGHT_STEPS - 1) + 0.5f, vi));
-			}
-			for (uint32_t n = 0; n < MIN(LANES, b->width - x); n++) {
-				uint8_t rgba[4] = { srgb[step[0][n]], srgb[step[1][n]],
-					srgb[step[2][n]], 255 };
-				memcpy(to[x + n], rgba, 4);
-			}
+			vi rgba = srgb_at(d, row + x);
+			if (b->width - x >= LANES)
+				*(vi_loose *)(void *)to[x] = rgba;
+			else
+				memcpy(to[x], &rgba, (size_t)4 * (b->width - x));
 		}
 	}
 }

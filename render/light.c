@@ -1,7 +1,7 @@
 #include "render/light.h"
 #include <glib.h>
 
-static uint8_t srgb[LIGHT_STEPS];
+static uint8_t srgb[LIGHT_STEPS + LIGHT_BEHIND];
 static float linear[256];
 /* One more, for what lies between them. */
 static float srgb_steps[LIGHT_STEPS + 1], linear_steps[LIGHT_STEPS + 1];

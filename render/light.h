@@ -20,6 +20,8 @@ static inline float light_luminance(const float rgb[3])
 }
 
 #define LIGHT_STEPS 4096
+/* So many bytes behind them may be read, too. */
+#define LIGHT_BEHIND 3
 /* Of n/(LIGHT_STEPS - 1), and of each byte. Made at the first call; any thread. */
 const uint8_t *light_srgb_bytes(void);
 const float *light_of_bytes(void);
