@@ -1,20 +1,17 @@
 #include "render/bands.h"
-#include <math.h>
 
-struct band_reach {
-	uint16_t first, end;
+/* From the first band to before the end. */
+struct reach {
+	uint32_t first, end;
 };
 
-/* Of the rows that the stroke may touch. */
-static struct band_reach reach_of(const struct stroke *s, float more, uint32_t height)
+/* more: rows beside those of the stroke that it is drawn for, too. */
+static inline struct reach reach_of(struct stroke_span s, int32_t more, int32_t height)
 {
-	float reach = fabsf(s->along[1]) * s->half_length_px +
-		      fabsf(s->along[0]) * s->half_width_px + 1 + more;
-	float low = s->y_px - reach, high = s->y_px + reach, last = (float)(height - 1);
-	if (high < 0 || low >= (float)height)
-		return (struct band_reach){ 0 };
-	return (struct band_reach){ (uint16_t)(MAX(low, 0) / BAND_ROWS),
-		(uint16_t)(MIN(high, last) / BAND_ROWS + 1) };
+	int32_t top = MAX(s.top - more, 0), end = MIN(s.end + more, height);
+	if (top >= end)
+		return (struct reach){ 0 };
+	return (struct reach){ (uint32_t)top / BAND_ROWS, (uint32_t)(end - 1) / BAND_ROWS + 1 };
 }
 
 /* Parts of all blocks that are looked at side by side: so many that threads are done at about the same time. */
@@ -26,8 +23,7 @@ struct filling {
 	const frame *f;
 	const struct stroke_blocks *of_layer;
 	uint32_t height;
-	uint32_t block_end[FRAME_LAYERS_MAX],
-		stroke_end[FRAME_LAYERS_MAX]; /* of all layers in a row */
+	uint32_t block_end[FRAME_LAYERS_MAX]; /* of all layers in a row */
 	uint32_t *at; /* of each part, layer, and band: how many; then where they go */
 };
 
@@ -45,16 +41,18 @@ static struct piece piece_of(const struct filling *w, uint32_t part, uint32_t la
 		MAX(MIN(end, w->block_end[layer]), before) - before };
 }
 
+static int32_t more_of(const struct filling *w, const struct piece *p)
+{
+	return w->f->layer[p->layer].paint ? BAND_AROUND : 0;
+}
+
 static void count_piece(const struct filling *w, const struct piece *p, uint32_t *count)
 {
-	const struct stroke_blocks *strokes = &w->of_layer[p->layer];
-	struct band_reach *reach = w->to->reach + w->stroke_end[p->layer] - strokes->count;
-	float more = w->f->layer[p->layer].paint ? BAND_AROUND : 0;
+	int32_t more = more_of(w, p), height = (int32_t)w->height;
 	for (uint32_t k = p->from; k < p->end; k++) {
-		const struct stroke_block *b = strokes->block[k];
+		const struct stroke_block *b = w->of_layer[p->layer].block[k];
 		for (uint32_t n = 0; n < b->count; n++) {
-			struct stroke s = stroke_unpack(&b->stroke[n]);
-			struct band_reach r = reach[b->first + n] = reach_of(&s, more, w->height);
+			struct reach r = reach_of(b->span[n], more, height);
 			for (uint32_t band = r.first; band < r.end; band++)
 				count[band]++;
 		}
@@ -63,12 +61,11 @@ static void count_piece(const struct filling *w, const struct piece *p, uint32_t
 
 static void fill_piece(const struct filling *w, const struct piece *p, uint32_t *at)
 {
-	const struct stroke_blocks *strokes = &w->of_layer[p->layer];
-	const struct band_reach *reach = w->to->reach + w->stroke_end[p->layer] - strokes->count;
+	int32_t more = more_of(w, p), height = (int32_t)w->height;
 	for (uint32_t k = p->from; k < p->end; k++) {
-		const struct stroke_block *b = strokes->block[k];
+		const struct stroke_block *b = w->of_layer[p->layer].block[k];
 		for (uint32_t n = 0; n < b->count; n++) {
-			struct band_reach r = reach[b->first + n];
+			struct reach r = reach_of(b->span[n], more, height);
 			for (uint32_t band = r.first; band < r.end; band++)
 				w->to->which[at[band]++] = k << BAND_STROKE_BITS | n;
 		}
@@ -116,14 +113,11 @@ void band_lists_fill(
 	band_lists *b, const frame *f, const struct stroke_blocks *of_layer, uint32_t height)
 {
 	struct filling w = { b, f, of_layer, height };
-	uint32_t blocks = 0, strokes = 0;
-	for (uint32_t n = 0; n < f->layers; n++) {
+	uint32_t blocks = 0;
+	for (uint32_t n = 0; n < f->layers; n++)
 		w.block_end[n] = blocks += of_layer[n].blocks;
-		w.stroke_end[n] = strokes += of_layer[n].count;
-	}
 	b->bands = (height + BAND_ROWS - 1) / BAND_ROWS;
 	b->end = g_renew(uint32_t, b->end, f->layers * b->bands + 1);
-	b->reach = grown(b->reach, &b->reach_room, strokes, sizeof *b->reach);
 	g_autofree uint32_t *at = w.at = g_new0(uint32_t, PARTS * f->layers * b->bands + 1);
 #pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
 	for (uint32_t part = 0; part < PARTS; part++)
@@ -146,6 +140,5 @@ void band_lists_clear(band_lists *b)
 {
 	g_free(b->end);
 	g_free(b->which);
-	g_free(b->reach);
 	*b = (band_lists){ 0 };
 }

@@ -22,10 +22,9 @@ typedef struct band_lists band_lists;
 /* Zero at first; clear it in the end. */
 struct band_lists {
 	uint32_t bands;
-	uint32_t *end;            /* layer by layer, of each band's part of which */
-	uint32_t *which;          /* band_stroke() */
-	size_t room, reach_room;  /* for so many in which, in reach */
-	struct band_reach *reach; /* of each stroke, while they are filled */
+	uint32_t *end;   /* layer by layer, of each band's part of which */
+	uint32_t *which; /* band_stroke() */
+	size_t room;     /* for so many in which */
 };
 /* Of all layers of the frame. */
 void band_lists_fill(

@@ -2,6 +2,7 @@
 #include "render/profile-strokes.h"
 #include "render/stipple.h"
 #include "render/stroke-brush.h"
+#include "render/stroke-span-lanes.h"
 #include <string.h>
 
 /* Chunks to a task, so that the order of strokes does not depend on threads. */
@@ -20,9 +21,10 @@ float stroke_growth(float need)
 /* ---- room ---- */
 
 /* Blocks that are made at once: a large page of them. */
-#define SLAB 518
+#define SLAB 543
 
 struct stroke_room {
+	enum lanes_path lanes; /* of the frame */
 	GMutex lock;
 	GPtrArray *slabs;
 	guint taken; /* blocks of them */
@@ -62,9 +64,17 @@ static struct stroke_block *take_block(stroke_room *r)
 	return slab + n % SLAB;
 }
 
+/* Of its last block, while that is at hand. */
+static void find_spans(const struct stroke_chain *c)
+{
+	if (c->last)
+		LANES_OF(c->room->lanes, stroke_find_spans)(c->last);
+}
+
 void stroke_chain_grow(struct stroke_chain *c)
 {
 	struct stroke_block *b = take_block(c->room);
+	find_spans(c);
 	b->next = NULL;
 	b->count = 0;
 	if (c->last)
@@ -157,6 +167,8 @@ static void run_task(const stroke_room *r, const frame *f, const visibility_mask
 				choose_kinds(&b, &t->of_layer[l]);
 		}
 	}
+	for (uint32_t l = 0; l < f->layers; l++)
+		find_spans(&t->of_layer[l]);
 }
 
 /* Puts the blocks of all tasks behind each other. */
@@ -208,6 +220,7 @@ const struct stroke_blocks *stroke_room_fill_some(stroke_room *r, const frame *f
 	uint32_t tasks = (count + TASK_CHUNKS - 1) / TASK_CHUNKS;
 	g_autofree struct task *task = g_new0(struct task, tasks + 1);
 	r->taken = 0;
+	r->lanes = f->lanes;
 	look_for_stipple(r, f, views, count, which);
 	for (uint32_t n = 0; n < tasks; n++)
 		for (uint32_t l = 0; l < f->layers; l++)
@@ -218,8 +231,10 @@ const struct stroke_blocks *stroke_room_fill_some(stroke_room *r, const frame *f
 			MIN(TASK_CHUNKS, count - n * TASK_CHUNKS), which, &task[n]);
 	for (uint32_t l = 0; l < f->layers; l++)
 		if (f->layer[l].is_profile && which >> l & 1 &&
-			is_in_view(&f->layer[l], views, count))
+			is_in_view(&f->layer[l], views, count)) {
 			profile_strokes(f, &f->layer[l], m, &task[0].of_layer[l]);
+			find_spans(&task[0].of_layer[l]);
+		}
 	for (uint32_t l = 0; l < f->layers; l++)
 		join(task, tasks, l, &r->of_layer[l]);
 	return r->of_layer;

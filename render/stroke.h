@@ -12,10 +12,15 @@
 #include "render/stroke-pack.h"
 
 /* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */
-#define STROKE_BLOCK 112u
+#define STROKE_BLOCK 96u
+/* Rows that a stroke may touch, within a picture or not: from top to before end. */
+struct stroke_span {
+	int16_t top, end;
+};
 struct stroke_block {
 	struct stroke_block *next; /* of the same layer */
 	uint32_t first, count;     /* strokes before it, and in it */
+	struct stroke_span span[STROKE_BLOCK];
 	struct stroke_packed stroke[STROKE_BLOCK];
 };
 typedef struct stroke_room stroke_room;

@@ -1,0 +1,49 @@
+#define LANES_MAY_BE_WIDE
+#include "render/stroke-span-lanes.h"
+#include "process/lanes.h"
+#include <string.h>
+
+/* No picture has so many rows. */
+#define ROWS_MOST 32000.f
+
+INLINE vi word_of(const struct stroke_packed *s, vi n, enum stroke_word which)
+{
+	return gather(s->word + which, n * (int32_t)STROKE_WORDS, 4);
+}
+
+INLINE vf length_of(vi packed)
+{
+	return (vf)((packed << STROKE_LENGTH_SHIFT) + STROKE_LENGTH_LEAST);
+}
+
+/* How far up and down from their middles, and a pixel more for soft edges. */
+INLINE vf rows_of(const struct stroke_packed *s, vi n)
+{
+	vi along = word_of(s, n, STROKE_ALONG_BOTH), halves = word_of(s, n, STROKE_HALVES);
+	vf right = __builtin_convertvector(along << 16 >> 16, vf),
+	   down = __builtin_convertvector(along >> 16, vf);
+	vf rows = magnitude(down) * length_of(halves & 0xffff) +
+		  magnitude(right) * length_of((vi)((vu)halves >> 16));
+	return rows * (1 / STROKE_ALONG) + 1;
+}
+
+/* Rounded down: above the picture there are fewer rows than are added. */
+INLINE vi row_of(vf y)
+{
+	vf there = most(least(y, all(ROWS_MOST)), all(-ROWS_MOST));
+	return __builtin_convertvector(there + (ROWS_MOST + 1), vi) - (int32_t)(ROWS_MOST + 1);
+}
+
+void LANES_NAME(stroke_find_spans)(struct stroke_block *b)
+{
+	vi lane;
+	for (int k = 0; k < LANES; k++)
+		lane[k] = k;
+	_Static_assert(STROKE_BLOCK % LANES == 0, "lanes behind the last stroke are of the block");
+	for (uint32_t n = 0; n < b->count; n += LANES) {
+		vi at = lane + (int32_t)n;
+		vf middle = (vf)word_of(b->stroke, at, STROKE_Y), rows = rows_of(b->stroke, at);
+		vi span = (row_of(middle - rows) & 0xffff) | (row_of(middle + rows) + 1) << 16;
+		memcpy(b->span + n, &span, sizeof span);
+	}
+}
