@@ -1,5 +1,5 @@
-#include "render/frame.h"
 #include "process/vector3.h"
+#include "render/frame-want.h"
 #include "render/light.h"
 #include "render/scene-bend.h"
 #include "render/scene-list.h"
@@ -10,10 +10,6 @@
 #include <omp.h>
 #endif
 #include <string.h>
-
-#define FRAME_DENSEST_PER_PX 4.f
-/* How suddenly tones that are too dark for a layer's strokes become the darkest that these can be. */
-#define BEND 6.f
 
 static uint32_t kinds_of(const struct ink_step *ink)
 {
@@ -34,57 +30,7 @@ static uint32_t kinds_of(const struct ink_step *ink)
 	return none | dither | undirected | directed;
 }
 
-/* ---- tone ---- */
-
-float frame_most_per_px(const struct frame_layer *l)
-{
-	return fminf(1 / (l->ink.spacing_px * l->ink.spacing_px), FRAME_DENSEST_PER_PX);
-}
-
-float frame_light_of(const struct frame_layer *l, float strokes_per_px)
-{
-	float ink = light_luminance(l->ink_linear);
-	return ink + (1 - ink) * expf(-frame_evenly(l) * strokes_per_px * l->stroke_area_px);
-}
-
-/* As good as wanted where that is well below most, and never above it: all that is more becomes more. */
-static float within(float wanted, float most)
-{
-	return wanted / powf(1 + powf(wanted / most, BEND), 1 / BEND);
-}
-
-float frame_wanted_light(const struct frame_layer *l, const scene *s, float lightness)
-{
-	const struct ink_step *ink = &l->ink;
-	float most = fmaxf(1 - light_to_srgb(frame_light_of(l, frame_most_per_px(l))), 1e-3f);
-	float stretched = (lightness - s->darkest) / (s->lightest - s->darkest);
-	lightness += ink->tone_levels * (CLAMP(stretched, 0, 1) - lightness);
-	float dark = fmaxf(ink->tone_white - lightness, 0) / fmaxf(ink->tone_white, 1e-3f);
-	float wanted = ink->tone_strength * powf(dark, ink->tone_gamma);
-	return light_of_srgb(1 - within(wanted, most));
-}
-
-/* The inverse of frame_light_of(). */
-static float per_px(const struct frame_layer *l, float light)
-{
-	float ink = light_luminance(l->ink_linear);
-	float bare = (light - ink) / fmaxf(1 - ink, 1e-3f);
-	float number =
-		-logf(CLAMP(bare, 1e-4f, 1)) / fmaxf(frame_evenly(l) * l->stroke_area_px, 1e-3f);
-	return fminf(number, frame_most_per_px(l));
-}
-
-static void want(struct frame_layer *l, const scene *s)
-{
-	for (int n = 0; n < 256; n++) {
-		float number = l->ink.tone == TONE_COLOUR
-				       ? per_px(l, frame_wanted_light(l, s, (float)n / 255))
-				       : frame_most_per_px(l);
-		l->dithering_per_m2[n] =
-			fmaxf(s->dither_per_m2 * powf(1 - (float)n / 255, s->tone_exponent), 1e-3f);
-		l->wanted_per_px[n] = number / STROKE_FADE_MEAN;
-	}
-}
+/* ---- layers ---- */
 
 /* Edges are drawn along their lines, whatever else there is around. */
 static uint32_t kinds_together(const struct frame_layer *l)
@@ -95,27 +41,6 @@ static uint32_t kinds_together(const struct frame_layer *l)
 		return l->kinds & ~(1u << FEATURE_DITHER);
 	return l->kinds & leaves && l->kinds & surface ? l->kinds & (leaves | surface) : 0;
 }
-
-/* Of a point that is lit it is what a darker one wants. */
-static void want_at_most(struct frame_layer *l, const scene *s, float lit)
-{
-	memset(l->wanted_most, 0, sizeof l->wanted_most);
-	if (frame_layer_is_whole(l)) {
-		l->wanted_most[FEATURE_NONE] = l->hatch   ? frame_hatch_wanted_most(l->hatch)
-					       : l->paint ? l->wanted_per_px[0] / PAINT_NARROWEST
-							  : l->wanted_per_px[0];
-		return;
-	}
-	for (int n = 0; n < 256; n++)
-		for (int kind = 0; kind < FEATURE_KINDS; kind++) {
-			float here = l->wanted_per_px[(int)((1 - lit) * (float)n)];
-			if (l->is_queue && kind == FEATURE_DITHER)
-				here *= s->dither_per_m2 / l->dithering_per_m2[n];
-			l->wanted_most[kind] = MAX(l->wanted_most[kind], here);
-		}
-}
-
-/* ---- layers ---- */
 
 uint32_t frame_copies(const struct frame_layer *l)
 {
@@ -255,7 +180,7 @@ static bool add_layer(frame *f, uint8_t pipeline, const struct step *step, GErro
 		return false;
 	set_ways(l);
 	l->stroke_area_px = area_of(l);
-	want(l, f->scene);
+	frame_want(l, f->scene);
 	if (step_is_hatching(step) && !add_hatch(l, f->scene, error))
 		return false;
 	if (step_is_paint(step) &&
@@ -365,7 +290,7 @@ void frame_set_light(frame *f, const struct style_light *light)
 	for (uint32_t n = 0; n < f->layers; n++) {
 		struct frame_layer *l = &f->layer[n];
 		l->lit = lit_of(l, light->amount);
-		want_at_most(l, f->scene, l->lit == LIT_TONE ? light->amount : 0);
+		frame_want_at_most(l, f->scene, l->lit == LIT_TONE ? light->amount : 0);
 	}
 	f->serial = scene_serial(); /* of what layers want */
 	see_accents(f);

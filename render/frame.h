@@ -66,6 +66,10 @@ struct frame_layer {
 	bool dithers_alone; /* or before all others: with the spacing of dithering points */
 	float wanted_most
 		[FEATURE_KINDS]; /* of a kind, at any lightness; where it is a queue, for all dithering points of black surface */
+	/* The same of points as light as a list has them in one of its parts (scene_list_tone()); and dithering points that there are to a
+	 * square metre before any of them is drawn, at least: 0 where there is no queue. */
+	float wanted_of_tone[FEATURE_KINDS][SCENE_LIST_TONES];
+	float before_of_tone[FEATURE_KINDS][SCENE_LIST_TONES];
 	float wanted_per_px[256];    /* strokes to a square pixel, by lightness of the points */
 	float dithering_per_m2[256]; /* points that there are, by their lightness; more than 0 */
 	float ink_linear[3];

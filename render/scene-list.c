@@ -8,7 +8,7 @@
 struct scene_lister {
 	uint16_t of_kind[FEATURE_KINDS][CELLS + 2][CELLS + 2][CELLS + 2]; /* with an empty margin */
 	uint32_t around[FEATURE_KINDS][CELLS][CELLS][CELLS];
-	/* Of each point: its entry, and by how many steps its key is below the highest of its kind. */
+	/* Of each point: its entry, and the step of its key. */
 	uint32_t entry[MODEL_CHUNK_POINTS], step[MODEL_CHUNK_POINTS];
 };
 
@@ -117,13 +117,25 @@ static float key_of(const scene *s, const struct scene_chunk *c, int kind, uint3
 	return rank / (spacing_m * spacing_m);
 }
 
-uint32_t scene_list_end(const struct scene_chunk *c, int kind, float key)
+uint32_t scene_list_begin(const struct scene_chunk *c, int kind, uint32_t tone)
+{
+	if (tone)
+		return c->list_end[kind][tone - 1][SCENE_LIST_STEPS - 1];
+	return kind ? c->kind_end[kind - 1] : 0;
+}
+
+uint32_t scene_list_end(const struct scene_chunk *c, int kind, uint32_t tone, float key)
 {
 	/* And what floats are rounded by. */
-	int32_t below = c->list_last[kind] - step_of(key * 1.001f);
+	int32_t below = c->list_last[kind][tone] - step_of(key * 1.001f);
 	if (below < 0 || !(key >= 0))
-		return c->kind_end[kind];
-	return c->list_end[kind][MAX(SCENE_LIST_STEPS - 1 - below, 0)];
+		below = 0;
+	return c->list_end[kind][tone][MAX(SCENE_LIST_STEPS - 1 - below, 0)];
+}
+
+static uint32_t tone_of(const scene *s, const struct scene_chunk *c, uint32_t i)
+{
+	return scene_list_tone(s->kind[c->first + i], scene_lightness(s->rgba[c->first + i]));
 }
 
 static void make_entries(const scene *s, struct scene_chunk *c, scene_lister *l)
@@ -138,29 +150,31 @@ static void make_entries(const scene *s, struct scene_chunk *c, scene_lister *l)
 		float *most_m = &c->list_spacing_most_m[kind];
 		*most_m = fmaxf(*most_m, scene_list_spacing_m(s, c, kind, l->entry[i]));
 		l->step[i] = (uint32_t)step_of(key_of(s, c, kind, l->entry[i]));
-		c->list_last[kind] = MAX(c->list_last[kind], (int32_t)l->step[i]);
+		int32_t *last = &c->list_last[kind][tone_of(s, c, i)];
+		*last = MAX(*last, (int32_t)l->step[i]);
 	}
 }
 
-/* All that is farther below is together in the first step. */
+/* Kind by kind and tone by tone. All that is farther below is together in the first step. */
 static void put_in_order(scene *s, struct scene_chunk *c, scene_lister *l)
 {
-	uint32_t count[FEATURE_KINDS][SCENE_LIST_STEPS] = { 0 }, at = 0;
+	uint32_t count[FEATURE_KINDS * SCENE_LIST_TONES * SCENE_LIST_STEPS] = { 0 }, at = 0;
+	uint16_t *end = &c->list_end[0][0][0];
 	for (uint32_t i = 0; i < c->count; i++) {
-		int kind = s->kind[c->first + i];
-		int32_t below = c->list_last[kind] - (int32_t)l->step[i];
-		l->step[i] = (uint32_t)MAX(SCENE_LIST_STEPS - 1 - below, 0);
-		count[kind][l->step[i]]++;
+		uint32_t kind = s->kind[c->first + i], tone = tone_of(s, c, i);
+		int32_t below = c->list_last[kind][tone] - (int32_t)l->step[i];
+		l->step[i] = (kind * SCENE_LIST_TONES + tone) * SCENE_LIST_STEPS +
+			     (uint32_t)MAX(SCENE_LIST_STEPS - 1 - below, 0);
+		count[l->step[i]]++;
 	}
-	for (int kind = 0; kind < FEATURE_KINDS; kind++)
-		for (int n = 0; n < SCENE_LIST_STEPS; n++) {
-			uint32_t first = at;
-			at += count[kind][n];
-			count[kind][n] = first;
-			c->list_end[kind][n] = (uint16_t)at;
-		}
+	for (uint32_t n = 0; n < G_N_ELEMENTS(count); n++) {
+		uint32_t first = at;
+		at += count[n];
+		count[n] = first;
+		end[n] = (uint16_t)at;
+	}
 	for (uint32_t i = 0; i < c->count; i++)
-		s->list[c->first + count[s->kind[c->first + i]][l->step[i]]++] = l->entry[i];
+		s->list[c->first + count[l->step[i]]++] = l->entry[i];
 }
 
 void scene_list_chunk(scene_lister *l, scene *s, struct scene_chunk *c)

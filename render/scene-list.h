@@ -4,9 +4,10 @@
  * of its kind are around it than all points, which is what it is drawn by where they are drawn alone.
  *
  * A point is drawn where its rank is below what is wanted of its patch, so and so much of (pixels to its spacing)^2; along edges, of pixels
- * to its spacing (Xu & Chen 2004, section 7.4). So those of each kind stand in the order of rank / spacing^2, or of rank / spacing, by
- * steps of half an octave: what may be drawn of them at all is a first part of them, and little more, however much spacings differ in
- * the chunk. In a step they are in the order of ranks. */
+ * to its spacing (Xu & Chen 2004, section 7.4). What is wanted of surface is more the darker it is. So those of each kind stand by their
+ * tones, and those of each tone in the order of rank / spacing^2, or of rank / spacing, by steps of half an octave: what may be drawn of
+ * them at all is a first part of them, and little more, however much spacings differ in the chunk. In a step they are in the order of
+ * ranks. */
 #include "render/scene.h"
 
 /* An entry: index in the chunk, rank among its kind, how much farther apart. */
@@ -55,9 +56,17 @@ static inline float scene_dither_m(const scene *s, const struct scene_chunk *c)
 	return 1 / sqrtf(s->dither_per_m2 * c->part);
 }
 
-/* Where those of this kind end that have a lower key than that, and some more, in the chunk's part of the list. The key is rank / spacing^2,
- * of FEATURE_DIRECTED rank / spacing, both of its kind, where ranks are 0 to 1; dithering points are at least scene_dither_m() apart. */
-uint32_t scene_list_end(const struct scene_chunk *c, int kind, float key);
+/* Of points of this kind and scene_lightness(); edges are drawn whatever their tone is. */
+static inline uint32_t scene_list_tone(int kind, int lightness)
+{
+	return kind == FEATURE_DIRECTED ? 0 : (uint32_t)lightness * SCENE_LIST_TONES >> 8;
+}
+
+/* Where those of this kind and tone begin in the chunk's part of the list. */
+uint32_t scene_list_begin(const struct scene_chunk *c, int kind, uint32_t tone);
+/* And where those of them end that have a lower key than that, and some more. The key is rank / spacing^2, of FEATURE_DIRECTED rank /
+ * spacing, both of its kind, where ranks are 0 to 1; dithering points are at least scene_dither_m() apart. */
+uint32_t scene_list_end(const struct scene_chunk *c, int kind, uint32_t tone, float key);
 
 /* What a thread needs to list a chunk. */
 typedef struct scene_lister scene_lister;

@@ -21,7 +21,8 @@
 /* Of a scene without a pager: indices of points are so many at most. */
 #define SCENE_POINTS_MOST (INT32_MAX - 4096u)
 #define SCENE_POINT_BYTES 28u
-/* Of each kind in a chunk. */
+/* Of each kind in a chunk, and of each tone of the kind. */
+#define SCENE_LIST_TONES 4
 #define SCENE_LIST_STEPS 16
 
 /* Of a point: where it is in the box of its chunk, and the edge of the square of surface that it stands for, in units. */
@@ -41,10 +42,10 @@ struct scene_chunk {
 	bool is_aside;  /* the last turn has it out of view: it is not drawn */
 	uint32_t on_planes; /* of its points: those that planes stand for (scene-planes.h) */
 	float list_spacing_most_m[FEATURE_KINDS];
-	/* Of its part of list, counted from first: where the points of each kind end, and steps of them (scene-list.h). */
+	/* Of its part of list, counted from first: where the points of each kind end, and steps of those of each tone (scene-list.h). */
 	uint32_t kind_end[FEATURE_KINDS];
-	uint16_t list_end[FEATURE_KINDS][SCENE_LIST_STEPS];
-	int32_t list_last[FEATURE_KINDS];
+	uint16_t list_end[FEATURE_KINDS][SCENE_LIST_TONES][SCENE_LIST_STEPS];
+	int32_t list_last[FEATURE_KINDS][SCENE_LIST_TONES];
 };
 
 typedef struct scene scene;

@@ -33,7 +33,8 @@ struct brush {
 	float ray_most;   /* length of the longest ray of depth 1 */
 	int kind;
 	float wanted_most; /* need is this * (px_per_m * spacing)^2 at most, of points on surface */
-	uint32_t list_from, list_count; /* of the kind in the chunk */
+	float before_per_m2; /* where a tone is shown: dithering points that come before any of these, at least */
+	uint32_t list_count; /* of the kind in the chunk */
 	float dither_m; /* of dithering points without all others on surface: how far apart black ones are; else 0 */
 	uint32_t copies;  /* that points may give, with themselves */
 	float moved_m;    /* how far from their points strokes are at most */

@@ -198,6 +198,15 @@ INLINE void try_on_surface(
 
 /* ---- a chunk's points ---- */
 
+/* Where dithering points come before all others: 1/spacing^2 of a point with a rank of 1 that may be drawn is so much at most, rank/spacing^2
+ * of all that may be drawn of a chunk. there: 1/spacing^2 of its farthest points. */
+static float key_behind(float wanted, float before, float there)
+{
+	if (there <= wanted)
+		return wanted;
+	return before < wanted ? (wanted - before) * there / (there - before) : 0;
+}
+
 /* No point with a key above it (scene-list.h) is drawn. */
 static float key_most(const struct brush *b)
 {
@@ -210,6 +219,9 @@ static float key_most(const struct brush *b)
 		       (b->layer->ink.spacing_px * STROKE_FADE_MEAN);
 	/* Those that are drawn by the spacing of all points, or as dithering points alone, have no higher keys by their own. */
 	float ret = more * b->wanted_most * px_per_m * px_per_m;
+	if (b->before_per_m2 > 0)
+		ret = key_behind(
+			ret, b->before_per_m2, 1 / (c->spacing_most_m * c->spacing_most_m));
 	return b->kind == FEATURE_DIRECTED ? ret * c->spacing_most_m / scene_list_along(c) : ret;
 }
 
@@ -219,7 +231,7 @@ static float key_most(const struct brush *b)
 INLINE void fetch_places(const struct brush *b, uint32_t i, uint32_t end)
 {
 	const scene *s = b->f->scene;
-	uint32_t first = b->view->chunk->first, at = first + b->list_from + i;
+	uint32_t first = b->view->chunk->first, at = first + i;
 	for (uint32_t k = 0; k < LANES && i + LANES <= end; k++)
 		__builtin_prefetch(&s->place[first + scene_list_index(s->list[at + k])]);
 }
@@ -239,7 +251,7 @@ INLINE void find_candidates(
 {
 	const scene *s = b->f->scene;
 	const struct scene_chunk *chunk = b->view->chunk;
-	uint32_t at = chunk->first + b->list_from + i;
+	uint32_t at = chunk->first + i;
 	vi entry = load_mask((const int32_t *)s->list + at);
 	const int32_t low = (1 << SCENE_LIST_BITS) - 1;
 	c->point = (int32_t)chunk->first + (entry & low);
@@ -362,19 +374,32 @@ INLINE void try_queue(const struct brush *b, struct queue *q, uint32_t end, stru
 	store(q->depth_m, load(q->depth_m + end));
 }
 
+INLINE void try_tone(
+	const struct brush *all, uint32_t tone, struct queue *q, struct stroke_chain *to)
+{
+	struct brush b = *all;
+	b.wanted_most = b.layer->wanted_of_tone[b.kind][tone] * b.ray_most;
+	b.before_per_m2 = b.layer->before_of_tone[b.kind][tone] * b.view->chunk->part;
+	uint32_t i = scene_list_begin(b.view->chunk, b.kind, tone), end = i;
+	float key = key_most(&b);
+	if (key > 0)
+		end = scene_list_end(b.view->chunk, b.kind, tone, key);
+	for (; i < end; i += LANES) {
+		struct lane_candidates c;
+		fetch_places(&b, i + AHEAD, end);
+		find_candidates(&b, i, end, &c);
+		if (c.left)
+			put_in_queue(&b, &c, q);
+		if (q->count >= QUEUE)
+			try_queue(&b, q, QUEUE, to);
+	}
+}
+
 void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
 {
-	uint32_t end = scene_list_end(b->view->chunk, b->kind, key_most(b)) - b->list_from;
 	/* Lanes behind the last one are of some point, too. */
 	struct queue q = { 0 };
-	for (uint32_t i = 0; i < end; i += LANES) {
-		struct lane_candidates c;
-		fetch_places(b, i + AHEAD, end);
-		find_candidates(b, i, end, &c);
-		if (c.left)
-			put_in_queue(b, &c, &q);
-		if (q.count >= QUEUE)
-			try_queue(b, &q, QUEUE, to);
-	}
+	for (uint32_t tone = 0; tone < SCENE_LIST_TONES; tone++)
+		try_tone(b, tone, &q, to);
 	try_queue(b, &q, q.count, to);
 }

@@ -88,10 +88,11 @@ INLINE unsigned promising(
 	vf need = is_on_edge(b)
 			  ? scale * (b->ray_most / (b->layer->ink.spacing_px * STROKE_FADE_MEAN))
 			  : scale * scale * b->wanted_most;
+	vf before = least(b->before_per_m2 * c->spacing_m * c->spacing_m, all(1));
 	return bits((l->depth_m > b->lens.near_m) & (l->depth_m <= b->lens.far_m) &
 		    (l->x_px >= -reach) & (l->y_px >= -reach) & (l->x_px < b->lens.width + reach) &
 		    (l->y_px < b->lens.height + reach) &
-		    (c->rank < need * STROKE_FADE_MORE(octaves)));
+		    (before + c->rank * (1 - before) < need * STROKE_FADE_MORE(octaves)));
 }
 
 /* The nearest pixels of the mask are far away. */

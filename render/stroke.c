@@ -122,11 +122,10 @@ static void choose_whole(struct brush *b, struct stroke_chain *to)
 static void choose_kinds(struct brush *b, struct stroke_chain *to)
 {
 	for (b->kind = 0; b->kind < FEATURE_KINDS; b->kind++) {
-		b->list_from = b->kind ? b->view->chunk->kind_end[b->kind - 1] : 0;
-		b->list_count = b->view->chunk->kind_end[b->kind] - b->list_from;
+		b->list_count = b->view->chunk->kind_end[b->kind] -
+				(b->kind ? b->view->chunk->kind_end[b->kind - 1] : 0);
 		if (!(b->layer->kinds >> b->kind & 1) || !b->list_count)
 			continue;
-		b->wanted_most = b->layer->wanted_most[b->kind] * b->ray_most;
 		b->dither_m = b->kind == FEATURE_DITHER
 				      ? frame_dither_m(b->f->scene, b->layer, b->view->chunk)
 				      : 0;

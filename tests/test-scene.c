@@ -64,14 +64,18 @@ static double key_of(const scene *s, const struct scene_chunk *c, int kind, uint
 }
 
 /* Before the end for a key are all that have a lower one, and none with a much higher one, but for what is seldom asked for. */
-static void assert_ends(const scene *s, const struct scene_chunk *c, int kind)
+static void assert_ends(const scene *s, const struct scene_chunk *c, int kind, uint32_t tone)
 {
-	uint32_t from = kind ? c->kind_end[kind - 1] : 0, end = c->kind_end[kind];
+	uint32_t from = scene_list_begin(c, kind, tone),
+		 end = scene_list_end(c, kind, tone, INFINITY);
 	double most = 0;
-	for (uint32_t n = from; n < end; n++)
+	for (uint32_t n = from; n < end; n++) {
+		uint32_t at = c->first + scene_list_index(s->list[c->first + n]);
+		g_assert_cmpuint(scene_list_tone(kind, scene_lightness(s->rgba[at])), ==, tone);
 		most = fmax(most, key_of(s, c, kind, n));
-	for (double part = 1e-6; part < 3; part *= 1.37) {
-		uint32_t stop = scene_list_end(c, kind, (float)(part * most));
+	}
+	for (double part = 1e-6; part < 3 && from < end; part *= 1.37) {
+		uint32_t stop = scene_list_end(c, kind, tone, (float)(part * most));
 		g_assert_cmpuint(stop, >=, from);
 		g_assert_cmpuint(stop, <=, end);
 		for (uint32_t n = stop; n < end; n++)
@@ -79,8 +83,19 @@ static void assert_ends(const scene *s, const struct scene_chunk *c, int kind)
 		for (uint32_t n = from; n < stop && part > 1 / 64.; n++)
 			g_assert_cmpfloat(key_of(s, c, kind, n), <=, 1.51 * part * most);
 	}
-	g_assert_cmpuint(scene_list_end(c, kind, INFINITY), ==, end);
-	g_assert_cmpuint(scene_list_end(c, kind, NAN), ==, end);
+	g_assert_cmpuint(scene_list_end(c, kind, tone, NAN), ==, end);
+}
+
+/* Tones lie side by side in the list, and are all of the kind. */
+static void assert_tones(const scene *s, const struct scene_chunk *c, int kind)
+{
+	uint32_t at = kind ? c->kind_end[kind - 1] : 0;
+	for (uint32_t tone = 0; tone < SCENE_LIST_TONES; tone++) {
+		g_assert_cmpuint(scene_list_begin(c, kind, tone), ==, at);
+		assert_ends(s, c, kind, tone);
+		at = scene_list_end(c, kind, tone, INFINITY);
+	}
+	g_assert_cmpuint(at, ==, c->kind_end[kind]);
 }
 
 static void assert_lists(const scene *s, const struct scene_chunk *c)
@@ -89,7 +104,7 @@ static void assert_lists(const scene *s, const struct scene_chunk *c)
 		g_assert_cmpuint(c->kind_end[kind], >=, kind ? c->kind_end[kind - 1] : 0);
 		g_assert_cmpuint(c->kind_end[kind], <=, c->count);
 		assert_ranks(s, c, kind);
-		assert_ends(s, c, kind);
+		assert_tones(s, c, kind);
 	}
 	g_assert_cmpuint(c->kind_end[FEATURE_KINDS - 1], ==, c->count);
 }

@@ -204,6 +204,64 @@ static void test_kinds(gconstpointer data)
 	stroke_lists_free(l, f->layers);
 }
 
+/* ---- by lists ---- */
+
+static int compare_packed(gconstpointer a, gconstpointer b)
+{
+	return memcmp(a, b, sizeof(struct stroke_packed));
+}
+
+/* In an order of their own. */
+static GArray *packed_strokes(const frame *f)
+{
+	GArray *ret = g_array_new(FALSE, FALSE, sizeof(struct stroke_packed));
+	stroke_list *l = strokes_of(f, true);
+	for (uint32_t n = 0; n < l->count; n++) {
+		struct stroke_packed one = stroke_pack(&l->stroke[n]);
+		g_array_append_val(ret, one);
+	}
+	g_array_sort(ret, compare_packed);
+	stroke_lists_free(l, f->layers);
+	return ret;
+}
+
+/* So that what is asked for by a key is all that there is. */
+static void spoil_lists(const scene *s)
+{
+	for (uint32_t n = 0; n < s->chunks; n++) {
+		struct scene_chunk *c = &s->chunk[n];
+		for (int kind = 0; kind < FEATURE_KINDS; kind++)
+			for (int tone = 0; tone < SCENE_LIST_TONES; tone++)
+				for (int step = 0; step < SCENE_LIST_STEPS; step++)
+					c->list_end[kind][tone][step] =
+						c->list_end[kind][tone][SCENE_LIST_STEPS - 1];
+	}
+}
+
+/* Lists leave out nothing that is drawn, from near or far. */
+static void test_lists(gconstpointer data)
+{
+	const struct choice *choice = data;
+	g_autofree char *nodes =
+		g_strdup_printf(MADE_SITE("{\"step\":\"lines\",\"points\":\"%s\",\"tone\":\"%s\","
+					  "\"spacing_px\":3}"),
+			choice->points, choice->tone);
+	g_autoptr(drawing) d = made_drawing(nodes);
+	for (double away_m = 4; away_m < 300; away_m *= 2) {
+		g_auto(made) m = made_court();
+		const scene *s = made_read(&m);
+		double eye[3] = { 103, 204 - away_m, 6 }, target[3] = { 103, 204, 4 };
+		struct camera c = camera_look_at(eye, target, 60, 400, HEIGHT);
+		g_autoptr(frame) f = made_frame(s, d, &c);
+		g_autoptr(GArray) some = packed_strokes(f);
+		spoil_lists(s);
+		g_autoptr(GArray) all = packed_strokes(f);
+		g_assert_cmpmem(some->data, some->len * sizeof(struct stroke_packed), all->data,
+			all->len * sizeof(struct stroke_packed));
+		g_assert_cmpuint(all->len, >, 0);
+	}
+}
+
 /* ---- along what ---- */
 
 /* Points whose lines go anywhere, around the origin. */
@@ -467,6 +525,8 @@ int main(int argc, char **argv)
 	for (size_t i = 0; i < G_N_ELEMENTS(choices); i++) {
 		g_autofree char *path = g_strdup_printf("/stroke/kinds/%zu", i);
 		g_test_add_data_func(path, &choices[i], test_kinds);
+		g_autofree char *lists = g_strdup_printf("/stroke/lists/%zu", i);
+		g_test_add_data_func(lists, &choices[i], test_lists);
 	}
 	g_test_add_func("/stroke/directions", test_directions);
 	g_test_add_func("/stroke/screen-angle", test_screen_angle);
