@@ -1,5 +1,5 @@
 #include "render/band-draw-lanes.h"
-#include "render/band-draw-two.h"
+#include "render/band-lay.h"
 #include "render/light.h"
 #include "render/project-lanes.h"
 #include <math.h>
@@ -25,35 +25,6 @@ INLINE vf line_alpha(const struct pen *p, vf dx, float dy)
 	vf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
 	return clamp01(p->reach_along - magnitude(along)) *
 	       clamp01(p->reach_across - magnitude(across)) * p->strength;
-}
-
-/* Of four bytes each with as many weights, which are 127 together. */
-INLINE vi weighted(vi bytes, vi weights)
-{
-	vi pairs = bytes_product(bytes, weights);
-#if defined __AVX2__
-	return (vi)_mm256_madd_epi16((__m256i)pairs, _mm256_set1_epi16(1));
-#else
-	return (pairs & 65535) + (pairs >> 16);
-#endif
-}
-
-/* Between four texels, by whole numbers: the weights are within 1/127 of what they should be. 1 is TEXTURE_UNIT. */
-INLINE vf texture_sum(const struct pen *p, vf dx, float dy)
-{
-	vi at[2], part[2];
-	for (int k = 0; k < 2; k++) {
-		vf place = dx * p->texel_x[k] + (dy * p->texel_y[k] + p->texel_middle[k]);
-		vi whole = __builtin_convertvector(
-			least(most(place, all(0)), all(p->texel_end[k])), vi);
-		at[k] = whole >> TEXEL_BITS;
-		part[k] = whole & ((1 << TEXEL_BITS) - 1);
-	}
-	vi four = gather(p->texels, (at[1] << (int32_t)p->texel_shift) + at[0], 4);
-	vi last = (halves_product(part[0], part[1]) + ((1 << TEXEL_BITS) - 1)) >> TEXEL_BITS;
-	vi weights = (((1 << TEXEL_BITS) - 1) - part[0] - part[1] + last) | (part[0] - last) << 8 |
-		     (part[1] - last) << 16 | last << 24;
-	return __builtin_convertvector(weighted(four, weights), vf);
 }
 
 /* To be multiplied by that of the pen. */
@@ -138,77 +109,6 @@ INLINE void draw_sixteen(const struct pen *p, const struct band_ink *ink, enum b
 
 #endif
 
-/* ---- paint ---- */
-
-INLINE vi is_reached(const struct pen *p, vf q, vf depth)
-{
-	return (q * depth >= p->deep.from) & (q * depth <= p->deep.to);
-}
-
-/* The mask beside eight pixels of a row, from left on; what is outside of it is empty. */
-INLINE vf depth_beside(const visibility_mask *m, int left, int y)
-{
-	vf ret;
-	for (int k = 0; k < LANES; k++)
-		ret[k] = left + k >= 0 && left + k < (int)m->width && y >= 0 && y < (int)m->height
-				 ? mask_depth(mask_key(m, left + k, y))
-				 : mask_depth(MASK_EMPTY);
-	return ret;
-}
-
-/* At half the way to beyond a hole, or at all of it. */
-INLINE vi is_reached_beside(
-	const struct pen *p, const visibility_mask *m, vf q, int left, int y, int right, int down)
-{
-	int far = p->hole_px, half = (far + 1) / 2;
-	return is_reached(p, q, depth_beside(m, left + right * half, y + down * half)) |
-	       is_reached(p, q, depth_beside(m, left + right * far, y + down * far));
-}
-
-/* Where paint may be: on what it reaches, and on small holes in that. */
-INLINE vi takes_paint(const struct pen *p, const visibility_mask *m, int left, int y, vf q)
-{
-	vi key = *(const vi_loose *)(m->key + (ptrdiff_t)y * m->pitch + left);
-	vi ret = is_reached(p, q, (vf)key), empty = key >= MASK_EMPTY;
-	if (!any(empty & ~ret))
-		return ret;
-	vi across = is_reached_beside(p, m, q, left, y, -1, 0) &
-		    is_reached_beside(p, m, q, left, y, 1, 0),
-	   down = is_reached_beside(p, m, q, left, y, 0, -1) &
-		  is_reached_beside(p, m, q, left, y, 0, 1);
-	return ret | (empty & (across | down));
-}
-
-/* 2^x, and what is between whole powers on straight lines. */
-INLINE vf power_of_two(vf x)
-{
-	return (vf) __builtin_convertvector((x + 127) * (float)(1 << 23), vi);
-}
-
-/* Paint of eight pixels of row y. */
-INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const visibility_mask *m,
-	ptrdiff_t at, int y, float dy, int left)
-{
-	vf dx = (float)left + 0.5f - p->x_px + lane_number;
-	vf thick = texture_sum(p, dx, dy) * TEXTURE_UNIT,
-	   cover = clamp01((thick - p->dry) * (1 / PAINT_COVERS));
-	if (!any(cover > 0))
-		return;
-	if (m) {
-		vf q = p->q + dx * p->slope[0] + dy * p->slope[1];
-		cover = where(takes_paint(p, m, left, y, q), cover);
-		if (!any(cover > 0))
-			return;
-	}
-	vf weight = cover * power_of_two(p->lay + p->octaves * thick);
-	at += left;
-	store(ink->bare + at, load(ink->bare + at) * (1 - cover));
-	for (int k = 0; k < 3; k++)
-		store(ink->channel[k] + at, load(ink->channel[k] + at) + weight * p->colour[k]);
-	store(ink->weight + at, load(ink->weight + at) + weight);
-	store(ink->height + at, load(ink->height + at) + weight * thick);
-}
-
 /* ---- columns and rows ---- */
 
 /* Sprites with less than this have eight columns and rows at most. */
@@ -247,13 +147,14 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 #define SPOTS_MOST (SPOTS_ROW * (BAND_ROWS + 2 * BAND_AROUND) + SPOTS_ROW)
 
 /* So many at once, 2 to this. */
-INLINE int spot_bits(enum kernel kernel)
+INLINE int spot_bits(enum kernel kernel, enum band_blend blend)
 {
 #if defined __AVX512VBMI__
-	if (kernel == KERNEL_FEW_TEXELS)
+	if (kernel == KERNEL_FEW_TEXELS || blend == BAND_LAID)
 		return 4;
 #endif
 	(void)kernel;
+	(void)blend;
 	return 3;
 }
 
@@ -268,10 +169,9 @@ INLINE void find_rows(const struct pen *p, const struct band *b, int y, vi *ret_
 }
 
 /* Rows have so many vectors at most. */
-INLINE uint32_t find_spots(const struct pen *p, const struct band *b, enum kernel kernel,
-	int vectors, struct spot *ret)
+INLINE uint32_t find_spots(
+	const struct pen *p, const struct band *b, int shift, int vectors, struct spot *ret)
 {
-	const int shift = spot_bits(kernel);
 	uint32_t count = 0;
 	for (int y = p->top; y < p->end; y += LANES) {
 		vi first, stop;
@@ -301,6 +201,10 @@ INLINE void draw_spot(const struct pen *p, const struct band *b, const visibilit
 		draw_sixteen(p, ink, blend, keys, row, at);
 		return;
 	}
+	if (blend == BAND_LAID) {
+		lay_sixteen(p, ink, m, row, at->y, (float)at->y + 0.5f - p->y_px, at->left);
+		return;
+	}
 #endif
 	if (blend == BAND_LAID)
 		lay_eight(p, ink, m, row, at->y, (float)at->y + 0.5f - p->y_px, at->left);
@@ -315,7 +219,8 @@ INLINE void draw_wide_rows(const struct pen *p, const struct band *b, const visi
 		vi first, stop;
 		find_rows(p, b, y, &first, &stop);
 		for (int k = 0; k < MIN(LANES, p->end - y); k++)
-			for (int left = first[k]; left < stop[k]; left += 1 << spot_bits(kernel))
+			for (int left = first[k]; left < stop[k];
+				left += 1 << spot_bits(kernel, blend))
 				draw_spot(p, b, m, ink, kernel, blend,
 					&(struct spot){ y + k, left, stop[k] });
 	}
@@ -351,7 +256,7 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 		draw_small_sprite(p, b, m, ink, blend);
 		return;
 	}
-	int vectors = (p->across + (1 << spot_bits(kernel)) - 1) >> spot_bits(kernel);
+	int vectors = (p->across + (1 << spot_bits(kernel, blend)) - 1) >> spot_bits(kernel, blend);
 	if (kernel == KERNEL_LINE && vectors == 1) {
 		draw_short_rows(p, b, m, ink, blend);
 		return;
@@ -361,7 +266,7 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 		return;
 	}
 	struct spot spot[SPOTS_MOST];
-	uint32_t count = find_spots(p, b, kernel, vectors, spot);
+	uint32_t count = find_spots(p, b, spot_bits(kernel, blend), vectors, spot);
 	for (uint32_t n = 0; n < count; n++)
 		draw_spot(p, b, m, ink, kernel, blend, &spot[n]);
 }
