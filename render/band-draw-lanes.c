@@ -20,26 +20,22 @@ INLINE vf sprite_alpha(const struct pen *p, vf dx, float dy)
 	return where(away2 <= p->half_length * p->half_length, gaussian(p, away2));
 }
 
-INLINE vf line_alpha(const struct pen *p, vf dx, float dy)
+INLINE vf line_alpha(const struct pen *p, vf along, vf across)
 {
-	vf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
 	return clamp01(p->reach_along - magnitude(along)) *
-	       clamp01(p->reach_across - magnitude(across)) * p->strength;
-}
-
-/* To be multiplied by that of the pen. */
-INLINE vf alpha_at(const struct pen *p, enum kernel kernel, vf dx, float dy)
-{
-	if (kernel == KERNEL_SPRITE)
-		return sprite_alpha(p, dx, dy);
-	return kernel == KERNEL_LINE ? line_alpha(p, dx, dy) : texture_sum(p, dx, dy);
+	       clamp01(p->reach_across - magnitude(across));
 }
 
 /* ---- eight pixels ---- */
 
-INLINE vi shows(const struct pen *p, const int32_t *keys, vf dx, float dy)
+/* 1/depth */
+INLINE vf plane_at(const struct pen *p, vf dx, float dy)
 {
-	vf q = p->q + dx * p->slope[0] + dy * p->slope[1];
+	return p->q + dx * p->slope[0] + dy * p->slope[1];
+}
+
+INLINE vi shows(const struct pen *p, const int32_t *keys, vf q)
+{
 	return q * (vf) * (const vi_loose *)keys >= p->shows_from;
 }
 
@@ -67,20 +63,32 @@ struct spot {
 	int y, left, stop;
 };
 
+/* What eight of them are multiplied by the pen's for; ret_q: 1/depth. */
+INLINE vf alpha_at(const struct pen *p, enum kernel kernel, const struct spot *at, vf *ret_q)
+{
+	float dy = (float)at->y + 0.5f - p->y_px, first = (float)at->left + 0.5f - p->x_px;
+	vf dx = first + lane_number;
+	if (kernel == KERNEL_LINE) { /* as two_of_line() adds it up */
+		float along = first * p->cosine + dy * p->sine,
+		      across = dy * p->cosine - first * p->sine;
+		*ret_q = p->q + first * p->slope[0] + dy * p->slope[1] + lane_number * p->slope[0];
+		return line_alpha(
+			p, along + lane_number * p->cosine, across - lane_number * p->sine);
+	}
+	*ret_q = plane_at(p, dx, dy);
+	if (kernel == KERNEL_FEW_TEXELS)
+		return where(lane_number < (float)(at->stop - at->left),
+			eight_few(&p->few, p->texels, p->texel_shift, at->left, at->y));
+	return kernel == KERNEL_SPRITE ? sprite_alpha(p, dx, dy) : texture_sum(p, dx, dy);
+}
+
 /* Eight of them; keys and at: of the row's first pixel. */
 INLINE void draw_eight(const struct pen *p, const struct band_ink *ink, enum kernel kernel,
 	enum band_blend blend, const int32_t *keys, ptrdiff_t at, const struct spot *spot)
 {
-	float dy = (float)spot->y + 0.5f - p->y_px;
-	vf dx = (float)spot->left + 0.5f - p->x_px + lane_number, alpha;
-	if (kernel == KERNEL_FEW_TEXELS)
-		alpha = where(lane_number < (float)(spot->stop - spot->left),
-			eight_few(&p->few, p->texels, p->texel_shift, spot->left, spot->y));
-	else
-		alpha = alpha_at(p, kernel, dx, dy);
-	alpha *= p->alpha;
+	vf q, alpha = alpha_at(p, kernel, spot, &q) * p->alpha;
 	if (keys)
-		alpha = where(shows(p, keys + spot->left, dx, dy), alpha);
+		alpha = where(shows(p, keys + spot->left, q), alpha);
 	blend_at(p, blend, alpha, ink, at + spot->left);
 }
 
@@ -134,8 +142,8 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 	for (int k = 0; top + k < end; k++, at += b->pitch) {
 		vf alpha = where(reach2 >= down2[k], across * down[k]);
 		if (m)
-			alpha = where(shows(p, m->key + (ptrdiff_t)(top + k) * m->pitch + left, dx,
-					      (float)(top + k) + 0.5f - p->y_px),
+			alpha = where(shows(p, m->key + (ptrdiff_t)(top + k) * m->pitch + left,
+					      plane_at(p, dx, (float)(top + k) + 0.5f - p->y_px)),
 				alpha);
 		blend_at(p, blend, alpha, ink, at);
 	}
@@ -238,8 +246,11 @@ INLINE void draw_short_rows(const struct pen *p, const struct band *b, const vis
 		find_rows(p, b, y, &first, &stop);
 		store_mask(r.left, first);
 #if defined __AVX512VBMI__
-		r.dx = __builtin_convertvector(first, vf) + 0.5f - p->x_px;
-		r.dy = (float)y + lane_number + 0.5f - p->y_px;
+		vf dx = __builtin_convertvector(first, vf) + 0.5f - p->x_px,
+		   dy = (float)y + lane_number + 0.5f - p->y_px;
+		r.along = dx * p->cosine + dy * p->sine;
+		r.across = dy * p->cosine - dx * p->sine;
+		r.q = p->q + dx * p->slope[0] + dy * p->slope[1];
 		for (; k < rows && y + k + 1 < (int)(b->from + b->rows); k += 2)
 			two_of_line(p, b, m, ink, blend, &r, k);
 #endif

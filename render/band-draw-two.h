@@ -4,9 +4,9 @@
  * to band-draw-lanes.c; all is inlined. */
 #include "render/band-pen.h"
 
-/* Of eight rows from y on: how far their first pixels' middles are from the stroke's, and which pixels those are. */
+/* Of eight rows from y on: where their first pixels are along the line and across it, and 1/depth there; and which pixels those are. */
 struct short_rows {
-	vf dx, dy;
+	vf along, across, q;
 	int32_t left[LANES];
 	int y;
 };
@@ -34,18 +34,16 @@ INLINE wf two_clamp01(wf x)
 }
 
 /* line_alpha() */
-INLINE wf two_line_alpha(const struct pen *p, wf dx, wf dy)
+INLINE wf two_line_alpha(const struct pen *p, wf along, wf across)
 {
-	wf along = dx * p->cosine + dy * p->sine, across = dy * p->cosine - dx * p->sine;
 	return two_clamp01(p->reach_along - _mm512_abs_ps(along)) *
-	       two_clamp01(p->reach_across - _mm512_abs_ps(across)) * p->strength;
+	       two_clamp01(p->reach_across - _mm512_abs_ps(across));
 }
 
 /* shows(); at: of their keys */
-INLINE wf two_shown(const struct pen *p, const visibility_mask *m, const ptrdiff_t at[2], wf dx,
-	wf dy, wf alpha)
+INLINE wf two_shown(
+	const struct pen *p, const visibility_mask *m, const ptrdiff_t at[2], wf q, wf alpha)
 {
-	wf q = p->q + dx * p->slope[0] + dy * p->slope[1];
 	wf depth = two_load((const float *)(const void *)m->key, at);
 	return _mm512_maskz_mov_ps(
 		_mm512_cmp_ps_mask(q * depth, _mm512_set1_ps(p->shows_from), _CMP_GE_OQ), alpha);
@@ -96,14 +94,15 @@ INLINE wf two_of_rows(vf row, int k)
 INLINE void two_of_line(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, enum band_blend blend, const struct short_rows *r, int k)
 {
-	wf dx = two_of_rows(r->dx, k) + two_numbers, dy = two_of_rows(r->dy, k);
-	wf alpha = two_line_alpha(p, dx, dy) * p->alpha;
+	wf along = two_of_rows(r->along, k) + two_numbers * p->cosine,
+	   across = two_of_rows(r->across, k) - two_numbers * p->sine;
+	wf alpha = two_line_alpha(p, along, across) * p->alpha;
 	ptrdiff_t row = (ptrdiff_t)(r->y + k - (int)b->from) * b->pitch + BAND_MARGIN;
 	const int32_t *left = r->left + k;
 	if (m) {
 		ptrdiff_t keys = (ptrdiff_t)(r->y + k) * m->pitch;
 		alpha = two_shown(p, m, (ptrdiff_t[]){ keys + left[0], keys + m->pitch + left[1] },
-			dx, dy, alpha);
+			two_of_rows(r->q, k) + two_numbers * p->slope[0], alpha);
 	}
 	wide_blend(p, blend, alpha, ink, (ptrdiff_t[]){ row + left[0], row + b->pitch + left[1] },
 		true);

@@ -35,7 +35,6 @@ struct pen {
 	/* Rows that it may touch, from the first to before the end; pixels of each at most. */
 	int32_t top, end, across;
 	float falloff;    /* of a sprite */
-	float strength;   /* of a line */
 	float alpha;      /* what the kernel gives is multiplied by */
 	float shows_from; /* stroke_shows_from() */
 	/* Of a texture: the variant, and where a pixel is in it, along and across, in parts of texels: x dx + y dy + middle. */
@@ -68,7 +67,7 @@ struct pens {
 	vf x_px, y_px, q, slope[2], cosine, sine, half_length, half_width;
 	vf reach_along, reach_across, turn[2], reach[2];
 	vi top, end, across;
-	vf falloff, strength, alpha, shows_from;
+	vf falloff, alpha, shows_from;
 	struct pen_textures texture;
 };
 
@@ -199,7 +198,7 @@ INLINE void find_pens(
 	if (kernel == KERNEL_LINE) {
 		p->reach_along += 0.5f;
 		p->reach_across += 0.5f;
-		p->strength = thinness(p->half_length) * thinness(p->half_width);
+		p->alpha *= thinness(p->half_length) * thinness(p->half_width);
 	}
 	if (kernel >= KERNEL_TEXTURE) {
 		find_textures(l, p);
@@ -268,7 +267,6 @@ INLINE struct pen pen_of(
 		.end = all->end[k],
 		.across = all->across[k],
 		.falloff = kernel == KERNEL_SPRITE ? all->falloff[k] : 0,
-		.strength = kernel == KERNEL_LINE ? all->strength[k] : 0,
 		.alpha = all->alpha[k],
 		.shows_from = all->shows_from[k] };
 	for (int n = 0; n < 3; n++)
