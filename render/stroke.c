@@ -22,12 +22,15 @@ float stroke_growth(float need)
 
 /* Blocks that are made at once: a large page of them. */
 #define SLAB 543
+/* When less than half of them is wanted so often in a row, what is not goes back to the system: another style has other strokes. */
+#define SPARED_MOST 8
 
 struct stroke_room {
 	enum lanes_path lanes; /* of the frame */
 	GMutex lock;
 	GPtrArray *slabs;
-	guint taken; /* blocks of them */
+	guint taken;  /* blocks of them */
+	guint spared; /* how often in a row less than half of them was wanted */
 	struct stroke_blocks of_layer[FRAME_LAYERS_MAX];
 	stipple *stipple[FRAME_LAYERS_MAX]; /* of layers that had one */
 };
@@ -69,6 +72,16 @@ static void find_spans(const struct stroke_chain *c)
 {
 	if (c->last)
 		LANES_OF(c->room->lanes, stroke_find_spans)(c->last);
+}
+
+static void give_back(stroke_room *r)
+{
+	guint used = (r->taken + SLAB - 1) / SLAB;
+	r->spared = 2 * used < r->slabs->len ? r->spared + 1 : 0;
+	if (r->spared < SPARED_MOST)
+		return;
+	g_ptr_array_set_size(r->slabs, (gint)used);
+	r->spared = 0;
 }
 
 void stroke_chain_grow(struct stroke_chain *c)
@@ -236,6 +249,7 @@ const struct stroke_blocks *stroke_room_fill_some(stroke_room *r, const frame *f
 		}
 	for (uint32_t l = 0; l < f->layers; l++)
 		join(task, tasks, l, &r->of_layer[l]);
+	give_back(r);
 	return r->of_layer;
 }
 
