@@ -4,6 +4,7 @@
 #include "render/band-draw-few.h"
 #include "render/bands.h"
 #include "render/light.h"
+#include "render/stroke-pack-lanes.h"
 #include "render/stroke.h"
 #include <math.h>
 
@@ -93,11 +94,6 @@ INLINE void transpose_eight(vi r[LANES])
 	}
 }
 
-INLINE vf length_of(vi packed)
-{
-	return (vf)((packed << STROKE_LENGTH_SHIFT) + STROKE_LENGTH_LEAST);
-}
-
 /* stroke_unpack() */
 INLINE void unpack_pens(struct pens *p)
 {
@@ -108,11 +104,10 @@ INLINE void unpack_pens(struct pens *p)
 	transpose_eight(word);
 	p->x_px = (vf)word[STROKE_X];
 	p->y_px = (vf)word[STROKE_Y];
-	p->cosine = __builtin_convertvector(word[STROKE_ALONG_BOTH] << 16 >> 16, vf) *
-		    (1 / STROKE_ALONG);
-	p->sine = __builtin_convertvector(word[STROKE_ALONG_BOTH] >> 16, vf) * (1 / STROKE_ALONG);
-	p->half_length = length_of(word[STROKE_HALVES] & 0xffff);
-	p->half_width = length_of((vi)((vu)word[STROKE_HALVES] >> 16));
+	p->cosine = first_along(word[STROKE_ALONG_BOTH]) * (1 / STROKE_ALONG);
+	p->sine = second_along(word[STROKE_ALONG_BOTH]) * (1 / STROKE_ALONG);
+	p->half_length = first_length(word[STROKE_HALVES]);
+	p->half_width = second_length(word[STROKE_HALVES]);
 	p->q = (vf)word[STROKE_Q];
 	p->slope[0] = (vf)(word[STROKE_SLOPES] << 16);
 	p->slope[1] = (vf)(word[STROKE_SLOPES] & (int32_t)0xffff0000);

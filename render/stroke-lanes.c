@@ -1,5 +1,6 @@
 #define LANES_MAY_BE_WIDE
 #include "render/scene-list.h"
+#include "render/stroke-pack-lanes.h"
 #include "render/stroke-shows.h"
 #include "render/surface-lanes.h"
 #include <string.h>
@@ -93,40 +94,17 @@ INLINE struct pen_lanes pens_of(const struct brush *b, const struct lane_candida
 	return p;
 }
 
-INLINE vi upper_half(vi x)
-{
-	return x << 16;
-}
-
-INLINE vi pack_along(vf x)
-{
-	vf half = choose(x < 0, all(-0.5f), all(0.5f));
-	return __builtin_convertvector(x * STROKE_ALONG + half, vi) & 0xffff;
-}
-
-INLINE vi pack_length(vf px)
-{
-	vi ret = ((vi)px - STROKE_LENGTH_LEAST + (1 << (STROKE_LENGTH_SHIFT - 1))) >>
-		 STROKE_LENGTH_SHIFT;
-	return lower(higher(ret, (vi){ 0 }), 0xffff + (vi){ 0 });
-}
-
-INLINE vi pack_slope(vf x)
-{
-	return (vi)(((vu)x + 0x8000) >> 16);
-}
-
 /* stroke_pack() */
 INLINE void pack_lanes(
 	const struct lane_candidates *c, const struct pen_lanes *p, vf alpha, vi ret[STROKE_WORDS])
 {
 	ret[STROKE_X] = (vi)c->x_px;
 	ret[STROKE_Y] = (vi)c->y_px;
-	ret[STROKE_ALONG_BOTH] = pack_along(p->along[0]) | upper_half(pack_along(p->along[1]));
-	ret[STROKE_HALVES] =
-		pack_length(p->half_length_px) | upper_half(pack_length(p->half_width_px));
+	ret[STROKE_ALONG_BOTH] = packed_along(p->along[0]) | packed_along(p->along[1]) << 16;
+	ret[STROKE_HALVES] = packed_length(p->half_length_px) | packed_length(p->half_width_px)
+									<< 16;
 	ret[STROKE_Q] = (vi)p->q;
-	ret[STROKE_SLOPES] = pack_slope(p->slope[0]) | upper_half(pack_slope(p->slope[1]));
+	ret[STROKE_SLOPES] = packed_slope(p->slope[0]) | packed_slope(p->slope[1]) << 16;
 	ret[STROKE_RGB_COPY] = p->rgb | (int32_t)(c->copy << 24);
 	ret[STROKE_ALPHA_LAY_ASLANT] = __builtin_convertvector(alpha * STROKE_ALPHA + 0.5f, vi);
 	ret[STROKE_POINT] = c->id;

@@ -1,6 +1,6 @@
 #define LANES_MAY_BE_WIDE
 #include "render/stroke-span-lanes.h"
-#include "process/lanes.h"
+#include "render/stroke-pack-lanes.h"
 #include <string.h>
 
 /* No picture has so many rows. */
@@ -11,19 +11,12 @@ INLINE vi word_of(const struct stroke_packed *s, vi n, enum stroke_word which)
 	return gather(s->word + which, n * (int32_t)STROKE_WORDS, 4);
 }
 
-INLINE vf length_of(vi packed)
-{
-	return (vf)((packed << STROKE_LENGTH_SHIFT) + STROKE_LENGTH_LEAST);
-}
-
 /* How far up and down from their middles, and a pixel more for soft edges. */
 INLINE vf rows_of(const struct stroke_packed *s, vi n)
 {
 	vi along = word_of(s, n, STROKE_ALONG_BOTH), halves = word_of(s, n, STROKE_HALVES);
-	vf right = __builtin_convertvector(along << 16 >> 16, vf),
-	   down = __builtin_convertvector(along >> 16, vf);
-	vf rows = magnitude(down) * length_of(halves & 0xffff) +
-		  magnitude(right) * length_of((vi)((vu)halves >> 16));
+	vf rows = magnitude(second_along(along)) * first_length(halves) +
+		  magnitude(first_along(along)) * second_length(halves);
 	return rows * (1 / STROKE_ALONG) + 1;
 }
 
