@@ -1,6 +1,5 @@
 #include "render/band-draw-lanes.h"
 #include "render/band-lay.h"
-#include "render/light.h"
 #include "render/project-lanes.h"
 #include <math.h>
 

@@ -8,7 +8,8 @@ struct reach {
 /* more: rows beside those of the stroke that it is drawn for, too. */
 static inline struct reach reach_of(struct stroke_span s, int32_t more, int32_t height)
 {
-	int32_t top = MAX(s.top - more, 0), end = MIN(s.end + more, height);
+	int32_t top = MAX(s.top - STROKE_SPAN_ABOVE - more, 0),
+		end = MIN(s.end - STROKE_SPAN_ABOVE + more, height);
 	if (top >= end)
 		return (struct reach){ 0 };
 	return (struct reach){ (uint32_t)top / BAND_ROWS, (uint32_t)(end - 1) / BAND_ROWS + 1 };

@@ -176,13 +176,14 @@ INLINE void try_on_surface(
 
 /* ---- a chunk's points ---- */
 
-/* Where dithering points come before all others: 1/spacing^2 of a point with a rank of 1 that may be drawn is so much at most, rank/spacing^2
- * of all that may be drawn of a chunk. there: 1/spacing^2 of its farthest points. */
-static float key_behind(float wanted, float before, float there)
+/* No key of a point is above it that is wanted behind dithering points: of per_m2 points where it is, which are least_per_m2 or more, its place
+ * is before + rank (per_m2 - before), as find_place() has it, which is to be below wanted. So rank per_m2, its key, is highest where there
+ * are the fewest points. */
+static float key_behind(float wanted, float before, float least_per_m2)
 {
-	if (there <= wanted)
+	if (least_per_m2 <= wanted)
 		return wanted;
-	return before < wanted ? (wanted - before) * there / (there - before) : 0;
+	return before < wanted ? (wanted - before) * least_per_m2 / (least_per_m2 - before) : 0;
 }
 
 /* No point with a key above it (scene-list.h) is drawn. */

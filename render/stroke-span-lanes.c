@@ -3,9 +3,6 @@
 #include "render/stroke-pack-lanes.h"
 #include <string.h>
 
-/* No picture has so many rows. */
-#define ROWS_MOST 32000.f
-
 INLINE vi word_of(const struct stroke_packed *s, vi n, enum stroke_word which)
 {
 	return gather(s->word + which, n * (int32_t)STROKE_WORDS, 4);
@@ -20,11 +17,10 @@ INLINE vf rows_of(const struct stroke_packed *s, vi n)
 	return rows * (1 / STROKE_ALONG) + 1;
 }
 
-/* Rounded down: above the picture there are fewer rows than are added. */
 INLINE vi row_of(vf y)
 {
-	vf there = most(least(y, all(ROWS_MOST)), all(-ROWS_MOST));
-	return __builtin_convertvector(there + (ROWS_MOST + 1), vi) - (int32_t)(ROWS_MOST + 1);
+	vf row = most(least(y + STROKE_SPAN_ABOVE, all(STROKE_SPAN_MOST)), all(0));
+	return __builtin_convertvector(row, vi);
 }
 
 void LANES_NAME(stroke_find_spans)(struct stroke_block *b)
@@ -36,7 +32,7 @@ void LANES_NAME(stroke_find_spans)(struct stroke_block *b)
 	for (uint32_t n = 0; n < b->count; n += LANES) {
 		vi at = lane + (int32_t)n;
 		vf middle = (vf)word_of(b->stroke, at, STROKE_Y), rows = rows_of(b->stroke, at);
-		vi span = (row_of(middle - rows) & 0xffff) | (row_of(middle + rows) + 1) << 16;
+		vi span = row_of(middle - rows) | (row_of(middle + rows) + 1) << 16;
 		memcpy(b->span + n, &span, sizeof span);
 	}
 }

@@ -13,9 +13,13 @@
 
 /* The strokes of a frame stand in blocks, in memory that one frame leaves to the next. */
 #define STROKE_BLOCK 96u
-/* Rows that a stroke may touch, within a picture or not: from top to before end. */
+/* Rows that a stroke may touch, from top to before end, counted from the row that is so many above the picture: what is farther up, or
+ * below all pictures, is at the end of the scale. */
+#define STROKE_SPAN_ABOVE 16
+#define STROKE_SPAN_MOST  65000
+_Static_assert(CAMERA_SIDE_MAX + STROKE_SPAN_ABOVE < STROKE_SPAN_MOST, "all rows are on the scale");
 struct stroke_span {
-	int16_t top, end;
+	uint16_t top, end;
 };
 struct stroke_block {
 	struct stroke_block *next; /* of the same layer */

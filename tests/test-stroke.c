@@ -422,6 +422,43 @@ static void test_pack(void)
 	g_assert_cmpfloat(stroke_unpack(&packed).half_width_px, ==, 1 / 1024.f);
 }
 
+/* ---- rows that they touch ---- */
+
+static void assert_span(const struct stroke_block *b, uint32_t n, uint32_t height)
+{
+	struct stroke s = stroke_unpack(&b->stroke[n]);
+	float reach = fabsf(s.along[1]) * s.half_length_px + fabsf(s.along[0]) * s.half_width_px;
+	int top = b->span[n].top - STROKE_SPAN_ABOVE, end = b->span[n].end - STROKE_SPAN_ABOVE;
+	if (s.y_px + reach < 0 || s.y_px - reach > (float)height)
+		return;
+	g_assert_true((float)top <= fmaxf(s.y_px - reach, -STROKE_SPAN_ABOVE));
+	g_assert_true((float)end > s.y_px + reach);
+	g_assert_true((float)(end - top) < 2 * reach + 5);
+}
+
+/* Of the highest picture there may be, down to its last row. */
+static void test_spans(void)
+{
+	static const double eye[3] = { 103, 202, 4 }, target[3] = { 103, 204, 4 };
+	g_auto(made) m = made_court();
+	g_autoptr(drawing) d =
+		made_drawing(MADE_SITE("{\"step\":\"strokes\",\"points\":\"all\",\"length_px\":4,"
+				       "\"angle_deg\":30,\"spacing_px\":1}"));
+	struct camera c = camera_look_at(eye, target, 60, 20000, CAMERA_SIDE_MAX);
+	g_autoptr(frame) f = made_frame(made_read(&m), d, &c);
+	g_autoptr(stroke_room) room = stroke_room_new();
+	uint32_t count, low = 0;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	const struct stroke_blocks *all = stroke_room_fill(room, f, NULL, views, count);
+	for (uint32_t k = 0; k < all->blocks; k++)
+		for (uint32_t n = 0; n < all->block[k]->count; n++) {
+			assert_span(all->block[k], n, CAMERA_SIDE_MAX);
+			low += all->block[k]->span[n].end > CAMERA_SIDE_MAX - 400;
+		}
+	g_test_message("%u strokes, %u of them at the lower end", all->count, low);
+	g_assert_cmpuint(low, >, 0);
+}
+
 /* ---- what has no direction, no normal, no size ---- */
 
 static bool is_sound(const struct stroke *s)
@@ -531,6 +568,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/stroke/directions", test_directions);
 	g_test_add_func("/stroke/screen-angle", test_screen_angle);
 	g_test_add_func("/stroke/pack", test_pack);
+	g_test_add_func("/stroke/spans", test_spans);
 	g_test_add_func("/stroke/odd", test_odd);
 	return g_test_run();
 }
