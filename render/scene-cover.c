@@ -7,6 +7,8 @@
 #define BLOCK  16
 #define BLOCKS (SIDE / BLOCK)
 #define SIDES  6
+#define WORD   64
+#define WORDS  (SIDE / WORD)
 /* As masks draw them unless a style says otherwise (step.h). */
 #define DISC 1.5f
 /* So much more of what is claimed they cover at the ends of surface, and so much less by chance. With these, strokes are as dense as wanted
@@ -30,7 +32,7 @@ struct scene_cover {
 	struct claim *of_side[SIDES];
 	uint32_t points[SIDES], room;
 	/* Of one side. */
-	uint8_t covered[SIDE][SIDE];
+	uint64_t covered[SIDE][WORDS]; /* bits */
 	float claimed[BLOCKS][BLOCKS]; /* pixels, by where the points are */
 	float shown[BLOCKS][BLOCKS];   /* pixels that are covered */
 };
@@ -86,20 +88,51 @@ static float px_per_m(const struct scene_chunk *c, int side)
 	return wide_m > 0 ? SIDE / wide_m : 0;
 }
 
+/* Of a number from -1 on. */
+static inline int floor_of(float x)
+{
+	int whole = (int)x;
+	return whole - (x < (float)whole);
+}
+
+static inline int ceil_of(float x)
+{
+	int whole = (int)x;
+	return whole + (x > (float)whole);
+}
+
+/* From left to right, both with. */
+static inline void cover_row(uint64_t row[WORDS], int left, int right)
+{
+	for (int word = left / WORD; word <= right / WORD; word++) {
+		int from = MAX(left - word * WORD, 0), to = MIN(right - word * WORD, WORD - 1);
+		row[word] |= UINT64_MAX >> (WORD - 1 - to + from) << from;
+	}
+}
+
 /* Aslant it is an ellipse; a circle of the same area does. */
 static void cover_disc(scene_cover *w, const struct claim *at, float radius_px)
 {
 	float radius = radius_px * sqrtf(at->facing);
-	int from = (int)fmaxf(ceilf(at->y_px - radius - 0.5f), 0),
-	    end = (int)fminf(floorf(at->y_px + radius - 0.5f), SIDE - 1);
+	int from = ceil_of(MAX(at->y_px - radius - 0.5f, 0)),
+	    end = floor_of(MIN(at->y_px + radius - 0.5f, SIDE - 1));
 	for (int y = from; y <= end; y++) {
 		float down = (float)y + 0.5f - at->y_px;
-		float half = sqrtf(fmaxf(radius * radius - down * down, 0));
-		int left = (int)fmaxf(ceilf(at->x_px - half - 0.5f), 0),
-		    right = (int)fminf(floorf(at->x_px + half - 0.5f), SIDE - 1);
+		float half = sqrtf(MAX(radius * radius - down * down, 0));
+		int left = ceil_of(MAX(at->x_px - half - 0.5f, 0)),
+		    right = floor_of(MIN(at->x_px + half - 0.5f, SIDE - 1));
 		if (left <= right)
-			memset(&w->covered[y][left], 1, (size_t)(right - left + 1));
+			cover_row(w->covered[y], left, right);
 	}
+}
+
+/* Without an instruction for it, which not all have. */
+static inline uint32_t ones_of(uint16_t bits)
+{
+	uint32_t n = bits - (bits >> 1 & 0x5555u);
+	n = (n & 0x3333) + (n >> 2 & 0x3333);
+	n = (n + (n >> 4)) & 0x0F0F;
+	return (n + (n >> 8)) & 0x1F;
 }
 
 static void draw_side(scene_cover *w, const scene *s, const struct scene_chunk *c, int side)
@@ -112,20 +145,18 @@ static void draw_side(scene_cover *w, const scene *s, const struct scene_chunk *
 	for (uint32_t n = 0; n < w->points[side]; n++) {
 		struct claim *at = &w->of_side[side][n];
 		float edge_px = s->place[at->point].spacing * s->unit_m * scale;
-		at->x_px = fminf(
-			(float)s->place[at->point].q[across] * c->step_m[across] * scale, SIDE - 1);
-		at->y_px = fminf(
-			(float)s->place[at->point].q[down] * c->step_m[down] * scale, SIDE - 1);
+		float x_px = (float)s->place[at->point].q[across] * c->step_m[across] * scale,
+		      y_px = (float)s->place[at->point].q[down] * c->step_m[down] * scale;
+		at->x_px = MIN(x_px, SIDE - 1);
+		at->y_px = MIN(y_px, SIDE - 1);
 		w->claimed[(int)at->y_px / BLOCK][(int)at->x_px / BLOCK] +=
 			edge_px * edge_px * at->facing;
 		cover_disc(w, at, s->disc[at->point] * (s->unit_m * DISC / 2) * scale);
 	}
 	for (int y = 0; y < SIDE; y++)
-		for (int x = 0; x < SIDE; x += 8) {
-			uint64_t eight;
-			memcpy(&eight, &w->covered[y][x], sizeof eight); /* each 0 or 1 */
-			w->shown[y / BLOCK][x / BLOCK] += (float)__builtin_popcountll(eight);
-		}
+		for (int x = 0; x < SIDE; x += BLOCK)
+			w->shown[y / BLOCK][x / BLOCK] +=
+				(float)ones_of((uint16_t)(w->covered[y][x / WORD] >> x % WORD));
 }
 
 /* Of the blocks around. */
@@ -137,8 +168,8 @@ static float area_at(const scene_cover *w, int x, int y)
 			shown += w->shown[v][u];
 			claimed += w->claimed[v][u];
 		}
-	float area = shown / fmaxf(claimed, 1e-6f);
-	return area > 1 ? fmaxf(area - WIDER, 1) : fmaxf(fminf(area * CLOSER, 1), AREA_LEAST);
+	float area = shown / MAX(claimed, 1e-6f);
+	return area > 1 ? MAX(area - WIDER, 1) : CLAMP(area * CLOSER, AREA_LEAST, 1);
 }
 
 static void widen_side(scene_cover *w, scene *s, int side)
@@ -153,7 +184,7 @@ static void widen_side(scene_cover *w, scene *s, int side)
 			     longer[(int)at->y_px / BLOCK][(int)at->x_px / BLOCK];
 		if (s->kind[at->point] < FEATURE_UNDIRECTED) /* edges and leaves are no surface */
 			s->place[at->point].spacing =
-				(uint16_t)fmaxf(fminf(wide + 0.5f, s->disc[at->point]), 1);
+				(uint16_t)MAX(MIN(wide + 0.5f, s->disc[at->point]), 1);
 	}
 }
 
