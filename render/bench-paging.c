@@ -95,7 +95,10 @@ static int by_value(const void *a, const void *b)
 
 static struct scene_look look_of(const struct bench *b, const struct camera *c, bool is_moving)
 {
-	return (struct scene_look){ c, b->frame->ink_px, is_moving };
+	return (struct scene_look){ .camera = c,
+		.ink_px = b->frame->ink_px,
+		.is_moving = is_moving,
+		.is_quiet = is_moving && painter_takes_processor(b->painter) };
 }
 
 static bool draw(struct bench *b, const struct camera *c, struct picture_buffer *to,
@@ -127,6 +130,8 @@ static bool fly(struct bench *b, GError **error)
 		c = bench_flight_camera(&b->flight, at, width, height);
 		good = draw(b, &c, &to, &turned, error);
 		double frame_s = now_s() - frame_began_s;
+		if (b->scene->pager)
+			scene_pager_let_read(b->scene->pager);
 		double all = (double)(turned.points + turned.points_missing);
 		double missing = all > 0 ? (double)turned.points_missing / all : 0;
 		if (!b->frame_s->len)

@@ -85,6 +85,11 @@ const char *painter_name(const painter *p)
 	return p->ops->name;
 }
 
+bool painter_takes_processor(const painter *p)
+{
+	return p->ops == &painter_cpu;
+}
+
 uint32_t painter_side_most(const painter *p)
 {
 	return p->ops->side_most(p->state);

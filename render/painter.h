@@ -28,6 +28,8 @@ G_DEFINE_AUTOPTR_CLEANUP_FUNC(painter, painter_free)
 const char *painter_why(const painter *p);
 /* Of the backend that draws: "cpu", "gles". */
 const char *painter_name(const painter *p);
+/* Whether that takes all of the processor while it draws. */
+bool painter_takes_processor(const painter *p);
 /* Pixels a side that it draws at once. */
 uint32_t painter_side_most(const painter *p);
 /* Into a picture of the camera's size. ret_times may be NULL. G_IO_ERROR_CANCELLED: f->stop was set. */

@@ -120,17 +120,17 @@ static float key_of(const scene *s, const struct scene_chunk *c, int kind, uint3
 uint32_t scene_list_begin(const struct scene_chunk *c, int kind, uint32_t tone)
 {
 	if (tone)
-		return c->list_end[kind][tone - 1][SCENE_LIST_STEPS - 1];
+		return c->list_ends->end[kind][tone - 1][SCENE_LIST_STEPS - 1];
 	return kind ? c->kind_end[kind - 1] : 0;
 }
 
 uint32_t scene_list_end(const struct scene_chunk *c, int kind, uint32_t tone, float key)
 {
 	/* And what floats are rounded by. */
-	int32_t below = c->list_last[kind][tone] - step_of(key * 1.001f);
+	int32_t below = c->list_ends->last[kind][tone] - step_of(key * 1.001f);
 	if (below < 0 || !(key >= 0))
 		below = 0;
-	return c->list_end[kind][tone][MAX(SCENE_LIST_STEPS - 1 - below, 0)];
+	return c->list_ends->end[kind][tone][MAX(SCENE_LIST_STEPS - 1 - below, 0)];
 }
 
 static uint32_t tone_of(const scene *s, const struct scene_chunk *c, uint32_t i)
@@ -150,7 +150,7 @@ static void make_entries(const scene *s, struct scene_chunk *c, scene_lister *l)
 		float *most_m = &c->list_spacing_most_m[kind];
 		*most_m = fmaxf(*most_m, scene_list_spacing_m(s, c, kind, l->entry[i]));
 		l->step[i] = (uint32_t)step_of(key_of(s, c, kind, l->entry[i]));
-		int32_t *last = &c->list_last[kind][tone_of(s, c, i)];
+		int32_t *last = &c->list_ends->last[kind][tone_of(s, c, i)];
 		*last = MAX(*last, (int32_t)l->step[i]);
 	}
 }
@@ -159,10 +159,10 @@ static void make_entries(const scene *s, struct scene_chunk *c, scene_lister *l)
 static void put_in_order(scene *s, struct scene_chunk *c, scene_lister *l)
 {
 	uint32_t count[FEATURE_KINDS * SCENE_LIST_TONES * SCENE_LIST_STEPS] = { 0 }, at = 0;
-	uint16_t *end = &c->list_end[0][0][0];
+	uint16_t *end = &c->list_ends->end[0][0][0];
 	for (uint32_t i = 0; i < c->count; i++) {
 		uint32_t kind = s->kind[c->first + i], tone = tone_of(s, c, i);
-		int32_t below = c->list_last[kind][tone] - (int32_t)l->step[i];
+		int32_t below = c->list_ends->last[kind][tone] - (int32_t)l->step[i];
 		l->step[i] = (kind * SCENE_LIST_TONES + tone) * SCENE_LIST_STEPS +
 			     (uint32_t)MAX(SCENE_LIST_STEPS - 1 - below, 0);
 		count[l->step[i]]++;
@@ -181,7 +181,7 @@ void scene_list_chunk(scene_lister *l, scene *s, struct scene_chunk *c)
 {
 	memset(c->kind_end, 0, sizeof c->kind_end);
 	memset(c->list_spacing_most_m, 0, sizeof c->list_spacing_most_m);
-	memset(c->list_last, 0, sizeof c->list_last);
+	memset(c->list_ends, 0, sizeof *c->list_ends);
 	for (uint32_t i = c->first; i < c->first + c->count; i++)
 		for (int kind = s->kind[i]; kind < FEATURE_KINDS; kind++)
 			c->kind_end[kind]++;

@@ -32,9 +32,11 @@ struct scene_pager {
 	uint8_t *leaf_class; /* what grey points to */
 	struct scene_grey grey;
 	size_t bytes;
-	struct page *page;         /* of each node */
-	struct scene_chunk *chunk; /* of each node that is there */
-	GRWLock reading;           /* of those that hold it, and turns */
+	struct page *page; /* of each node */
+	/* Of each node that is there. */
+	struct scene_chunk *chunk;
+	struct scene_list_ends *list_ends;
+	GRWLock reading; /* of those that hold it, and turns */
 
 	/* Of the thread that draws. */
 	uint32_t turn;
@@ -46,6 +48,8 @@ struct scene_pager {
 	bool forgets;    /* the next turn begins with the tops alone */
 	uint32_t room;   /* chunks that the scene has memory for */
 	uint64_t choice; /* a sum over the scene's chunks: others have another one */
+	gint64 began_us; /* the last turn */
+	bool missed;     /* points in view */
 	struct {
 		bool is_known;
 		struct camera camera;
@@ -64,6 +68,7 @@ struct scene_pager {
 	uint32_t coming, active_most, stamp;
 	bool is_starved; /* there was no block of the size that was needed */
 	bool quit;
+	int is_quiet; /* atomic: nothing is read now */
 	GError *error;
 	uint64_t bytes_read, nodes_read;
 	void (*watch)(gpointer user_data);

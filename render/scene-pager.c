@@ -13,9 +13,12 @@
  * taken for indices before, and may be any. */
 #define POINTS_BEYOND (MODEL_CHUNK_POINTS + 16u)
 #define THREADS_MOST  8u
-/* Readers give way to whoever draws. On two cores frames of a flight took 25 ms in the mean and 72 at most so, with half as many points
- * missing 43 ms and 240 at 5. */
+/* Readers give way to all else that the machine does. That alone does not keep them from frames: while one of two cores reads, both of
+ * the threads that draw may have to share the other one for a tenth of a second. */
 #define NICE 12
+/* From one frame to the next while points in view are missing; else such a part of the frame. */
+#define MISSING_US   33333
+#define READING_PART 0.33
 /* Room is made for so many units more than are needed now. */
 #define UNITS_SPARE 64u
 
@@ -51,8 +54,7 @@ static void bring(scene_pager *p, scene_loader *l, uint32_t node)
 	p->coming++;
 	uint32_t stamp = ++p->stamp;
 	g_mutex_unlock(&p->lock);
-	memset(c, 0, sizeof *c);
-	c->stamp = stamp;
+	*c = (struct scene_chunk){ .stamp = stamp, .list_ends = &p->list_ends[node] };
 	c->first = p->first_unit + page->unit * SCENE_UNIT_POINTS;
 	bool good = scene_load(l, &p->source, node, p->scene, c, &p->grey, &bytes, &error);
 	g_mutex_lock(&p->lock);
@@ -71,9 +73,17 @@ static void bring(scene_pager *p, scene_loader *l, uint32_t node)
 }
 
 /* Under the lock. */
+static bool is_reading(scene_pager *p)
+{
+	uint32_t node;
+	return p->coming || next_wanted(p, &node);
+}
+
+/* Under the lock. */
 static void tell(scene_pager *p)
 {
-	g_cond_broadcast(&p->done);
+	if (p->error || !is_reading(p))
+		g_cond_broadcast(&p->done);
 	if (p->watch)
 		p->watch(p->watch_data);
 }
@@ -87,7 +97,8 @@ static gpointer work(gpointer data)
 	g_mutex_lock(&p->lock);
 	while (!p->quit) {
 		uint32_t node;
-		if (p->coming >= p->active_most || !next_wanted(p, &node)) {
+		if (p->coming >= p->active_most || g_atomic_int_get(&p->is_quiet) ||
+			!next_wanted(p, &node)) {
 			g_cond_wait(&p->work, &p->lock);
 			continue;
 		}
@@ -181,6 +192,7 @@ static bool load_tops(scene_pager *p, GError **error)
 	for (uint32_t n = first; n < end; n++) {
 		p->chunk[n].first = (uint32_t)place_top(&at, t->node[n].points);
 		p->chunk[n].stamp = ++p->stamp;
+		p->chunk[n].list_ends = &p->list_ends[n];
 	}
 #pragma omp parallel
 	{
@@ -261,6 +273,7 @@ scene *scene_paged(const model *m, const uint8_t *leaf_class, uint64_t memory_by
 	p->source.group = g_memdup2(in_short.group, in_short.groups * sizeof *in_short.group);
 	p->page = g_new0(struct page, scene_tree_end(p->tree) + 1);
 	p->chunk = g_new0(struct scene_chunk, scene_tree_end(p->tree) + 1);
+	p->list_ends = g_new0(struct scene_list_ends, scene_tree_end(p->tree) + 1);
 	p->seen = g_new0(uint32_t, scene_tree_end(p->tree) - scene_tree_top(p->tree) + 1);
 	scene_find_origin(s, chunk, chunks);
 	scene_find_spacing(s, m);
@@ -300,6 +313,7 @@ void scene_pager_free(scene_pager *p)
 	g_free(p->page);
 	g_free(p->seen);
 	g_free(p->chunk);
+	g_free(p->list_ends);
 	g_rw_lock_clear(&p->reading);
 	g_mutex_clear(&p->lock);
 	g_cond_clear(&p->work);
@@ -433,7 +447,7 @@ static uint32_t units_asked(const scene_pager *p)
 }
 
 /* Under the lock. Blocks that are too small to be of use become whole when all goes that may. */
-static void ask(scene_pager *p, bool is_moving)
+static void ask(scene_pager *p, const struct scene_look *look)
 {
 	g_array_set_size(p->asked, 0);
 	if (p->wants->len)
@@ -443,7 +457,7 @@ static void ask(scene_pager *p, bool is_moving)
 	if (units)
 		make_room(p, p->is_starved ? UINT32_MAX : units + UNITS_SPARE);
 	p->is_starved = false;
-	p->active_most = is_moving ? MAX(p->threads / 2, 1) : p->threads;
+	p->active_most = look->is_moving && !look->is_quiet ? MAX(p->threads / 2, 1) : p->threads;
 	g_cond_broadcast(&p->work);
 }
 
@@ -460,6 +474,8 @@ static bool get_lock(scene_pager *p, bool is_moving)
 void scene_pager_turn(scene_pager *p, const struct scene_look *look, struct scene_turned *ret)
 {
 	struct scene_turned turned;
+	p->began_us = g_get_monotonic_time();
+	g_atomic_int_set(&p->is_quiet, look->is_quiet);
 	g_rw_lock_writer_lock(&p->reading);
 	if (get_lock(p, look->is_moving)) {
 		take_what_came(p);
@@ -472,20 +488,38 @@ void scene_pager_turn(scene_pager *p, const struct scene_look *look, struct scen
 	g_rw_lock_writer_unlock(&p->reading);
 	scene_refine_ahead(p, look);
 	if (get_lock(p, look->is_moving)) {
-		ask(p, look->is_moving);
+		ask(p, look);
 		g_mutex_unlock(&p->lock);
 	}
+	p->missed = turned.missing;
 	if (ret)
 		*ret = turned;
+}
+
+void scene_pager_let_read(scene_pager *p)
+{
+	gint64 now_us = g_get_monotonic_time();
+	gint64 until_us = now_us + (gint64)(READING_PART * (double)(now_us - p->began_us));
+	if (!g_atomic_int_get(&p->is_quiet))
+		return;
+	if (p->missed)
+		until_us = MAX(until_us, p->began_us + MISSING_US);
+	until_us = MIN(until_us, now_us + MISSING_US);
+	g_mutex_lock(&p->lock);
+	g_atomic_int_set(&p->is_quiet, false);
+	g_cond_broadcast(&p->work);
+	while (is_reading(p))
+		if (!g_cond_wait_until(&p->done, &p->lock, until_us))
+			break;
+	g_mutex_unlock(&p->lock);
 }
 
 /* Until all that was asked for is there, or cannot be; *ret_starved: there was no room for it. */
 static GError *wait_for_all(scene_pager *p, bool *ret_starved)
 {
 	GError *error = NULL;
-	uint32_t node;
 	g_mutex_lock(&p->lock);
-	while (!p->error && (p->coming || next_wanted(p, &node)))
+	while (!p->error && is_reading(p))
 		g_cond_wait(&p->done, &p->lock);
 	error = g_steal_pointer(&p->error);
 	*ret_starved = p->is_starved;

@@ -5,7 +5,8 @@
  * the coarsest on, always the node whose points are farthest apart on the screen, until they are near enough or what is wanted fills the
  * memory. A node is drawn, or what stands below it and is in view, once all of that is there. Threads of the pager read what is
  * missing from the disk, in this order, then what will be in view when the camera goes on as it did, then what is around; what
- * was not wanted for longest makes room. Drawing never waits for them.
+ * was not wanted for longest makes room. Drawing never waits for what they read, but who draws with the processor takes turns with them:
+ * scene_pager_let_read().
  *
  * A frame sees the chunks that its turn left, and nothing that it draws goes away before the next turn.
  *
@@ -44,6 +45,8 @@ struct scene_look {
 	float ink_px; /* frame.h: strokes reach beyond the picture by that */
 	/* Another one will follow soon, of a camera that goes on so; else as finely as can be seen. */
 	bool is_moving;
+	/* Until scene_pager_let_read nothing is read: the frame is drawn by the processor, which then has nothing else to do. */
+	bool is_quiet;
 };
 struct scene_turned {
 	uint64_t points; /* in view, that are drawn */
@@ -54,6 +57,9 @@ struct scene_turned {
 };
 /* ret may be NULL. */
 void scene_pager_turn(scene_pager *p, const struct scene_look *look, struct scene_turned *ret);
+/* After each frame of a quiet turn, once it is shown (after others nothing is done): reads what is missing until it is there or it is time for the next frame, of which
+ * there are 30 in a second while points in view are missing, and which else wait for a third of the time that the last one took. */
+void scene_pager_let_read(scene_pager *p);
 /* Turns until a view that does not move is complete: with all points in view, where they fit into the memory, and what is drawn then is
  * what would be without a pager; else as finely as can be seen, or fits. The same whatever was there before. */
 bool scene_pager_settle(scene_pager *p, const struct scene_look *look, GError **error);

@@ -17,6 +17,8 @@
 /* How far ahead is looked. */
 static const double ahead_s[] = { 0.5, 1.5 };
 #define AHEAD_TURN_MOST 1.2
+/* Nodes in view, more than are read before the next turn: then there is no need to look farther. */
+#define WANTS_ENOUGH 1024u
 
 struct view {
 	struct camera_plane plane[SIDES];
@@ -311,6 +313,8 @@ static void see_motion(scene_pager *p, const struct camera *c)
 void scene_refine_ahead(scene_pager *p, const struct scene_look *look)
 {
 	see_motion(p, look->camera);
+	if (look->is_moving && p->wants->len > WANTS_ENOUGH)
+		return;
 	for (size_t n = 0; n < G_N_ELEMENTS(ahead_s) && look->is_moving; n++) {
 		double turn =
 			CLAMP(p->last.turn_rad_s * ahead_s[n], -AHEAD_TURN_MOST, AHEAD_TURN_MOST);

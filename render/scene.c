@@ -32,6 +32,7 @@ void scene_free(scene *s)
 	scene_lines_free(s->lines);
 	scene_planes_free(s->planes);
 	g_free(s->chunk);
+	g_free(s->list_ends);
 	g_free(s);
 }
 
@@ -77,8 +78,11 @@ scene *scene_alloc(uint32_t count, uint32_t chunks)
 	scene_alloc_points(s, n);
 	memset(s->list, 0, n * sizeof *s->list);
 	s->chunk = g_new0(struct scene_chunk, s->chunks + 1);
-	for (uint32_t c = 0; c < chunks; c++)
+	s->list_ends = g_new0(struct scene_list_ends, s->chunks + 1);
+	for (uint32_t c = 0; c < chunks; c++) {
 		s->chunk[c].part = 1;
+		s->chunk[c].list_ends = &s->list_ends[c];
+	}
 	return s;
 }
 
@@ -90,7 +94,8 @@ uint64_t scene_serial(void)
 
 static size_t bytes_of(uint64_t points, uint64_t chunks)
 {
-	return sizeof(scene) + points * SCENE_POINT_BYTES + chunks * sizeof(struct scene_chunk);
+	return sizeof(scene) + points * SCENE_POINT_BYTES +
+	       chunks * (sizeof(struct scene_chunk) + sizeof(struct scene_list_ends));
 }
 
 size_t scene_bytes(const scene *s)

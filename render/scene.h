@@ -30,6 +30,12 @@ struct scene_place {
 	uint16_t q[3], spacing;
 };
 
+/* Of a chunk's part of list: where its points of each kind and tone end that have a key of so many steps (scene-list.h). */
+struct scene_list_ends {
+	uint16_t end[FEATURE_KINDS][SCENE_LIST_TONES][SCENE_LIST_STEPS]; /* from first on */
+	int32_t last[FEATURE_KINDS][SCENE_LIST_TONES]; /* the step that the last of them has */
+};
+
 struct scene_chunk {
 	float centre_m[3]; /* from the scene's origin */
 	float half_m[3];   /* of its box */
@@ -42,10 +48,8 @@ struct scene_chunk {
 	bool is_aside;  /* the last turn has it out of view: it is not drawn */
 	uint32_t on_planes; /* of its points: those that planes stand for (scene-planes.h) */
 	float list_spacing_most_m[FEATURE_KINDS];
-	/* Of its part of list, counted from first: where the points of each kind end, and steps of those of each tone (scene-list.h). */
-	uint32_t kind_end[FEATURE_KINDS];
-	uint16_t list_end[FEATURE_KINDS][SCENE_LIST_TONES][SCENE_LIST_STEPS];
-	int32_t list_last[FEATURE_KINDS][SCENE_LIST_TONES];
+	uint32_t kind_end[FEATURE_KINDS];  /* of its part of list, from first on */
+	struct scene_list_ends *list_ends; /* its own, of its scene or of a pager */
 };
 
 typedef struct scene scene;
@@ -56,13 +60,14 @@ struct scene {
 	float spacing_median_m; /* of some of its points, from all over it */
 	uint32_t count, chunks;
 	struct scene_chunk *chunk;
-	struct scene_bend_plane *bend;   /* scene-bend.h */
-	struct scene_paint_plane *paint; /* scene-paint.h */
-	struct scene_lines *lines;       /* scene-lines.h; NULL: none are known */
-	struct scene_planes *planes;     /* scene-planes.h; NULL: there are none */
-	struct scene_pager *pager;       /* NULL: all points are there */
-	uint32_t turn;                   /* of the pager: rises when the chunks become others */
-	void *memory;                    /* of all that follows */
+	struct scene_list_ends *list_ends; /* of each chunk; NULL: a pager has them */
+	struct scene_bend_plane *bend;     /* scene-bend.h */
+	struct scene_paint_plane *paint;   /* scene-paint.h */
+	struct scene_lines *lines;         /* scene-lines.h; NULL: none are known */
+	struct scene_planes *planes;       /* scene-planes.h; NULL: there are none */
+	struct scene_pager *pager;         /* NULL: all points are there */
+	uint32_t turn;                     /* of the pager: rises when the chunks become others */
+	void *memory;                      /* of all that follows */
 	/* Of each point. */
 	struct scene_place *place;
 	uint16_t *

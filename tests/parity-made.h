@@ -84,6 +84,7 @@ static void make_chunk(scene *s, GRand *r, int thing, uint32_t count)
 		.first = s->count,
 		.count = count,
 		.leaf = segment_of_class(t->class),
+		.list_ends = c->list_ends,
 		.spacing_least_m = t->spacing_m,
 		.spacing_most_m = t->spacing_m,
 		.disc_most_m = 2 * t->spacing_m };

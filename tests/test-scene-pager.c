@@ -189,6 +189,41 @@ static void test_moving(void)
 	g_assert_cmpuint(scene_pager_sums(paged->pager).nodes_read, >, 10);
 }
 
+/* From a quiet turn on nothing is read until that is let, and then soon enough for the next frame. */
+static void test_quiet(void)
+{
+	g_autoptr(scene) paged = open_paged(shared.model, SOME);
+	scene_pager *p = paged->pager;
+	struct camera c = camera_above();
+	struct scene_look look = {
+		.camera = &c, .ink_px = 0.3f, .is_moving = true, .is_quiet = true
+	};
+	struct scene_turned turned;
+	uint64_t before;
+	int turns = 0;
+	do {
+		/* What was being read may still come: of each thread one node. */
+		before = scene_pager_sums(p).nodes_read;
+		scene_pager_turn(p, &look, &turned);
+		g_usleep(20000);
+		uint64_t read = scene_pager_sums(p).nodes_read;
+		g_assert_cmpuint(read - before, <=, turns ? g_get_num_processors() : 0);
+		gint64 began_us = g_get_monotonic_time();
+		scene_pager_let_read(p);
+		g_test_message("%" G_GUINT64_FORMAT " nodes, %u missing, %.1f ms",
+			scene_pager_sums(p).nodes_read - read, turned.missing,
+			1e-3 * (double)(g_get_monotonic_time() - began_us));
+		if (turned.missing)
+			g_assert_cmpuint(scene_pager_sums(p).nodes_read, >, before);
+	} while (turned.missing && ++turns < 1000);
+	g_assert_cmpuint(turned.missing, ==, 0);
+	/* It was no quiet turn: there is nothing to let. */
+	look.is_quiet = false;
+	scene_pager_turn(p, &look, &turned);
+	scene_pager_let_read(p);
+	g_assert_cmpuint(turned.missing, ==, 0);
+}
+
 /* The same view is the same picture, whatever was looked at before, when not all of it fits. */
 static void test_overview(void)
 {
@@ -395,6 +430,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/scene-pager/same", test_same);
 	g_test_add_func("/scene-pager/coarse", test_coarse);
 	g_test_add_func("/scene-pager/moving", test_moving);
+	g_test_add_func("/scene-pager/quiet", test_quiet);
 	g_test_add_func("/scene-pager/overview", test_overview);
 	g_test_add_func("/scene-pager/pieces", test_pieces);
 	g_test_add_func("/scene-pager/gles", test_gles);

@@ -157,8 +157,9 @@ static void test_court(void)
 	g_assert_cmpfloat(s->tone_exponent, ==, 1);
 	/* What its arrays really take. */
 	size_t point = 3 * 2 + 2 + 2 + 4 + 4 + 4 + 1 + 1 + 2 + 2;
-	g_assert_cmpuint(
-		scene_bytes(s), ==, s->count * point + s->chunks * sizeof *s->chunk + sizeof *s);
+	g_assert_cmpuint(scene_bytes(s), ==,
+		s->count * point + s->chunks * (sizeof *s->chunk + sizeof *s->list_ends) +
+			sizeof *s);
 }
 
 /* Far from where the site has its origin, too. */

@@ -233,8 +233,8 @@ static void spoil_lists(const scene *s)
 		for (int kind = 0; kind < FEATURE_KINDS; kind++)
 			for (int tone = 0; tone < SCENE_LIST_TONES; tone++)
 				for (int step = 0; step < SCENE_LIST_STEPS; step++)
-					c->list_end[kind][tone][step] =
-						c->list_end[kind][tone][SCENE_LIST_STEPS - 1];
+					c->list_ends->end[kind][tone][step] =
+						c->list_ends->end[kind][tone][SCENE_LIST_STEPS - 1];
 	}
 }
 

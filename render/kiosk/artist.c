@@ -179,7 +179,10 @@ static frame *frame_of_size(artist *a, uint32_t size, const struct camera *c, GE
 static bool turn_scene(artist *a, const frame *f, bool is_moving)
 {
 	struct scene_pager *pager = a->scene->pager;
-	struct scene_look look = { &f->camera, f->ink_px, is_moving };
+	struct scene_look look = { .camera = &f->camera,
+		.ink_px = f->ink_px,
+		.is_moving = is_moving,
+		.is_quiet = is_moving && painter_takes_processor(a->painter) };
 	struct scene_turned turned;
 	if (!pager)
 		return true;
@@ -421,7 +424,10 @@ static gpointer work(gpointer data)
 		send_failure(a, none);
 	while ((t = wait_for_task(a)) != TASK_QUIT) {
 		g_autoptr(GError) error = NULL;
-		if (ready && run_task(a, t, &error))
+		bool good = ready && run_task(a, t, &error);
+		if (a->scene->pager)
+			scene_pager_let_read(a->scene->pager);
+		if (good)
 			continue;
 		/* What cannot be drawn is not tried again before something changes. */
 		a->is_broken = !ready || !g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED);
