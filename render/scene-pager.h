@@ -57,8 +57,9 @@ struct scene_turned {
 };
 /* ret may be NULL. */
 void scene_pager_turn(scene_pager *p, const struct scene_look *look, struct scene_turned *ret);
-/* After each frame of a quiet turn, once it is shown (after others nothing is done): reads what is missing until it is there or it is time for the next frame, of which
- * there are 30 in a second while points in view are missing, and which else wait for a third of the time that the last one took. */
+/* After each frame of a quiet turn, once it is shown; after others nothing is done. Reads until all that is missing is there or it is time
+ * for the next frame: of these there are 30 in a second while points in view are missing, else they wait for a third of the time that the
+ * last one took. */
 void scene_pager_let_read(scene_pager *p);
 /* Turns until a view that does not move is complete: with all points in view, where they fit into the memory, and what is drawn then is
  * what would be without a pager; else as finely as can be seen, or fits. The same whatever was there before. */
