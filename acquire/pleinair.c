@@ -87,6 +87,9 @@ int main(int argc, char **argv)
 	g_autofree char *program = find_program(argv[1]);
 	int command = known(argv[1]);
 	if (program) {
+		/* Read before main(), by GNU's OpenMP: its threads that wait sleep. They would spin, and two that draw a frame by turns with those
+		 * that read points were put on one core now and then, which made a frame of 60 ms one of 140. */
+		g_setenv("OMP_WAIT_POLICY", "passive", FALSE);
 		if (command >= 0 && !commands[command].runs_all_day)
 			g_setenv(LARGE_PAGES_VARIABLE, LARGE_PAGES_VALUE, FALSE);
 		execv(program, argv + 1);

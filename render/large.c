@@ -33,8 +33,8 @@ static size_t small_page(void)
 	return (size_t)sysconf(_SC_PAGESIZE);
 }
 
-/* From the system itself: malloc() takes it from what smaller pieces have left where that is large enough, and keeps it then, a third of
- * what a program held that drew in some styles by turns. A small page before it knows how much it is. */
+/* From the system itself. malloc() keeps what it has once had for what comes next, as commands are told to by large-pages.h: a third of
+ * what a program held that drew in some styles by turns. A small page before the memory knows how much it is. */
 static void *take(size_t bytes)
 {
 	size_t small = small_page(), whole = (bytes + small - 1) / small * small,

@@ -90,21 +90,21 @@ static void test_nothing(void)
 	g_assert_nonnull(strstr(a.err, "Usage:"));
 }
 
-/* What a command gets as GLIBC_TUNABLES; the command is a script beside a copy of pleinair. Caller frees. */
-static char *tunables_of(const char *name, const char *set)
+/* What a command gets as this variable of the environment; it is a script beside a copy of pleinair. Caller frees. */
+static char *variable_of(const char *name, const char *variable, const char *set)
 {
 	g_autofree char *folder = simulated_folder(), *whole = commands_program("pleinair"),
 			*copy = g_build_filename(folder, "pleinair", NULL),
 			*file = g_strconcat("pleinair-", name, NULL),
-			*script = g_build_filename(folder, file, NULL);
+			*script = g_build_filename(folder, file, NULL),
+			*text = g_strdup_printf("#!/bin/sh\necho \"${%s-nothing}\"\n", variable);
 	const char *copies[] = { "cp", whole, copy, NULL }, *argv[] = { copy, name, NULL };
-	g_auto(GStrv) environment = g_environ_unsetenv(g_get_environ(), "GLIBC_TUNABLES");
+	g_auto(GStrv) environment = g_environ_unsetenv(g_get_environ(), variable);
 	g_autoptr(GError) error = NULL;
 	char *said = NULL;
 	if (set)
-		environment = g_environ_setenv(environment, "GLIBC_TUNABLES", set, TRUE);
-	g_file_set_contents_full(script, "#!/bin/sh\necho \"${GLIBC_TUNABLES-nothing}\"\n", -1,
-		G_FILE_SET_CONTENTS_NONE, 0755, &error);
+		environment = g_environ_setenv(environment, variable, set, TRUE);
+	g_file_set_contents_full(script, text, -1, G_FILE_SET_CONTENTS_NONE, 0755, &error);
 	g_assert_no_error(error);
 	g_spawn_sync(NULL, (char **)copies, NULL, G_SPAWN_SEARCH_PATH, NULL, NULL, NULL, NULL, NULL,
 		&error);
@@ -118,13 +118,27 @@ static char *tunables_of(const char *name, const char *set)
 /* In large pages, but for what runs all day, and unless somebody else chose. */
 static void test_large_pages(void)
 {
-	g_autofree char *command = tunables_of("process", NULL),
-			*chosen = tunables_of("process", ""), *all_day = tunables_of("kiosk", NULL),
-			*other = tunables_of("other", NULL);
+	const char *variable = "GLIBC_TUNABLES";
+	g_autofree char *command = variable_of("process", variable, NULL),
+			*chosen = variable_of("process", variable, ""),
+			*all_day = variable_of("kiosk", variable, NULL),
+			*other = variable_of("other", variable, NULL);
 	g_assert_nonnull(strstr(command, "glibc.malloc.hugetlb=1"));
 	g_assert_cmpstr(chosen, ==, "");
 	g_assert_cmpstr(all_day, ==, "nothing");
 	g_assert_cmpstr(other, ==, "nothing");
+}
+
+/* Threads that wait sleep, unless somebody else chose. */
+static void test_waiting(void)
+{
+	const char *variable = "OMP_WAIT_POLICY";
+	g_autofree char *all_day = variable_of("kiosk", variable, NULL),
+			*other = variable_of("other", variable, NULL),
+			*chosen = variable_of("kiosk", variable, "active");
+	g_assert_cmpstr(all_day, ==, "passive");
+	g_assert_cmpstr(other, ==, "passive");
+	g_assert_cmpstr(chosen, ==, "active");
 }
 
 /* ---- results ---- */
@@ -365,6 +379,7 @@ int main(int argc, char **argv)
 	g_test_add_data_func("/commands/help-bench", "bench --help", test_help);
 	g_test_add_func("/commands/nothing", test_nothing);
 	g_test_add_func("/commands/large-pages", test_large_pages);
+	g_test_add_func("/commands/waiting", test_waiting);
 	g_test_add_func("/commands/scan", test_scan);
 	g_test_add_func("/commands/panoramas", test_panoramas);
 	g_test_add_func("/commands/develop", test_develop);
