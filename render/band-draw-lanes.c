@@ -154,25 +154,24 @@ INLINE void draw_small_sprite(const struct pen *p, const struct band *b, const v
 #define SPOTS_MOST (SPOTS_ROW * (BAND_ROWS + 2 * BAND_AROUND) + SPOTS_ROW)
 
 /* So many at once, 2 to this. */
-INLINE int spot_bits(enum kernel kernel, enum band_blend blend)
+INLINE int spot_bits(enum kernel kernel)
 {
 #if defined __AVX512VBMI__
-	if (kernel == KERNEL_FEW_TEXELS || blend == BAND_LAID)
+	if (kernel == KERNEL_FEW_TEXELS)
 		return 4;
 #endif
 	(void)kernel;
-	(void)blend;
 	return 3;
 }
 
 /* Where the stroke's rows begin and end, of eight from y on. */
 INLINE void find_rows(const struct pen *p, const struct band *b, int y, vi *ret_left, vi *ret_right)
 {
-	vf dy = (float)y + 0.5f - p->y_px + lane_number;
+	vf dy = (float)y + 0.5f - p->middle_y + lane_number;
 	vf low = most(dy * p->turn[0] - p->reach[0], dy * p->turn[1] - p->reach[1]),
 	   high = least(dy * p->turn[0] + p->reach[0], dy * p->turn[1] + p->reach[1]);
-	*ret_left = pixels_from(p->x_px + low, (int32_t)b->width);
-	*ret_right = pixels_from(p->x_px + high, (int32_t)b->width);
+	*ret_left = pixels_from(p->middle_x + low, (int32_t)b->width);
+	*ret_right = pixels_from(p->middle_x + high, (int32_t)b->width);
 }
 
 /* Rows have so many vectors at most. */
@@ -208,10 +207,6 @@ INLINE void draw_spot(const struct pen *p, const struct band *b, const visibilit
 		draw_sixteen(p, ink, blend, keys, row, at);
 		return;
 	}
-	if (blend == BAND_LAID) {
-		lay_sixteen(p, ink, m, row, at->y, (float)at->y + 0.5f - p->y_px, at->left);
-		return;
-	}
 #endif
 	if (blend == BAND_LAID)
 		lay_eight(p, ink, m, row, at->y, (float)at->y + 0.5f - p->y_px, at->left);
@@ -226,8 +221,7 @@ INLINE void draw_wide_rows(const struct pen *p, const struct band *b, const visi
 		vi first, stop;
 		find_rows(p, b, y, &first, &stop);
 		for (int k = 0; k < MIN(LANES, p->end - y); k++)
-			for (int left = first[k]; left < stop[k];
-				left += 1 << spot_bits(kernel, blend))
+			for (int left = first[k]; left < stop[k]; left += 1 << spot_bits(kernel))
 				draw_spot(p, b, m, ink, kernel, blend,
 					&(struct spot){ y + k, left, stop[k] });
 	}
@@ -259,6 +253,61 @@ INLINE void draw_short_rows(const struct pen *p, const struct band *b, const vis
 	}
 }
 
+#if defined __AVX512VBMI__
+
+/* Paint of so many eights is laid at once, of whatever rows they are. */
+#define EIGHTS_ROOM 256
+
+struct eights {
+	uint32_t count;
+	struct eight at[EIGHTS_ROOM + 1];
+};
+
+INLINE void lay_eights(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, struct eights *e)
+{
+	e->at[e->count] = e->at[MAX(e->count, 1) - 1];
+	for (uint32_t n = 0; n < e->count; n += 2)
+		lay_two(p, b, ink, m, e->at + n);
+	e->count = 0;
+}
+
+/* A stroke of paint. */
+INLINE void lay_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink)
+{
+	struct eights e;
+	int most = (p->across + LANES - 1) / LANES;
+	e.count = 0;
+	for (int y = p->top; y < p->end; y += LANES) {
+		vi first, stop;
+		int32_t left[LANES], vectors[LANES];
+		find_rows(p, b, y, &first, &stop);
+		store_mask(left, first);
+		store_mask(vectors, (stop - first + LANES - 1) >> 3);
+		for (int k = 0; k < MIN(LANES, p->end - y); k++) {
+			if (most > SPOTS_ROW) {
+				for (int n = 0; n < vectors[k]; n++) {
+					e.at[e.count++] =
+						(struct eight){ y + k, left[k] + LANES * n };
+					if (e.count == EIGHTS_ROOM)
+						lay_eights(p, b, m, ink, &e);
+				}
+				continue;
+			}
+			for (int n = 0; n < most; n++)
+				e.at[e.count + (uint32_t)n] =
+					(struct eight){ y + k, left[k] + LANES * n };
+			e.count += (uint32_t)CLAMP(vectors[k], 0, most);
+		}
+		if (e.count > EIGHTS_ROOM - LANES * SPOTS_ROW)
+			lay_eights(p, b, m, ink, &e);
+	}
+	lay_eights(p, b, m, ink, &e);
+}
+
+#endif
+
 INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, enum kernel kernel, enum band_blend blend)
 {
@@ -266,7 +315,13 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 		draw_small_sprite(p, b, m, ink, blend);
 		return;
 	}
-	int vectors = (p->across + (1 << spot_bits(kernel, blend)) - 1) >> spot_bits(kernel, blend);
+#if defined __AVX512VBMI__
+	if (blend == BAND_LAID) {
+		lay_stroke(p, b, m, ink);
+		return;
+	}
+#endif
+	int vectors = (p->across + (1 << spot_bits(kernel)) - 1) >> spot_bits(kernel);
 	if (kernel == KERNEL_LINE && vectors == 1) {
 		draw_short_rows(p, b, m, ink, blend);
 		return;
@@ -276,7 +331,7 @@ INLINE void draw_stroke(const struct pen *p, const struct band *b, const visibil
 		return;
 	}
 	struct spot spot[SPOTS_MOST];
-	uint32_t count = find_spots(p, b, spot_bits(kernel, blend), vectors, spot);
+	uint32_t count = find_spots(p, b, spot_bits(kernel), vectors, spot);
 	for (uint32_t n = 0; n < count; n++)
 		draw_spot(p, b, m, ink, kernel, blend, &spot[n]);
 }

@@ -106,17 +106,30 @@ INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const vis
 	store(ink->height + at, load(ink->height + at) + weight * thick);
 }
 
-/* ---- sixteen ---- */
+/* ---- eight and eight ---- */
 
 #if defined __AVX512VBMI__
 
+/* Eight pixels of a row that begin here. */
+struct eight {
+	int y, left;
+};
+
+/* Sixteen of one number, and of another. */
+INLINE wf one_and_other(float one, float other)
+{
+	return _mm512_insertf32x8(_mm512_set1_ps(one), _mm256_set1_ps(other), 1);
+}
+
 /* texture_sum() */
-INLINE wf wide_texture_sum(const struct pen *p, wf dx, float dy)
+INLINE wf two_texture_sum(const struct pen *p, wf dx, const float dy[2])
 {
 	const __m512i parts = _mm512_set1_epi32((1 << TEXEL_BITS) - 1);
 	__m512i at[2], part[2];
 	for (int k = 0; k < 2; k++) {
-		wf place = dx * p->texel_x[k] + (dy * p->texel_y[k] + p->texel_middle[k]);
+		wf place = dx * p->texel_x[k] +
+			   one_and_other(dy[0] * p->texel_y[k] + p->texel_middle[k],
+				   dy[1] * p->texel_y[k] + p->texel_middle[k]);
 		place = _mm512_min_ps(
 			_mm512_max_ps(place, _mm512_setzero_ps()), _mm512_set1_ps(p->texel_end[k]));
 		__m512i whole = _mm512_cvttps_epi32(place);
@@ -136,59 +149,69 @@ INLINE wf wide_texture_sum(const struct pen *p, wf dx, float dy)
 }
 
 /* power_of_two() */
-INLINE wf wide_power_of_two(wf x)
+INLINE wf two_power_of_two(wf x)
 {
 	return _mm512_castsi512_ps(_mm512_cvttps_epi32((x + 127) * (float)(1 << 23)));
 }
 
-INLINE __mmask16 wide_reached(const struct pen *p, wf q, wf depth)
+INLINE __mmask16 two_reached(const struct pen *p, wf q, wf depth)
 {
 	wf there = q * depth;
 	return _mm512_cmp_ps_mask(there, _mm512_set1_ps(p->deep.from), _CMP_GE_OQ) &
 	       _mm512_cmp_ps_mask(there, _mm512_set1_ps(p->deep.to), _CMP_LE_OQ);
 }
 
-/* takes_paint(), of which pixels beside a hole are looked at in halves. */
-INLINE __mmask16 wide_takes_paint(
-	const struct pen *p, const visibility_mask *m, int left, int y, wf q, __mmask16 covered)
+/* takes_paint(), of which pixels beside a hole are looked at by eights. */
+INLINE __mmask16 two_take_paint(const struct pen *p, const visibility_mask *m,
+	const struct eight at[2], wf q, __mmask16 covered)
 {
-	const int32_t *keys = m->key + (ptrdiff_t)y * m->pitch + left;
-	wf depth = wide_load((const float *)(const void *)keys);
-	__mmask16 ret = wide_reached(p, q, depth);
+	const float *depths = (const float *)(const void *)m->key;
+	wf depth = two_load(depths, (ptrdiff_t[]){ (ptrdiff_t)at[0].y * m->pitch + at[0].left,
+					    (ptrdiff_t)at[1].y * m->pitch + at[1].left });
+	__mmask16 ret = two_reached(p, q, depth);
 	__mmask16 empty = _mm512_mask_cmpge_epi32_mask(
 		covered, _mm512_castps_si512(depth), _mm512_set1_epi32(MASK_EMPTY));
 	if (!(empty & (__mmask16)~ret))
 		return ret;
 	const vi all_of_it = { -1, -1, -1, -1, -1, -1, -1, -1 };
-	unsigned low = bits(takes_paint(p, m, left, y, _mm512_castps512_ps256(q), all_of_it)),
+	unsigned low = bits(takes_paint(
+			 p, m, at[0].left, at[0].y, _mm512_castps512_ps256(q), all_of_it)),
 		 high = bits(takes_paint(
-			 p, m, left + LANES, y, _mm512_extractf32x8_ps(q, 1), all_of_it));
+			 p, m, at[1].left, at[1].y, _mm512_extractf32x8_ps(q, 1), all_of_it));
 	return (__mmask16)(low | high << LANES);
 }
 
-/* lay_eight() of sixteen */
-INLINE void lay_sixteen(const struct pen *p, const struct band_ink *ink, const visibility_mask *m,
-	ptrdiff_t at, int y, float dy, int left)
+/* lay_eight() of two, which may be the same. row: of the band's first pixel in picture row 0. */
+INLINE void lay_two(const struct pen *p, const struct band *b, const struct band_ink *ink,
+	const visibility_mask *m, const struct eight at[2])
 {
-	wf dx = (float)left + 0.5f - p->x_px + wide_number;
-	wf thick = wide_texture_sum(p, dx, dy) * TEXTURE_UNIT,
+	float dy[2];
+	ptrdiff_t to[2];
+	for (int k = 0; k < 2; k++) {
+		dy[k] = (float)at[k].y + 0.5f - p->y_px;
+		to[k] = (ptrdiff_t)(at[k].y - (int)b->from) * b->pitch + BAND_MARGIN + at[k].left;
+	}
+	wf dx = one_and_other(
+			(float)at[0].left + 0.5f - p->x_px, (float)at[1].left + 0.5f - p->x_px) +
+		two_numbers;
+	wf thick = two_texture_sum(p, dx, dy) * TEXTURE_UNIT,
 	   cover = two_clamp01((thick - p->dry) * (1 / PAINT_COVERS));
 	__mmask16 laid = _mm512_cmp_ps_mask(cover, _mm512_setzero_ps(), _CMP_GT_OQ);
 	if (laid && m) {
-		wf q = p->q + dx * p->slope[0] + dy * p->slope[1];
-		laid &= wide_takes_paint(p, m, left, y, q, laid);
+		wf q = p->q + dx * p->slope[0] +
+		       one_and_other(dy[0] * p->slope[1], dy[1] * p->slope[1]);
+		laid &= two_take_paint(p, m, at, q, laid);
 	}
 	if (!laid)
 		return;
 	cover = _mm512_maskz_mov_ps(laid, cover);
-	wf weight = cover * wide_power_of_two(p->lay + p->octaves * thick);
-	at += left;
-	wide_store(ink->bare + at, wide_load(ink->bare + at) * (1 - cover));
+	wf weight = cover * two_power_of_two(p->lay + p->octaves * thick);
+	two_store(ink->bare, to, two_load(ink->bare, to) * (1 - cover));
 	for (int k = 0; k < 3; k++)
-		wide_store(ink->channel[k] + at,
-			wide_load(ink->channel[k] + at) + weight * p->colour[k]);
-	wide_store(ink->weight + at, wide_load(ink->weight + at) + weight);
-	wide_store(ink->height + at, wide_load(ink->height + at) + weight * thick);
+		two_store(
+			ink->channel[k], to, two_load(ink->channel[k], to) + weight * p->colour[k]);
+	two_store(ink->weight, to, two_load(ink->weight, to) + weight);
+	two_store(ink->height, to, two_load(ink->height, to) + weight * thick);
 }
 
 #endif

@@ -31,7 +31,9 @@ struct pen {
 	float x_px, y_px, q, slope[2]; /* struct stroke */
 	float cosine, sine, half_length, half_width;
 	float reach_along, reach_across;
-	/* A row dy below the middle is inside from dy turn - reach to dy turn + reach: by its ends, and by its sides. */
+	/* The middle of what of it is drawn: of paint that is dry, not all is. */
+	float middle_x, middle_y;
+	/* A row dy below that is inside from dy turn - reach to dy turn + reach: by its ends, and by its sides. */
 	float turn[2], reach[2];
 	/* Rows that it may touch, from the first to before the end; pixels of each at most. */
 	int32_t top, end, across;
@@ -66,7 +68,7 @@ struct pens {
 	const struct stroke_packed *from[LANES];
 	vi rgb;
 	vf x_px, y_px, q, slope[2], cosine, sine, half_length, half_width;
-	vf reach_along, reach_across, turn[2], reach[2];
+	vf reach_along, reach_across, middle_x, middle_y, turn[2], reach[2];
 	vi top, end, across;
 	vf falloff, alpha, shows_from;
 	struct pen_textures texture;
@@ -170,12 +172,33 @@ INLINE void bound_pens(const struct band *b, struct pens *p)
 		choose(has_sides, p->reach_across * magnitude(by_sine) + ROUNDING, all(REACH_MOST));
 	vf down = magnitude(p->sine) * p->reach_along + magnitude(p->cosine) * p->reach_across +
 		  ROUNDING;
-	p->top = higher(pixel_lanes(p->y_px - down), (vi)all(0) + (int32_t)b->from);
-	p->end = lower(pixel_lanes(p->y_px + down), (vi)all(0) + (int32_t)(b->from + b->rows));
+	p->top = higher(pixel_lanes(p->middle_y - down), (vi)all(0) + (int32_t)b->from);
+	p->end = lower(pixel_lanes(p->middle_y + down), (vi)all(0) + (int32_t)(b->from + b->rows));
 	/* A row has a pixel more than it is long at most, rounded as its ends are in the picture. */
 	vf across =
 		least(2 * least(p->reach[0], p->reach[1]) + ROUNDING_PICTURE, all((float)b->width));
 	p->across = __builtin_convertvector(across, vi) + 1;
+}
+
+/* What of paint is as thick as it must be to be drawn: the texture's extents instead of the whole. */
+INLINE void bound_paint(const struct frame_layer *l, struct pens *p)
+{
+	vf middle[2], reach[2];
+	for (int k = 0; k < LANES; k++) {
+		const struct paint_level *level = paint_level_of(l, p->half_width[k]);
+		float dry = (1 - p->alpha[k]) * PAINT_DRY_STEPS;
+		const struct paint_extent *e = &level->extent[p->texture.variant[k]][(
+			uint32_t)CLAMP(dry, 0, PAINT_DRY_STEPS - 1)];
+		for (int n = 0; n < 2; n++) {
+			middle[n][k] = e->middle[n];
+			reach[n][k] = e->reach[n];
+		}
+	}
+	vf along = middle[0] * p->half_length, across = middle[1] * p->half_width;
+	p->reach_along = reach[0] * p->half_length;
+	p->reach_across = reach[1] * p->half_width;
+	p->middle_x += along * p->cosine - across * p->sine;
+	p->middle_y += along * p->sine + across * p->cosine;
 }
 
 /* Of those in from. */
@@ -186,6 +209,8 @@ INLINE void find_pens(
 	p->shows_from = 1 - least(l->ink.reach_m * p->q, all(STROKE_REACH_MOST));
 	p->reach_along = p->half_length;
 	p->reach_across = p->half_width;
+	p->middle_x = p->x_px;
+	p->middle_y = p->y_px;
 	if (kernel == KERNEL_SPRITE) {
 		vf sigma = 2 * p->half_length / SIGMAS;
 		p->falloff = 1 / (2 * sigma * sigma);
@@ -200,6 +225,8 @@ INLINE void find_pens(
 		/* Half a texel: from the last one to nothing. */
 		p->reach_along += p->half_length / p->texture.length;
 		p->reach_across += p->half_width / p->texture.width;
+		if (l->paint)
+			bound_paint(l, p);
 		p->alpha *= kernel == KERNEL_TEXTURE ? TEXTURE_UNIT : FEW_UNIT;
 	}
 	bound_pens(b, p);
@@ -256,6 +283,8 @@ INLINE struct pen pen_of(
 		.half_width = all->half_width[k],
 		.reach_along = all->reach_along[k],
 		.reach_across = all->reach_across[k],
+		.middle_x = all->middle_x[k],
+		.middle_y = all->middle_y[k],
 		.turn = { all->turn[0][k], all->turn[1][k] },
 		.reach = { all->reach[0][k], all->reach[1][k] },
 		.top = all->top[k],

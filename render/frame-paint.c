@@ -20,6 +20,31 @@ static uint32_t inner(uint32_t whole, uint32_t level)
 	return MAX(whole >> level, 3) - 2;
 }
 
+/* Of texels 1 to size that are more than this, with what is between them and their neighbours. */
+static void extent_along(
+	uint32_t first, uint32_t last, uint32_t size, float *ret_middle, float *ret_reach)
+{
+	*ret_middle = ((float)(first + last) - (float)(size + 1)) / (float)size;
+	*ret_reach = (float)(last - first + 2) / (float)size;
+}
+
+static struct paint_extent extent_of(const stroke_texture *t, uint32_t variant, float dry)
+{
+	struct paint_extent e = { 0 };
+	const uint8_t *texel = stroke_texture_variant(t, variant);
+	uint32_t first[2] = { UINT32_MAX, UINT32_MAX }, last[2] = { 0, 0 };
+	for (uint32_t y = 1; y <= t->width; y++)
+		for (uint32_t x = 1; x <= t->length; x++, texel++)
+			for (int k = 0; k < 2 && *texel > 0 && *texel >= dry * 255 - 0.5f; k++) {
+				first[k] = MIN(first[k], k ? y : x);
+				last[k] = MAX(last[k], k ? y : x);
+			}
+	for (int k = 0; k < 2 && last[k]; k++)
+		extent_along(
+			first[k], last[k], k ? t->width : t->length, &e.middle[k], &e.reach[k]);
+	return e;
+}
+
 static void make_levels(
 	struct frame_paint *p, const struct frame_layer *l, const stroke_texture *texture)
 {
@@ -29,6 +54,10 @@ static void make_levels(
 		struct paint_level *v = &p->level[n];
 		v->texture = stroke_texture_scaled(texture, inner(length, n), inner(width, n));
 		v->texels = frame_pack_texels(v->texture, &v->texel_shift);
+		for (uint32_t k = 0; k < v->texture->variants; k++)
+			for (uint32_t d = 0; d < PAINT_DRY_STEPS; d++)
+				v->extent[k][d] =
+					extent_of(v->texture, k, (float)d / PAINT_DRY_STEPS);
 	}
 }
 

@@ -42,6 +42,13 @@
 /* Of a style's pixels. */
 #define PAINT_HOLE_PX 8.f
 
+/* Where a texture is thicker than so many parts of the thickest. */
+#define PAINT_DRY_STEPS 32u
+/* Along and across, from the middle, in halves of the stroke's length and width; reaches of 0 where none of it is. */
+struct paint_extent {
+	float middle[2], reach[2];
+};
+
 struct frame_paint {
 	struct paint_step step;
 	const scene *scene;
@@ -51,6 +58,7 @@ struct frame_paint {
 	struct paint_level {
 		stroke_texture *texture;
 		uint32_t *texels, texel_shift; /* as those of frame_layer */
+		struct paint_extent extent[STROKE_TEXTURE_VARIANTS][PAINT_DRY_STEPS];
 	} level[PAINT_LEVELS];
 	/* By detail: of all strokes the part that is there. The broad ones are the first. */
 	float part[256];
