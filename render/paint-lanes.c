@@ -1,4 +1,6 @@
+#define LANES_MAY_BE_WIDE
 #include "render/paint-need.h"
+#include "render/stroke-queue.h"
 #include <math.h>
 #include <string.h>
 
@@ -140,21 +142,69 @@ INLINE void try_stroke(const struct brush *b, struct lane_candidates *c,
 
 /* The points themselves too. */
 INLINE void try_copies(
-	const struct brush *b, uint32_t at, struct lane_candidates *c, struct stroke_chain *to)
+	const struct brush *b, struct lane_candidates c[VECTORS], struct stroke_chain *to)
 {
-	struct paint_lanes p;
-	find_paint(b, at, c, &p);
-	fetch(b, c);
-	vf copies = copies_of(b, c);
-	for (; c->left && c->copy < b->copies; c->copy++) {
-		struct lane_candidates one = *c;
-		try_stroke(b, &one, &p, to);
-		c->rank += c->last;
-		c->left &= bits((c->rank < c->most) & ((float)c->copy + 1 < copies));
+	struct paint_lanes p[VECTORS];
+	vf copies[VECTORS];
+	for (int n = 0; n < VECTORS; n++) {
+		find_paint(b, &c[n], &p[n]);
+		copies[n] = copies_of(b, &c[n]);
 	}
+	for (uint32_t copy = 0; copy < b->copies; copy++) {
+		unsigned left = 0;
+		for (int n = 0; n < VECTORS; n++) {
+			if (!c[n].left)
+				continue;
+			struct lane_candidates one = c[n];
+			one.copy = copy;
+			try_stroke(b, &one, &p[n], to);
+			c[n].rank += c[n].last;
+			c[n].left &= bits((c[n].rank < c[n].most) & ((float)copy + 1 < copies[n]));
+			left |= c[n].left;
+		}
+		if (!left)
+			break;
+	}
+}
+
+/* As many of them as there are groups of, or all. */
+INLINE void try_queue(const struct brush *b, struct queue *q, uint32_t end, struct stroke_chain *to)
+{
+	for (uint32_t at = 0; at < end; at += GROUP) {
+		struct lane_candidates c[VECTORS];
+		find_group(b, q, at, end, c);
+		try_copies(b, c, to);
+	}
+	queue_move_up(q, end);
+}
+
+/* Where there are few details few are wanted. Of what is still left. */
+INLINE unsigned wanted_by_detail(
+	const struct brush *b, uint32_t at, const struct lane_candidates *c)
+{
+	const struct frame_paint *paint = b->layer->paint;
+	vi detail = load_u8_whole(paint->seen->detail + at);
+	vf nearest_m = nearest_of(b, c->depth_m),
+	   px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, nearest_m),
+	   scale = c->spacing_m * px_per_m;
+	return bits(c->rank < (vf)gather(paint->part, detail, 4) * scale * scale * b->wanted_most *
+				      STROKE_FADE_MORE(octaves_of(nearest_m)));
 }
 
 void LANES_NAME(stroke_paint)(const struct brush *b, struct stroke_chain *to)
 {
-	row_each(b, to, try_copies);
+	struct queue q = { 0 };
+	uint32_t end = row_end(b);
+	for (uint32_t i = 0; i < end; i += LANES) {
+		struct lane_candidates c;
+		row_candidates(b, i, end, &c);
+		if (!c.left)
+			continue;
+		c.left &= wanted_by_detail(b, b->view->chunk->first + i, &c);
+		if (c.left)
+			put_in_queue(b, &c, &q);
+		if (q.count >= QUEUE)
+			try_queue(b, &q, QUEUE, to);
+	}
+	try_queue(b, &q, q.count, to);
 }

@@ -37,10 +37,10 @@ INLINE vf zigzag(vf x)
 }
 
 /* The hand turns slowly from place to place of the site; cells of metres. */
-INLINE vf wave_at(const struct brush *b, uint32_t at)
+INLINE vf wave_at(const struct brush *b, vi point)
 {
 	const struct scene_chunk *c = b->view->chunk;
-	struct lane_places p = load_places(b->f->scene->place + at);
+	struct lane_places p = gather_places(b->f->scene->place, point);
 	vf m[3];
 	for (int k = 0; k < 3; k++)
 		m[k] = c->centre_m[k] - c->half_m[k] + c->step_m[k] * p.q[k];
@@ -115,8 +115,7 @@ INLINE void follow_way(
 	mix_ways(plane, ret, own, where(some, clear * b->layer->paint->step.follow));
 }
 
-INLINE void find_way(
-	const struct brush *b, const struct lane_candidates *c, uint32_t at, struct paint_lanes *p)
+INLINE void find_way(const struct brush *b, const struct lane_candidates *c, struct paint_lanes *p)
 {
 	vf plane[3], crown[3];
 	vi lies = paint_plane(b, c, plane);
@@ -128,7 +127,7 @@ INLINE void find_way(
 	}
 	follow_way(b, plane, p, p->along);
 	cross_lanes(plane, p->along, p->up);
-	p->wave = where(c->is_flat, wave_at(b, at));
+	p->wave = where(c->is_flat, wave_at(b, c->point));
 	vf part = least(way_on_screen(b, c, p->along).part, all(1)),
 	   area = choose(lies, least(magnitude(along_of(b, c)), all(1)), all(1));
 	p->aslant = most(area, all(PAINT_NARROWEST));
@@ -167,22 +166,22 @@ INLINE vi seen_way(vi look)
 	return (way & ~none) | (none & (MODEL_NORMAL_NONE & UINT16_MAX));
 }
 
-/* What is the same for all copies of the points, which stand in a row. What is quickly told comes first. */
-INLINE void find_paint(
-	const struct brush *b, uint32_t at, struct lane_candidates *c, struct paint_lanes *p)
+/* What is the same for all copies of the points. What is quickly told comes first. */
+INLINE void find_paint(const struct brush *b, struct lane_candidates *c, struct paint_lanes *p)
 {
 	const struct frame_paint *paint = b->layer->paint;
 	const scene *s = b->f->scene;
-	vi look = load_mask((const int32_t *)paint->seen->look + at);
-	p->rgb_detail = seen_rgb(look) | load_u8_whole(paint->seen->detail + at) << 24;
+	vi look = gather(paint->seen->look, c->point, 4),
+	   detail = gather(paint->seen->detail, c->point, 1) & UINT8_MAX;
+	p->rgb_detail = seen_rgb(look) | detail << 24;
 	p->way = seen_way(look);
-	p->part = (vf)gather(paint->part, p->rgb_detail >> 24 & 255, 4);
+	p->part = (vf)gather(paint->part, detail, 4);
 	c->last = 1 / (c->spacing_m * c->spacing_m);
 	c->rank *= c->last;
 	c->wanted = p->part * b->layer->wanted_per_px[0];
-	find_normals(b, *(const vi_loose *)(const void *)s->normal[at], c);
+	find_normals(b, gather(s->normal, c->point, 4), c);
 	if (scene_paint_chunk_of(paint->seen, s, b->view->chunk)->is_leafy)
-		c->is_flat &= load_u8_whole(s->kind + at) != FEATURE_UNDIRECTED;
+		c->is_flat &= (gather(s->kind, c->point, 1) & UINT8_MAX) != FEATURE_UNDIRECTED;
 	else
 		c->is_flat = ~has_no_normal(c);
 	c->spreads = c->is_flat;
@@ -191,7 +190,7 @@ INLINE void find_paint(
 	c->left &= bits(c->rank * PAINT_NARROWEST < c->wanted * per_px);
 	if (!c->left)
 		return;
-	find_way(b, c, at, p);
+	find_way(b, c, p);
 	c->wanted /= p->aslant;
 	c->most = c->wanted * per_px;
 	c->left &= bits(c->rank < c->most);

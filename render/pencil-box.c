@@ -8,8 +8,8 @@
 
 struct hsv hsv_of(const float rgb[3])
 {
-	float most = fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])),
-	      least = fminf(rgb[0], fminf(rgb[1], rgb[2])), range = most - least;
+	float most = MAX(rgb[0], MAX(rgb[1], rgb[2])), least = MIN(rgb[0], MIN(rgb[1], rgb[2])),
+	      range = most - least;
 	struct hsv c = { 0, most > 0 ? range / most : 0, most };
 	if (range <= 0)
 		return c;
@@ -27,8 +27,8 @@ struct hsv hsv_of(const float rgb[3])
 static float full(float hue, float own)
 {
 	float away = fabsf(hue - own);
-	away = fminf(away, 6 - away);
-	return fminf(fmaxf(2 - away, 0), 1);
+	away = MIN(away, 6 - away);
+	return CLAMP(2 - away, 0, 1);
 }
 
 void hsv_to_rgb(const struct hsv *c, float ret[3])
@@ -91,8 +91,8 @@ static const struct pencil *pick(const pencil_box *b, float hue, float chance)
 /* White takes from its fullness, black from its lightness. A pencil that is paler than the colour stays as it is. */
 static void mix(const struct pencil *p, const struct hsv *c, float ret[3])
 {
-	float least = fminf(p->rgb[0], fminf(p->rgb[1], p->rgb[2])), own = 1 - least;
-	float part = fminf(c->saturation / fmaxf(own, 1e-3f), 1);
+	float least = MIN(p->rgb[0], MIN(p->rgb[1], p->rgb[2])), own = 1 - least;
+	float part = MIN(c->saturation / MAX(own, 1e-3f), 1);
 	for (int k = 0; k < 3; k++)
 		ret[k] = c->value * (1 - part * (1 - p->rgb[k]));
 }
@@ -101,7 +101,8 @@ void pencil_box_draw(const pencil_box *b, float hue_shift_deg, float chance, flo
 {
 	struct hsv c = hsv_of(rgb);
 	c.hue += hue_shift_deg * (1 / 60.f);
-	c.hue -= 6 * floorf(c.hue * (1 / 6.f));
+	if (c.hue < 0 || c.hue >= 6)
+		c.hue -= 6 * floorf(c.hue * (1 / 6.f));
 	if (b->count)
 		mix(pick(b, c.hue, chance), &c, rgb);
 	else if (hue_shift_deg != 0)

@@ -1,7 +1,7 @@
 #define LANES_MAY_BE_WIDE
 #include "render/scene-list.h"
 #include "render/stroke-pack-lanes.h"
-#include "render/stroke-shows.h"
+#include "render/stroke-queue.h"
 #include "render/surface-lanes.h"
 #include <string.h>
 
@@ -248,55 +248,6 @@ INLINE void find_candidates(
 	c->left &= promising(b, &l, c);
 }
 
-/* Most points of a chunk are soon told to be no strokes. The others wait until there are some, so that all lanes have work, and what is
- * known of them is on its way meanwhile. */
-#define QUEUE      64
-#define QUEUE_MOST (QUEUE + 2 * LANES)
-struct queue {
-	uint32_t count;
-	int32_t point[QUEUE_MOST];
-	float rank[QUEUE_MOST], spacing_m[QUEUE_MOST];
-	float x_px[QUEUE_MOST], y_px[QUEUE_MOST], depth_m[QUEUE_MOST];
-};
-
-INLINE void put_in_queue(const struct brush *b, const struct lane_candidates *c, struct queue *q)
-{
-	const scene *s = b->f->scene;
-	vi order = order_of(c->left);
-	store((float *)q->point + q->count, put_in_order((vf)c->point, order));
-	store(q->rank + q->count, put_in_order(c->rank, order));
-	store(q->spacing_m + q->count, put_in_order(c->spacing_m, order));
-	store(q->x_px + q->count, put_in_order(c->x_px, order));
-	store(q->y_px + q->count, put_in_order(c->y_px, order));
-	store(q->depth_m + q->count, put_in_order(c->depth_m, order));
-	q->count += (uint32_t)__builtin_popcount(c->left);
-	fetch(b, c);
-	for (unsigned left = c->left; left; left &= left - 1) {
-		int32_t point = c->point[__builtin_ctz(left)];
-		__builtin_prefetch(&s->normal[point]);
-		__builtin_prefetch(&s->rgba[point]);
-		__builtin_prefetch(&s->degree[point]);
-	}
-}
-
-/* Eight of them, or the last ones before end. */
-INLINE struct lane_candidates from_queue(const struct queue *q, uint32_t at, uint32_t end)
-{
-	uint32_t left = end > at ? end - at : 0;
-	struct lane_candidates c = { .point = load_mask(q->point + at),
-		.rank = load(q->rank + at),
-		.spacing_m = load(q->spacing_m + at),
-		.x_px = load(q->x_px + at),
-		.y_px = load(q->y_px + at),
-		.depth_m = load(q->depth_m + at),
-		.left = left < LANES ? (1u << left) - 1 : LANES_ALL };
-	return c;
-}
-
-/* Points that are looked at together, however many lanes there are, so that strokes come in the same order. */
-#define GROUP   16
-#define VECTORS (GROUP / LANES)
-
 /* The points themselves too. */
 INLINE void try_copies(
 	const struct brush *b, struct lane_candidates c[VECTORS], struct stroke_chain *to)
@@ -327,10 +278,7 @@ INLINE void try_group(const struct brush *b, const struct queue *q, uint32_t at,
 	struct stroke_chain *to)
 {
 	struct lane_candidates c[VECTORS];
-	for (uint32_t n = 0; n < VECTORS; n++) {
-		c[n] = from_queue(q, at + n * LANES, end);
-		find_ids(b, &c[n]);
-	}
+	find_group(b, q, at, end, c);
 	if (!is_on_edge(b)) {
 		try_copies(b, c, to);
 		return;
@@ -339,18 +287,12 @@ INLINE void try_group(const struct brush *b, const struct queue *q, uint32_t at,
 		try_on_edges(b, &c[n], to);
 }
 
-/* As many of them as there are groups of, or all; those behind them move up. */
+/* As many of them as there are groups of, or all. */
 INLINE void try_queue(const struct brush *b, struct queue *q, uint32_t end, struct stroke_chain *to)
 {
 	for (uint32_t at = 0; at < end; at += GROUP)
 		try_group(b, q, at, end, to);
-	q->count -= end;
-	store((float *)q->point, load((const float *)q->point + end));
-	store(q->rank, load(q->rank + end));
-	store(q->spacing_m, load(q->spacing_m + end));
-	store(q->x_px, load(q->x_px + end));
-	store(q->y_px, load(q->y_px + end));
-	store(q->depth_m, load(q->depth_m + end));
+	queue_move_up(q, end);
 }
 
 INLINE void try_tone(
@@ -376,7 +318,6 @@ INLINE void try_tone(
 
 void LANES_NAME(stroke_choose)(const struct brush *b, struct stroke_chain *to)
 {
-	/* Lanes behind the last one are of some point, too. */
 	struct queue q = { 0 };
 	for (uint32_t tone = 0; tone < SCENE_LIST_TONES; tone++)
 		try_tone(b, tone, &q, to);

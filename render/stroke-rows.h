@@ -1,7 +1,7 @@
 #ifndef RENDER_STROKE_ROWS_H
 #define RENDER_STROKE_ROWS_H
 /* The points of a chunk as they stand, in the order of their ranks, eight in a row: for layers that take all kinds of points as surface.
- * Internal to hatch-lanes.c and contour-lanes.c; all is inlined. */
+ * Internal to hatch-lanes.c, contour-lanes.c and paint-lanes.c; all is inlined. */
 #include "render/stroke-shows.h"
 
 /* No rank above it is drawn. */
@@ -29,17 +29,24 @@ INLINE void row_candidates(
 	uint32_t at = b->view->chunk->first + i;
 	struct lane_places p = load_places(s->place + at);
 	struct lane_points l = project_lanes(b->view, p.q, &b->lens);
-	c->point = (int32_t)at + (vi){ 0, 1, 2, 3, 4, 5, 6, 7 };
+	c->point = (int32_t)at + __builtin_convertvector(lane_number, vi);
 	c->copy = 0;
 	c->x_px = l.x_px;
 	c->y_px = l.y_px;
 	c->depth_m = l.depth_m;
 	c->rank = ((float)i + 0.5f + lane_number) * (1.f / (float)b->list_count);
 	c->spacing_m = p.spacing * s->unit_m;
-	c->left = end - i < LANES ? (1u << (end - i)) - 1 : 0xff;
+	c->left = end - i < LANES ? (1u << (end - i)) - 1 : LANES_ALL;
 	c->left &= promising(b, &l, c);
 	if (c->left && b->layer->ink.points != INK_ALL)
 		c->left &= row_kinds(b, at);
+}
+
+/* No point from there on, by its place in the chunk, is drawn. */
+INLINE uint32_t row_end(const struct brush *b)
+{
+	float count = (float)b->list_count;
+	return (uint32_t)MIN(row_need_most(b) * count + 1, count);
 }
 
 /* Calls draw with each eight that may give strokes; at: the first one's place in the scene. It is inlined too. */
@@ -47,8 +54,7 @@ INLINE void row_each(const struct brush *b, struct stroke_chain *to,
 	void (*draw)(const struct brush *b, uint32_t at, struct lane_candidates *c,
 		struct stroke_chain *to))
 {
-	float count = (float)b->list_count;
-	uint32_t end = (uint32_t)MIN(row_need_most(b) * count + 1, count);
+	uint32_t end = row_end(b);
 	for (uint32_t i = 0; i < end; i += LANES) {
 		struct lane_candidates c;
 		row_candidates(b, i, end, &c);
