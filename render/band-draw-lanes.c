@@ -255,22 +255,8 @@ INLINE void draw_short_rows(const struct pen *p, const struct band *b, const vis
 
 #if defined __AVX512VBMI__
 
-/* Paint of so many eights is laid at once, of whatever rows they are. */
-#define EIGHTS_ROOM 256
-
-struct eights {
-	uint32_t count;
-	struct eight at[EIGHTS_ROOM + 1];
-};
-
-INLINE void lay_eights(const struct pen *p, const struct band *b, const visibility_mask *m,
-	const struct band_ink *ink, struct eights *e)
-{
-	e->at[e->count] = e->at[MAX(e->count, 1) - 1];
-	for (uint32_t n = 0; n < e->count; n += 2)
-		lay_two(p, b, ink, m, e->at + n);
-	e->count = 0;
-}
+/* Of a row, SPOTS_ROW. */
+typedef int32_t four_loose __attribute__((vector_size(16), aligned(4), may_alias));
 
 /* A stroke of paint. */
 INLINE void lay_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
@@ -288,16 +274,16 @@ INLINE void lay_stroke(const struct pen *p, const struct band *b, const visibili
 		for (int k = 0; k < MIN(LANES, p->end - y); k++) {
 			if (most > SPOTS_ROW) {
 				for (int n = 0; n < vectors[k]; n++) {
-					e.at[e.count++] =
-						(struct eight){ y + k, left[k] + LANES * n };
+					e.y[e.count] = y + k;
+					e.left[e.count++] = left[k] + LANES * n;
 					if (e.count == EIGHTS_ROOM)
 						lay_eights(p, b, m, ink, &e);
 				}
 				continue;
 			}
-			for (int n = 0; n < most; n++)
-				e.at[e.count + (uint32_t)n] =
-					(struct eight){ y + k, left[k] + LANES * n };
+			*(four_loose *)(e.y + e.count) = y + k + (four_loose){ 0 };
+			*(four_loose *)(e.left + e.count) =
+				left[k] + (four_loose){ 0, LANES, 2 * LANES, 3 * LANES };
 			e.count += (uint32_t)CLAMP(vectors[k], 0, most);
 		}
 		if (e.count > EIGHTS_ROOM - LANES * SPOTS_ROW)
@@ -351,6 +337,12 @@ INLINE void draw_all(const struct band *b, const struct frame_layer *l,
 		find_pens(b, l, kernel, &all);
 		for (uint32_t k = 0; k < MIN(LANES, strokes->count - n); k++) {
 			struct pen p = pen_of(l, &all, (int)k, kernel);
+			if (blend == BAND_LAID && p.top < p.end) {
+				float aside = fabsf(p.cosine) * p.reach_along +
+					      fabsf(p.sine) * p.reach_across + 1;
+				band_parts_add(ink->laid, p.middle_x - aside, p.middle_x + aside,
+					b->width);
+			}
 			draw_stroke(&p, b, m, ink, kernel, blend);
 		}
 	}

@@ -4,6 +4,7 @@
  * are that wide. Internal to band-draw-lanes.c; all is inlined. */
 #include "render/band-draw-two.h"
 #include "render/project-lanes.h"
+#include <string.h>
 
 /* Of four bytes each with as many weights, which are 127 together. */
 INLINE vi weighted(vi bytes, vi weights)
@@ -110,26 +111,58 @@ INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const vis
 
 #if defined __AVX512VBMI__
 
-/* Eight pixels of a row that begin here. */
-struct eight {
-	int y, left;
+/* Eights of pixels of one stroke, of whatever rows: y and left are those of their first pixels. What is found of them next: how far these
+ * are from the stroke's middle, where that is in the texture, by how much 1/depth differs for their row; where they are in planes and mask. */
+#define EIGHTS_ROOM 256
+struct eights {
+	uint32_t count;
+	int32_t y[EIGHTS_ROOM + LANES], left[EIGHTS_ROOM + LANES];
+	float dx[EIGHTS_ROOM + LANES], texel[2][EIGHTS_ROOM + LANES], deeper[EIGHTS_ROOM + LANES];
+	int32_t to[EIGHTS_ROOM + LANES], key[EIGHTS_ROOM + LANES];
+	wf thick[EIGHTS_ROOM / 2];
 };
 
-/* Sixteen of one number, and of another. */
-INLINE wf one_and_other(float one, float other)
+INLINE void eights_find(
+	struct eights *e, const struct pen *p, const struct band *b, const visibility_mask *m)
 {
-	return _mm512_insertf32x8(_mm512_set1_ps(one), _mm256_set1_ps(other), 1);
+	e->y[e->count] = e->y[e->count - 1];
+	e->left[e->count] = e->left[e->count - 1];
+	int32_t pitch = m ? (int32_t)m->pitch : 0;
+	for (uint32_t n = 0; n <= e->count; n += LANES) {
+		vi y = *(const vi_loose *)(e->y + n), left = *(const vi_loose *)(e->left + n);
+		vf dy = __builtin_convertvector(y, vf) + 0.5f - p->y_px;
+		store(e->dx + n, __builtin_convertvector(left, vf) + 0.5f - p->x_px);
+		for (int k = 0; k < 2; k++)
+			store(e->texel[k] + n, dy * p->texel_y[k] + p->texel_middle[k]);
+		store(e->deeper + n, dy * p->slope[1]);
+		store_mask(
+			e->to + n, (y - (int32_t)b->from) * (int32_t)b->pitch + left + BAND_MARGIN);
+		store_mask(e->key + n, y * pitch + left);
+	}
 }
 
-/* texture_sum() */
-INLINE wf two_texture_sum(const struct pen *p, wf dx, const float dy[2])
+/* Of eight the first number, and of eight the second. */
+INLINE wf one_and_other(const float *both)
+{
+	const __m512i halves = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
+	double two;
+	memcpy(&two, both, sizeof two);
+	return _mm512_permutexvar_ps(halves, _mm512_castpd_ps(_mm512_set1_pd(two)));
+}
+
+INLINE wf two_dx(const struct eights *e, uint32_t n)
+{
+	return one_and_other(e->dx + n) + two_numbers;
+}
+
+/* texture_sum() of eights n and n + 1 */
+INLINE wf two_texture_sum(const struct pen *p, const struct eights *e, uint32_t n)
 {
 	const __m512i parts = _mm512_set1_epi32((1 << TEXEL_BITS) - 1);
 	__m512i at[2], part[2];
+	wf dx = two_dx(e, n);
 	for (int k = 0; k < 2; k++) {
-		wf place = dx * p->texel_x[k] +
-			   one_and_other(dy[0] * p->texel_y[k] + p->texel_middle[k],
-				   dy[1] * p->texel_y[k] + p->texel_middle[k]);
+		wf place = dx * p->texel_x[k] + one_and_other(e->texel[k] + n);
 		place = _mm512_min_ps(
 			_mm512_max_ps(place, _mm512_setzero_ps()), _mm512_set1_ps(p->texel_end[k]));
 		__m512i whole = _mm512_cvttps_epi32(place);
@@ -163,11 +196,11 @@ INLINE __mmask16 two_reached(const struct pen *p, wf q, wf depth)
 
 /* takes_paint(), of which pixels beside a hole are looked at by eights. */
 INLINE __mmask16 two_take_paint(const struct pen *p, const visibility_mask *m,
-	const struct eight at[2], wf q, __mmask16 covered)
+	const struct eights *e, uint32_t n, __mmask16 covered)
 {
-	const float *depths = (const float *)(const void *)m->key;
-	wf depth = two_load(depths, (ptrdiff_t[]){ (ptrdiff_t)at[0].y * m->pitch + at[0].left,
-					    (ptrdiff_t)at[1].y * m->pitch + at[1].left });
+	wf q = p->q + two_dx(e, n) * p->slope[0] + one_and_other(e->deeper + n);
+	wf depth = two_load(
+		(const float *)(const void *)m->key, (ptrdiff_t[]){ e->key[n], e->key[n + 1] });
 	__mmask16 ret = two_reached(p, q, depth);
 	__mmask16 empty = _mm512_mask_cmpge_epi32_mask(
 		covered, _mm512_castps_si512(depth), _mm512_set1_epi32(MASK_EMPTY));
@@ -175,35 +208,23 @@ INLINE __mmask16 two_take_paint(const struct pen *p, const visibility_mask *m,
 		return ret;
 	const vi all_of_it = { -1, -1, -1, -1, -1, -1, -1, -1 };
 	unsigned low = bits(takes_paint(
-			 p, m, at[0].left, at[0].y, _mm512_castps512_ps256(q), all_of_it)),
-		 high = bits(takes_paint(
-			 p, m, at[1].left, at[1].y, _mm512_extractf32x8_ps(q, 1), all_of_it));
+			 p, m, e->left[n], e->y[n], _mm512_castps512_ps256(q), all_of_it)),
+		 high = bits(takes_paint(p, m, e->left[n + 1], e->y[n + 1],
+			 _mm512_extractf32x8_ps(q, 1), all_of_it));
 	return (__mmask16)(low | high << LANES);
 }
 
-/* lay_eight() of two, which may be the same. row: of the band's first pixel in picture row 0. */
-INLINE void lay_two(const struct pen *p, const struct band *b, const struct band_ink *ink,
-	const visibility_mask *m, const struct eight at[2])
+/* lay_eight() of eights n and n + 1, which may be the same. */
+INLINE void lay_two(const struct pen *p, const struct band_ink *ink, const visibility_mask *m,
+	const struct eights *e, uint32_t n)
 {
-	float dy[2];
-	ptrdiff_t to[2];
-	for (int k = 0; k < 2; k++) {
-		dy[k] = (float)at[k].y + 0.5f - p->y_px;
-		to[k] = (ptrdiff_t)(at[k].y - (int)b->from) * b->pitch + BAND_MARGIN + at[k].left;
-	}
-	wf dx = one_and_other(
-			(float)at[0].left + 0.5f - p->x_px, (float)at[1].left + 0.5f - p->x_px) +
-		two_numbers;
-	wf thick = two_texture_sum(p, dx, dy) * TEXTURE_UNIT,
-	   cover = two_clamp01((thick - p->dry) * (1 / PAINT_COVERS));
+	wf thick = e->thick[n / 2], cover = two_clamp01((thick - p->dry) * (1 / PAINT_COVERS));
 	__mmask16 laid = _mm512_cmp_ps_mask(cover, _mm512_setzero_ps(), _CMP_GT_OQ);
-	if (laid && m) {
-		wf q = p->q + dx * p->slope[0] +
-		       one_and_other(dy[0] * p->slope[1], dy[1] * p->slope[1]);
-		laid &= two_take_paint(p, m, at, q, laid);
-	}
+	if (m)
+		laid &= two_take_paint(p, m, e, n, laid);
 	if (!laid)
 		return;
+	const ptrdiff_t to[] = { e->to[n], e->to[n + 1] };
 	cover = _mm512_maskz_mov_ps(laid, cover);
 	wf weight = cover * two_power_of_two(p->lay + p->octaves * thick);
 	two_store(ink->bare, to, two_load(ink->bare, to) * (1 - cover));
@@ -212,6 +233,20 @@ INLINE void lay_two(const struct pen *p, const struct band *b, const struct band
 			ink->channel[k], to, two_load(ink->channel[k], to) + weight * p->colour[k]);
 	two_store(ink->weight, to, two_load(ink->weight, to) + weight);
 	two_store(ink->height, to, two_load(ink->height, to) + weight * thick);
+}
+
+/* All of them. First their textures: what waits for these are no branches that are hard to foresee. */
+INLINE void lay_eights(const struct pen *p, const struct band *b, const visibility_mask *m,
+	const struct band_ink *ink, struct eights *e)
+{
+	if (!e->count)
+		return;
+	eights_find(e, p, b, m);
+	for (uint32_t n = 0; n < e->count; n += 2)
+		e->thick[n / 2] = two_texture_sum(p, e, n) * TEXTURE_UNIT;
+	for (uint32_t n = 0; n < e->count; n += 2)
+		lay_two(p, ink, m, e, n);
+	e->count = 0;
 }
 
 #endif

@@ -57,6 +57,7 @@ struct pen {
 
 /* The texture of each. */
 struct pen_textures {
+	const struct paint_level *level[LANES]; /* of paint */
 	const stroke_texture *texture[LANES];
 	const uint32_t *texels[LANES];
 	uint32_t shift[LANES], variant[LANES];
@@ -138,7 +139,7 @@ INLINE void find_textures(const struct frame_layer *l, struct pens *p)
 {
 	struct pen_textures *to = &p->texture;
 	for (int k = 0; k < LANES; k++) {
-		const struct paint_level *level =
+		const struct paint_level *level = to->level[k] =
 			l->paint ? paint_level_of(l, p->half_width[k]) : NULL;
 		const stroke_texture *t = to->texture[k] = level ? level->texture : l->texture;
 		uint32_t point = p->from[k]->word[STROKE_POINT], copy = (uint32_t)p->rgb[k] >> 24;
@@ -181,22 +182,21 @@ INLINE void bound_pens(const struct band *b, struct pens *p)
 }
 
 /* What of paint is as thick as it must be to be drawn: the texture's extents instead of the whole. */
-INLINE void bound_paint(const struct frame_layer *l, struct pens *p)
+INLINE void bound_paint(struct pens *p)
 {
-	vf middle[2], reach[2];
+	float middle[2][LANES], reach[2][LANES];
 	for (int k = 0; k < LANES; k++) {
-		const struct paint_level *level = paint_level_of(l, p->half_width[k]);
-		float dry = (1 - p->alpha[k]) * PAINT_DRY_STEPS;
-		const struct paint_extent *e = &level->extent[p->texture.variant[k]][(
+		float dry = PAINT_DRY(p->alpha[k]) * PAINT_DRY_STEPS;
+		const struct paint_extent *e = &p->texture.level[k]->extent[p->texture.variant[k]][(
 			uint32_t)CLAMP(dry, 0, PAINT_DRY_STEPS - 1)];
 		for (int n = 0; n < 2; n++) {
 			middle[n][k] = e->middle[n];
 			reach[n][k] = e->reach[n];
 		}
 	}
-	vf along = middle[0] * p->half_length, across = middle[1] * p->half_width;
-	p->reach_along = reach[0] * p->half_length;
-	p->reach_across = reach[1] * p->half_width;
+	vf along = load(middle[0]) * p->half_length, across = load(middle[1]) * p->half_width;
+	p->reach_along = load(reach[0]) * p->half_length;
+	p->reach_across = load(reach[1]) * p->half_width;
 	p->middle_x += along * p->cosine - across * p->sine;
 	p->middle_y += along * p->sine + across * p->cosine;
 }
@@ -226,7 +226,7 @@ INLINE void find_pens(
 		p->reach_along += p->half_length / p->texture.length;
 		p->reach_across += p->half_width / p->texture.width;
 		if (l->paint)
-			bound_paint(l, p);
+			bound_paint(p);
 		p->alpha *= kernel == KERNEL_TEXTURE ? TEXTURE_UNIT : FEW_UNIT;
 	}
 	bound_pens(b, p);
@@ -241,7 +241,7 @@ INLINE void lay_pen(const struct frame_layer *l, const struct stroke_packed *fro
 	p->lay = (float)s.lay * paint->octaves[0] -
 		 0.5f * (paint->octaves[0] * (PAINT_LAYS - 1) + paint->octaves[1]);
 	p->octaves = paint->octaves[1];
-	p->dry = 1 - s.alpha;
+	p->dry = PAINT_DRY(s.alpha);
 	p->deep = stroke_paint_reach(paint, &s);
 	p->hole_px = paint->hole_px;
 }

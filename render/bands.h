@@ -64,6 +64,22 @@ enum band_blend {
 #define BAND_BLENDS (BAND_LAID + 1)
 enum band_blend band_blend_of(const struct frame_layer *l);
 
+/* Parts of a band's width, a bit each, side by side. */
+#define BAND_PARTS 64
+struct band_parts {
+	uint64_t in;
+	uint32_t shift;    /* of the columns */
+	int32_t beside_px; /* so far beside what is in them they are in too */
+};
+static inline void band_parts_add(struct band_parts *p, float from_x, float to_x, uint32_t width)
+{
+	int32_t first = (int32_t)CLAMP(from_x - (float)p->beside_px, 0, (float)(width - 1)) >>
+			p->shift,
+		last = (int32_t)CLAMP(to_x + (float)p->beside_px, 0, (float)(width - 1)) >>
+		       p->shift;
+	p->in |= (2ull << last) - (1ull << first);
+}
+
 struct band_ink {
 	float *bare;       /* product of 1 - alpha; or the least of them */
 	float *channel[3]; /* product of 1 - alpha (1 - colour); or sum of alpha * colour */
@@ -71,6 +87,7 @@ struct band_ink {
 	/* Of strokes that lie on each other weights have a factor of two to the octaves that they lie higher by (frame-paint.h), which makes
 	 * sums those of what lies highest, whatever came first. Sum of weight * how thick its paint is, 0..1. */
 	float *height;
+	struct band_parts *laid; /* where strokes of BAND_LAID are */
 };
 /* Draws strokes of the layer over the planes. m may be NULL. */
 void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,

@@ -1,17 +1,12 @@
 #define LANES_MAY_BE_WIDE
 #include "render/draw-lanes.h"
+#include "render/draw-laid.h"
 #include "render/edl.h"
 #include "render/light.h"
 #include "render/project-lanes.h"
 #include "render/splat.h"
 #include <math.h>
 #include <string.h>
-
-INLINE void fill(const struct band *b, float *plane, float value)
-{
-	for (size_t i = 0; i < (size_t)b->pitch * b->rows; i += LANES)
-		store(plane + i, all(value));
-}
 
 /* ---- paper ---- */
 
@@ -209,13 +204,6 @@ INLINE void draw_points(const struct draw_job *j, struct draw_desk *d)
 
 /* ---- inks ---- */
 
-/* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
-INLINE vf on_relief(vf bare, vf relief, float tooth)
-{
-	vf cover = 1 - bare;
-	return 1 - clamp01(cover * (1 + 4 * tooth * relief * bare));
-}
-
 INLINE vf uncovered(
 	const struct frame_layer *l, const float *bare, const struct draw_desk *d, size_t at)
 {
@@ -257,74 +245,6 @@ INLINE void add_painted(const struct frame_layer *l, struct draw_desk *d, size_t
 	}
 }
 
-/* ---- paint ---- */
-
-/* Rows of strokes of paint: more than those of the band, where there are any. */
-INLINE struct band laid_band(const struct band *b, uint32_t height)
-{
-	struct band e = *b;
-	e.from = b->from ? b->from - BAND_AROUND : 0;
-	e.rows = MIN(b->from + b->rows + BAND_AROUND, height) - e.from;
-	return e;
-}
-
-/* How thick paint lies in the mean. */
-INLINE vf thickness_at(const struct band_ink *ink, ptrdiff_t at)
-{
-	vf weight = load(ink->weight + at);
-	return where(weight > 0, load(ink->height + at) / weight * (1 - load(ink->bare + at)));
-}
-
-/* x^16 */
-INLINE vf glint(vf x)
-{
-	x *= x;
-	x *= x;
-	x *= x;
-	return x * x;
-}
-
-/* Of eight pixels; above and below: rows. What light does to paint: a factor, and what is added. */
-INLINE void light_paint(const struct frame_layer *l, const float light[3], float px,
-	const struct band_ink *ink, ptrdiff_t at, ptrdiff_t above, ptrdiff_t below, vf ret[2])
-{
-	const struct paint_step *step = &l->paint->step;
-	float steep = 0.5f * step->thickness_px * px;
-	vf n[2] = { steep * (thickness_at(ink, at - 1) - thickness_at(ink, at + 1)),
-		steep * (thickness_at(ink, above) - thickness_at(ink, below)) };
-	vf unit = 1 / root(n[0] * n[0] + n[1] * n[1] + 1);
-	vf facing = (n[0] * light[0] + n[1] * light[1] + light[2]) * unit;
-	ret[0] = 1 + PAINT_SHADE * (facing - light[2]);
-	ret[1] = step->shine * glint(most(2 * facing * unit - light[2], all(0)));
-}
-
-INLINE void add_laid_row(const struct frame *f, const struct frame_layer *l, const struct band *b,
-	const struct band *e, struct draw_desk *d, uint32_t y)
-{
-	const struct band_ink *ink = &d->ink;
-	float light[3];
-	frame_paint_light(f, light);
-	uint32_t end = e->from + e->rows - 1;
-	ptrdiff_t row = band_row(e, ink->weight, y) - ink->weight,
-		  above = band_row(e, ink->weight, y > e->from ? y - 1 : y) - ink->weight,
-		  below = band_row(e, ink->weight, MIN(y + 1, end)) - ink->weight,
-		  out = band_row(b, d->relief, y) - d->relief;
-	for (int32_t x = 0; x < (int32_t)b->width; x += LANES) {
-		vf weight = load(ink->weight + row + x), by[2];
-		if (!any(weight > 0))
-			continue;
-		light_paint(l, light, f->px, ink, row + x, above + x, below + x, by);
-		vf bare = on_relief(
-			load(ink->bare + row + x), load(d->relief + out + x), l->ink.tooth);
-		for (int k = 0; k < 3; k++) {
-			vf under = load(d->canvas[k] + out + x),
-			   paint = load(ink->channel[k] + row + x) / weight * by[0] + by[1];
-			store(d->canvas[k] + out + x,
-				choose(weight > 0, under * bare + (1 - bare) * paint, under));
-		}
-	}
-}
-
 /* ---- layers ---- */
 
 INLINE void add_layer(const struct frame_layer *l, const struct band *b, struct draw_desk *d)
@@ -339,17 +259,20 @@ INLINE void add_layer(const struct frame_layer *l, const struct band *b, struct 
 			add_painted(l, d, at);
 }
 
-/* All is bare before. */
+/* All is bare before; and after layers of paint sums are 0. */
 INLINE void clear_ink(const struct frame_layer *l, const struct band *b, struct draw_desk *d)
 {
 	enum band_blend blend = band_blend_of(l);
 	bool is_sum = blend >= BAND_PAINTED;
-	for (int k = 0; k < 3 && blend >= BAND_COLOURED; k++)
+	if (blend < BAND_COLOURED || (blend == BAND_LAID && d->is_laid))
+		return;
+	for (int k = 0; k < 3; k++)
 		fill(b, d->ink.channel[k], is_sum ? 0 : 1);
 	if (is_sum)
 		fill(b, d->ink.weight, 0);
 	if (blend == BAND_LAID)
 		fill(b, d->ink.height, 0);
+	d->is_laid = blend == BAND_LAID;
 }
 
 INLINE void draw_layer(
@@ -360,19 +283,20 @@ INLINE void draw_layer(
 		band_strokes_of(j->lists, j->of_layer, n, b->from / BAND_ROWS);
 	if (!strokes.count)
 		return;
-	struct band drawn = l->paint ? laid_band(b, j->to->height) : *b;
-	clear_ink(l, &drawn, d);
+	struct band drawn = l->paint ? laid_band(b, j->to->height) : *b, whole = *b;
+	struct band_parts laid;
+	if (l->paint) {
+		laid = no_parts(b, l);
+		d->ink.laid = &laid;
+		whole.rows = BAND_ROWS + 2 * BAND_AROUND;
+	}
+	clear_ink(l, &whole, d);
 	band_draw(&drawn, j->f, l, &strokes, l->stipple || l->is_profile ? NULL : j->mask, &d->ink);
 	if (!l->paint) {
 		add_layer(l, b, d);
 		return;
 	}
-	/* Beside the picture there is none. */
-	for (uint32_t y = drawn.from; y < drawn.from + drawn.rows; y++)
-		band_row(&drawn, d->ink.weight, y)[b->width] = 0;
-	for (uint32_t y = b->from; y < b->from + b->rows; y++)
-		add_laid_row(j->f, l, b, &drawn, d, y);
-	fill(&drawn, d->ink.bare, 1);
+	add_laid(j, l, b, &drawn, d);
 }
 
 /* ---- a band ---- */

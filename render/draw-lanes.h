@@ -12,6 +12,7 @@ struct draw_desk {
 	void *memory;
 	float *canvas[3];
 	struct band_ink ink;  /* between layers all is bare */
+	bool is_laid;         /* and its sums are 0 */
 	float paper[3];       /* its linear colour */
 	float *relief;        /* -1 .. 1, of the paper */
 	struct band together; /* POINTS_BANDS of them, or one */

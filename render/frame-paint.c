@@ -20,7 +20,7 @@ static uint32_t inner(uint32_t whole, uint32_t level)
 	return MAX(whole >> level, 3) - 2;
 }
 
-/* Of texels 1 to size that are more than this, with what is between them and their neighbours. */
+/* Of texels first to last, with what is between them and their neighbours; of 1 to size. */
 static void extent_along(
 	uint32_t first, uint32_t last, uint32_t size, float *ret_middle, float *ret_reach)
 {
@@ -28,6 +28,7 @@ static void extent_along(
 	*ret_reach = (float)(last - first + 2) / (float)size;
 }
 
+/* Of what is thicker than this. */
 static struct paint_extent extent_of(const stroke_texture *t, uint32_t variant, float dry)
 {
 	struct paint_extent e = { 0 };
@@ -80,6 +81,7 @@ struct frame_paint *frame_paint_new(const struct frame_layer *l, const scene *s,
 	p->octaves[0] = (1 - step->wet) * PAINT_OCTAVES_LAY / (PAINT_LAYS - 1);
 	p->octaves[1] = (1 - step->wet) * PAINT_OCTAVES_PAINT;
 	p->hole_px = (int32_t)(PAINT_HOLE_PX * px + 0.5f);
+	p->gap_px = (int32_t)ceilf(step->gap_px * px);
 	p->behind = (1 + step->spill) * (1 + mask->offset_relative);
 	p->behind_m = (1 + step->spill) * mask->offset_m;
 	return p;

@@ -11,9 +11,11 @@
 #define PAINT_LEVELS 4u
 #define PAINT_SHARP  0.7f /* down to this part of its width */
 
-/* A stroke's place in the pile, in so many steps: finer ones lie higher, and else chance tells. */
+/* A stroke's place in the pile, in so many steps: finer ones lie higher, those that come in rise, and else chance tells. So
+ * what comes in is hidden at first by most of what it will lie on, and is seen where that is thin before it is elsewhere. */
 #define PAINT_LAYS     64u
-#define PAINT_LAY_FINE 0.6f /* part of them that size has */
+#define PAINT_LAY_RISE 0.32f /* part of them that strokes rise by while they come in */
+#define PAINT_LAY_FINE 0.6f  /* part of the others that size has */
 /* A stroke hides those below by its weight, which has a factor of two to each octave: of its place, and of how thick its own paint is.
  * All of it within what floats can add; a GPU that has but half floats gets so much less, and paint that is wetter. */
 #define PAINT_OCTAVES_LAY   44.f
@@ -21,6 +23,8 @@
 #define PAINT_OCTAVES_HALF  24.f
 /* Paint that is thicker than this part of the thickest covers; a faint stroke leaves paint where it is thick alone. */
 #define PAINT_COVERS 0.25f
+/* How thick that is at least. alpha: 0..1, of the stroke. */
+#define PAINT_DRY(alpha) ((1 - (alpha)) * (1 - (alpha)) * (1 - (alpha)))
 
 /* Of strokes that are so much smaller there are (1 / size)^(1 / PAINT_POWER) times as many: with 0.5 all sizes would cover as much as the
  * broadest; what lies on these needs less. */
@@ -67,6 +71,7 @@ struct frame_paint {
 	float octaves[2]; /* of places, of paint: less where it is wet */
 	/* Holes in what was scanned, so far from their middle to what is around them, are painted over; pixels. */
 	int32_t hole_px;
+	int32_t gap_px; /* so far from paint gaps between strokes take its colour; 0: paper shows */
 	/* What a pixel's depth may be more than the stroke's: factor, and metres. */
 	float behind, behind_m;
 };

@@ -15,7 +15,7 @@ struct layer_block {
 	float contour[4], contour_least[4], cut[4];
 	float paint_size[4], paint_look[4], paint_lay[4], paint_thick[4], paint_hole[4],
 		paint_part[256];
-	uint32_t colour[4];
+	uint32_t paint_of[4], colour[4];
 };
 _Static_assert(PENCIL_BOX_MOST == 48, "as layer.glsl has it");
 /* Pipelines of ground.frag.glsl. */
@@ -92,6 +92,7 @@ static void describe_paint(
 	ret->paint_hole[0] = (float)p->hole_px;
 	ret->paint_hole[1] = p->broad;
 	ret->paint_hole[2] = p->exposure;
+	ret->paint_hole[3] = (float)p->gap_px;
 	memcpy(ret->paint_part, p->part, sizeof ret->paint_part);
 	ret->hatch_which[3] = p->palette.count;
 	memcpy(ret->pencils, p->palette.pencil, sizeof ret->pencils);
@@ -137,9 +138,11 @@ static void describe(const struct frame_layer *l, const struct gles_about *about
 		describe_contours(l, f->ink_px, ret);
 	if (l->is_cut)
 		memcpy(ret->cut, (float[4]){ 1, l->step->cut.thick_m }, sizeof ret->cut);
-	if (l->paint)
+	if (l->paint) {
 		describe_paint(
 			l->paint, l->paint->step.thickness_px * f->px, octaves_of(about), ret);
+		ret->paint_of[0] = l->pipeline;
+	}
 	if (l->texture) {
 		ret->texels[0] = (float)l->texture->length;
 		ret->texels[1] = (float)l->texture->width;

@@ -79,14 +79,16 @@ INLINE struct way_lanes turned_way(
 	return way_on_screen(b, c, way);
 }
 
-/* How high it lies: the finer the higher, and else by chance. */
+/* How high it lies. */
 INLINE uint8_t lay_of(const struct brush *b, const struct stroke *s, float size)
 {
 	float fine = b->layer->paint->step.fine;
 	float part = fine < 1 ? (1 - size) / (1 - fine) : 0;
 	float chance = stroke_chance(s->point, stroke_salt(s->copy, SALT_LAY));
 	return (uint8_t)((PAINT_LAYS - 0.01f) *
-			 (PAINT_LAY_FINE * part + (1 - PAINT_LAY_FINE) * chance));
+			 (PAINT_LAY_RISE * s->alpha +
+				 (1 - PAINT_LAY_RISE) *
+					 (PAINT_LAY_FINE * part + (1 - PAINT_LAY_FINE) * chance)));
 }
 
 INLINE void write_paint(const struct brush *b, const struct lane_candidates *c,

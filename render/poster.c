@@ -39,12 +39,13 @@ static uint64_t sheet_looks(const frame *f, uint32_t sheet)
 	return looks + (uint64_t)fmaxf(edl_looks(f, sheet), (float)sheet_ink_reach(f, sheet));
 }
 
-static float hole_px(const frame *f)
+static float gap_px(const frame *f)
 {
 	int32_t most = 0;
 	for (uint32_t n = 0; n < f->layers; n++)
 		if (f->layer[n].paint)
-			most = MAX(most, f->layer[n].paint->hole_px);
+			most = MAX(
+				most, MAX(f->layer[n].paint->hole_px, f->layer[n].paint->gap_px));
 	return (float)most;
 }
 
@@ -55,7 +56,7 @@ uint32_t poster_margin_px(const frame *f)
 	for (uint32_t n = 0; n < f->sheets; n++)
 		most = MAX(most, sheet_looks(f, n));
 	most += filter_looks(whole->steps, whole->filters, f->px);
-	most += (uint64_t)hole_px(f) + EDGE_PX;
+	most += (uint64_t)gap_px(f) + EDGE_PX;
 	return (uint32_t)MIN(most, UINT32_MAX);
 }
 

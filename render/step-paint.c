@@ -7,8 +7,11 @@ static const char *const lies_names[] = {
 
 const struct step_parameter paint_parameters[] = {
 	WHICH(INK_ALL),
-	NUMBER(paint_step, cover, RANGE(0.1, 12, 0.5, 8), 5, "",
-		"how many broad strokes lie at every place; below 2 the paper shows"),
+	NUMBER(paint_step, cover, RANGE(0.1, 12, 0.5, 8), 1.6, "",
+		"how many broad strokes lie at every place; 5 and more leave no gaps"),
+	NUMBER(paint_step, gap_px, RANGE(0, 64, 0, 24), 12, "px",
+		"how far gaps between strokes take the colour of the paint beside them; 0: the "
+		"paper shows"),
 	LENGTH(56),
 	WIDTH(15, 40),
 	NUMBER(paint_step, fine, RANGE(0.05, 1, 0.1, 1), 0.25, "",

@@ -215,6 +215,7 @@ struct paint_step {
 	struct ink_step ink; /* first */
 	int32_t lies;
 	float cover;  /* strokes at every place of what needs none but broad ones */
+	float gap_px; /* so far from strokes paper between them takes their colours */
 	float fine;   /* 0..1: how large the finest are, as a part of the broadest */
 	float detail; /* 0..1: how far only places with details have fine ones; 0: all places have */
 	float follow; /* 0..1: how far strokes turn along edges that are near, and as surface is bent */

@@ -88,16 +88,53 @@ static void test_covers(void)
 	static const double from[][2] = { { 3, 0 }, { 8, 0 }, { 0.8, 0.4 }, { 3, 6 } };
 	for (size_t n = 0; n < G_N_ELEMENTS(from); n++) {
 		double bare = bare_part("", from[n][0], from[n][1]),
-		       thick = bare_part("\"cover\":6", from[n][0], from[n][1]),
-		       thin = bare_part("\"cover\":1,\"detail\":1", from[n][0], from[n][1]);
-		g_test_message("from %g, %g m: bare %.3f %%, %.3f %% where thick, %.1f %% where "
-			       "thin",
-			from[n][0], from[n][1], 100 * bare, 100 * thick, 100 * thin);
+		       open = bare_part("\"gap_px\":0", from[n][0], from[n][1]),
+		       thick = bare_part("\"cover\":6,\"gap_px\":0", from[n][0], from[n][1]),
+		       thin = bare_part(
+			       "\"cover\":0.5,\"detail\":1,\"gap_px\":0", from[n][0], from[n][1]);
+		g_test_message(
+			"from %g, %g m: bare %.3f %%, %.2f %% with gaps, %.3f %% where thick, "
+			"%.1f %% where thin",
+			from[n][0], from[n][1], 100 * bare, 100 * open, 100 * thick, 100 * thin);
 		g_assert_cmpfloat(bare, <, 0.02);
+		g_assert_cmpfloat(open, >, 0.005);
 		g_assert_cmpfloat(thick, <, 0.006);
 		g_assert_cmpfloat(thin, >, 0.15);
 		g_assert_cmpfloat(thin, <, 0.7);
 	}
+}
+
+/* Gaps take the colour of the paint beside them, where the wall is; and nothing else changes. */
+static void test_gaps(void)
+{
+	static const char fields[] = "\"thickness_px\":0,\"shine\":0,\"light_variation\":0,"
+				     "\"hue_variation_deg\":0,\"warmth\":0,\"gap_px\":%d";
+	g_autofree char *none = g_strdup_printf(fields, 0), *some = g_strdup_printf(fields, 12);
+	struct camera c = before_wall(8, 0);
+	g_autoptr(drawing) d = paint("", none), e = paint("", some);
+	g_autoptr(frame) f = made_frame(shared_wall(), d, &c), g = made_frame(shared_wall(), e, &c);
+	uint32_t count, filled = 0, left = 0;
+	g_autofree struct chunk_view *views = chunk_views_new(f, &count);
+	g_autoptr(visibility_mask) m = visibility_mask_new(f, views, count);
+	struct picture_buffer open = made_picture(f), closed = made_picture(g);
+	for (uint32_t y = 0; y < SIDE; y++)
+		for (uint32_t x = 0; x < SIDE; x++) {
+			const uint8_t *was = open.rgba[y * SIDE + x],
+				      *is = closed.rgba[y * SIDE + x];
+			bool of_wall = mask_key(m, (int32_t)x, (int32_t)y) < MASK_EMPTY;
+			left += of_wall && is[0] > is[1] + 60;
+			if (memcmp(was, is, 4) == 0)
+				continue;
+			/* On magenta, and not any more. */
+			g_assert_true(of_wall);
+			g_assert_cmpint(is[0] - is[1], <, was[0] - was[1]);
+			filled += was[0] - was[1] > 200 && abs(is[0] - is[1]) <= 1;
+		}
+	g_test_message("%u pixels filled, %u left", filled, left);
+	g_assert_cmpuint(filled, >, 500);
+	g_assert_cmpuint(left, <, filled / 10);
+	picture_buffer_clear(&open);
+	picture_buffer_clear(&closed);
 }
 
 /* ---- where it lies, how large it is ---- */
@@ -203,7 +240,68 @@ static void test_detail(void)
 	stroke_lists_free(l, f->layers);
 }
 
+/* No paint is where its texture is thicker than it is dry, but inside of its extents. */
+static void test_extents(void)
+{
+	struct camera c = before_wall(4, 0);
+	g_autoptr(drawing) d = paint("", "");
+	g_autoptr(frame) f = made_frame(shared_wall(), d, &c);
+	uint32_t narrower = 0;
+	for (uint32_t n = 0; n < PAINT_LEVELS; n++) {
+		const struct paint_level *l = &f->layer[0].paint->level[n];
+		const stroke_texture *t = l->texture;
+		for (uint32_t v = 0; v < t->variants; v++)
+			for (uint32_t step = 0; step < PAINT_DRY_STEPS; step++) {
+				const struct paint_extent *e = &l->extent[v][step];
+				const uint8_t *texel = stroke_texture_variant(t, v);
+				narrower += e->reach[0] < 1;
+				for (uint32_t y = 0; y < t->width; y++)
+					for (uint32_t x = 0; x < t->length; x++) {
+						if (*texel++ * PAINT_DRY_STEPS <= step * 255)
+							continue;
+						/* And all that is less than a texel away from it. */
+						float along = (2 * (float)x + 1) /
+								      (float)t->length -
+							      1,
+						      across =
+							      (2 * (float)y + 1) / (float)t->width -
+							      1;
+						g_assert_cmpfloat(fabsf(along - e->middle[0]) +
+									  2 / (float)t->length,
+							<=, e->reach[0] + 1e-5f);
+						g_assert_cmpfloat(fabsf(across - e->middle[1]) +
+									  2 / (float)t->width,
+							<=, e->reach[1] + 1e-5f);
+					}
+			}
+	}
+	g_assert_cmpuint(narrower, >, PAINT_DRY_STEPS);
+}
+
 /* ---- which is seen ---- */
+
+/* Those that come in lie lower than the others. */
+static void test_rises(void)
+{
+	struct camera c = before_wall(9, 0);
+	g_autoptr(drawing) d = paint("", "\"detail\":0");
+	g_autoptr(frame) f = made_frame(shared_wall(), d, &c);
+	stroke_list *l = strokes_of(f, true);
+	uint32_t low = 0, high = 0;
+	for (uint32_t n = 0; n < l->count; n++) {
+		const struct stroke *s = &l->stroke[n];
+		float least = PAINT_LAYS * PAINT_LAY_RISE * s->alpha,
+		      most = least + PAINT_LAYS * (1 - PAINT_LAY_RISE);
+		g_assert_cmpfloat(s->lay, >, least - 1);
+		g_assert_cmpfloat(s->lay, <, most);
+		low += s->alpha < 0.3f;
+		high += s->alpha > 0.5f && s->lay > PAINT_LAYS * (1 - PAINT_LAY_RISE);
+	}
+	g_test_message("of %u strokes %u come in, %u lie high", l->count, low, high);
+	g_assert_cmpuint(low, >, 50);
+	g_assert_cmpuint(high, >, 50);
+	stroke_lists_free(l, f->layers);
+}
 
 /* Points that are black or white by chance: paint is as well, where it is dry. */
 static double grey_part(const scene *s, const char *fields)
@@ -226,8 +324,9 @@ static void test_hides(void)
 		memset(g_array_index(m.points, struct made_point, n).rgba,
 			g_rand_boolean(m.chance) ? 255 : 0, 3);
 	made_read(&m);
-	static const char own[] = "\"even\":0,\"warmth\":0,\"light_variation\":0,\"thickness_px\":"
-				  "0,\"shine\":0,\"wet\":%d";
+	static const char own[] =
+		"\"cover\":5,\"even\":0,\"warmth\":0,\"light_variation\":0,\"thickness_px\":"
+		"0,\"shine\":0,\"wet\":%d";
 	g_autofree char *dry = g_strdup_printf(own, 0), *wet = g_strdup_printf(own, 1);
 	double few = grey_part(m.scene, dry), many = grey_part(m.scene, wet);
 	g_test_message(
@@ -257,11 +356,12 @@ static void test_lanes(void)
 /* Sums of a band of strokes, in their order or the other way round. */
 struct sums {
 	float *plane[6];
+	struct band_parts laid;
 };
 
 static struct sums sums_of(const frame *f, const struct band *b, const struct band_strokes *strokes)
 {
-	struct sums s;
+	struct sums s = { .laid = { .shift = 4 } };
 	for (int k = 0; k < 6; k++)
 		s.plane[k] = g_new0(float, (size_t)b->pitch * b->rows);
 	for (size_t n = 0; n < (size_t)b->pitch * b->rows; n++)
@@ -269,7 +369,8 @@ static struct sums sums_of(const frame *f, const struct band *b, const struct ba
 	struct band_ink ink = { .bare = s.plane[0],
 		.channel = { s.plane[1], s.plane[2], s.plane[3] },
 		.weight = s.plane[4],
-		.height = s.plane[5] };
+		.height = s.plane[5],
+		.laid = &s.laid };
 	band_draw(b, f, &f->layer[0], strokes, NULL, &ink);
 	return s;
 }
@@ -303,10 +404,13 @@ static void test_order(void)
 	for (uint32_t y = b.from; y < b.from + b.rows; y++)
 		for (uint32_t x = 0; x < SIDE; x++) {
 			size_t at = (size_t)(&band_row(&b, one.plane[4], y)[x] - one.plane[4]);
+			if (!(one.laid.in >> (x >> one.laid.shift) & 1))
+				g_assert_cmpfloat(one.plane[4][at], ==, 0);
 			for (int k = 0; k < 3 && one.plane[4][at] > 0; k++)
 				most = MAX(most, abs(byte_of(&one, k, at) - byte_of(&two, k, at)));
 		}
 	g_assert_cmpint(most, <=, 1);
+	g_assert_true(one.laid.in == two.laid.in && one.laid.in);
 	for (int k = 0; k < 6; k++) {
 		g_free(one.plane[k]);
 		g_free(two.plane[k]);
@@ -342,9 +446,12 @@ int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/paint/covers", test_covers);
+	g_test_add_func("/paint/gaps", test_gaps);
 	g_test_add_func("/paint/ways", test_ways);
 	g_test_add_func("/paint/sizes", test_sizes);
 	g_test_add_func("/paint/detail", test_detail);
+	g_test_add_func("/paint/extents", test_extents);
+	g_test_add_func("/paint/rises", test_rises);
 	g_test_add_func("/paint/hides", test_hides);
 	g_test_add_func("/paint/lanes", test_lanes);
 	g_test_add_func("/paint/order", test_order);

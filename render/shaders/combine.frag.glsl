@@ -40,6 +40,41 @@ vec2 light_paint(ivec2 at)
 	return vec2(1.0 + SHADE * (facing - paint_light.z), paint_thick.y * glint * glint);
 }
 
+/* ---- gaps between strokes (paint-gaps.h) ---- */
+
+const int GAP_PLACES = 4;
+const float GAP_BARE = 0.04, GAP_FULL = 0.98, GAP_DEPTH = 0.05;
+
+/* Adds the paint at a place beside the gap to a sum: colours, and how much they cover of it. */
+vec4 looked_at(ivec2 at, float depth_m, vec4 sum)
+{
+	if (at.x < 0 || at.x >= int(size.x))
+		return sum;
+	float there_m = uintBitsToFloat(texelFetch(mask_keys, at, 0).r), high = weight_at(at).x;
+	if (!(high > 0.0) || !(abs(there_m - depth_m) <= GAP_DEPTH * depth_m))
+		return sum;
+	vec4 ink = ink_at(at);
+	float cover = (1.0 - sum.a) * (1.0 - ink.a);
+	return sum + vec4(cover / high * ink.rgb, cover);
+}
+
+/* What a gap is filled with, and how much. */
+vec4 gap_fill(ivec2 at, float bare)
+{
+	uint key = texelFetch(mask_keys, at, 0).r;
+	int gap_px = int(paint_hole.w);
+	if (gap_px == 0 || key >= MASK_EMPTY || (key & 255u) != paint_of.x || !(bare > GAP_BARE))
+		return vec4(0.0);
+	vec4 left = vec4(0.0), right = vec4(0.0);
+	for (int n = 1; n <= GAP_PLACES && left.a + right.a < 2.0 * GAP_FULL; n++) {
+		ivec2 away = ivec2((n * gap_px + GAP_PLACES - 1) / GAP_PLACES, 0);
+		left = looked_at(at - away, uintBitsToFloat(key), left);
+		right = looked_at(at + away, uintBitsToFloat(key), right);
+	}
+	vec4 both = left + right;
+	return vec4(both.rgb / max(both.a, 1e-6), min(both.a, 1.0));
+}
+
 void main()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
@@ -47,8 +82,9 @@ void main()
 	if (colour.y == LAID) {
 		float high = weight_at(at).x, bare = on_relief(ink.aaaa).x;
 		vec2 by = light_paint(at);
-		canvas = high > 0.0 ? vec4((1.0 - bare) * (ink.rgb / high * by.x + by.y), bare)
-				    : vec4(0.0, 0.0, 0.0, 1.0);
+		vec4 gap = gap_fill(at, ink.a);
+		vec3 paint = high > 0.0 ? ink.rgb / high * by.x + by.y : vec3(0.0);
+		canvas = vec4((1.0 - bare) * paint + bare * gap.a * gap.rgb, bare * (1.0 - gap.a));
 	} else if (colour.y == PAINTED) {
 		float weight = weight_at(at).x, bare = on_relief(ink.aaaa).x;
 		canvas = weight > 0.0 ? vec4((1.0 - bare) * ink.rgb / weight, bare) : vec4(0.0, 0.0, 0.0, 1.0);

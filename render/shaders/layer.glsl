@@ -27,8 +27,9 @@ layout(std140, binding = 1) uniform Layer {
 	vec4 paint_look;  /* even, contrast, warmth, sixths of the circle that hues differ by */
 	vec4 paint_lay;   /* octaves of a place, of paint; how far behind it reaches, factor and metres */
 	vec4 paint_thick; /* half its thickness in pixels, shine, light_variation; 1: lies on the screen */
-	vec4 paint_hole;  /* hole_px, broad, times that colours are exposed */
+	vec4 paint_hole;  /* hole_px, broad, times that colours are exposed, gap_px */
 	vec4 paint_part[64]; /* by detail, four in one */
+	uvec4 paint_of;      /* the pipeline */
 	uvec4 colour; /* the ink's bytes; how it blends: enum band_blend; how many strokes a point gives; 1: of what the focus is on */
 };
 /* enum band_blend */

@@ -1,6 +1,6 @@
 /* Writes brush strokes, and finds their colours. */
 const float WARMTH_MIDDLE = 0.5, WARMTH_CHANCE = 0.35, CELLS_AROUND = 1.5, CELLS_CHUNK = 12.0, OWN_DETAIL = 0.75;
-const float LAY_FINE = 0.6, LAYS = 64.0, DISC = 0.5;
+const float LAY_RISE = 0.32, LAY_FINE = 0.6, LAYS = 64.0, DISC = 0.5;
 const uint SALT_LAY = 0u, SALT_SHADE = 7u, SALT_WARMTH = 65538u, SALT_HUE = 65539u;
 
 /* 0..255. */
@@ -54,7 +54,8 @@ void write_paint(uint at, candidate c, choice one, brush p)
 	for (uint k = 0u; k < 9u; k++)
 		strokes[at * WORDS + k] = floatBitsToUint(word[k]);
 	float fine = paint_size.y, part = fine < 1.0 ? (1.0 - one.size) / (1.0 - fine) : 0.0;
-	uint lay = uint((LAYS - 0.01) * (LAY_FINE * part + (1.0 - LAY_FINE) * chance(c, SALT_LAY)));
+	float place = LAY_FINE * part + (1.0 - LAY_FINE) * chance(c, SALT_LAY);
+	uint lay = uint((LAYS - 0.01) * (LAY_RISE * one.alpha + (1.0 - LAY_RISE) * place));
 	uint variant = uint(chance(c, SALT_VARIANT) * texels.z);
 	float width_m = shape.y * one.growth * scale_m(c.depth_m) / lens.x;
 	strokes[at * WORDS + 9u] =

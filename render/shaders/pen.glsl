@@ -23,8 +23,9 @@ pen pen_of(vec4 place, vec4 body, float slope_down, uint rgb_variant)
 		vec2 reach = abs(p.place.zw) * half_length + abs(p.place.wz) * body.x;
 		float slack = min(PLANE_ROUGH * dot(abs(p.plane.yz), reach) / p.plane.x, ROUGH_MOST);
 		p.body.w = float(rgb_variant >> 24 & 3u);
+		float dry = 1.0 - body.y;
 		p.lay = vec4(float(rgb_variant >> 26) * paint_lay.x - 0.5 * (paint_lay.x * (LAYS - 1.0) + paint_lay.y),
-			1.0 - body.y, 1.0 - slack, paint_lay.z + paint_lay.w * p.plane.x + slack);
+			dry * dry * dry, 1.0 - slack, paint_lay.z + paint_lay.w * p.plane.x + slack);
 	}
 	return p;
 }
