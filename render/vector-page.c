@@ -343,7 +343,8 @@ static void thin_out(struct hand *h, const struct thinning *t)
 	if (!is_thinned(h->from))
 		return;
 	h->part = t->part;
-	h->broader = h->layers = sqrtf(1 / h->part);
+	h->layers = sqrtf(1 / h->part);
+	h->broader *= h->layers;
 	h->shaper.edge_px *= t->coarser * h->broader;
 }
 
@@ -368,11 +369,19 @@ static double corners_of(const struct hand *h, const struct stroke_blocks *strok
 	return corners;
 }
 
+/* Where pictures have no gaps between strokes of paint, these are so much broader on a page. */
+#define CLOSED_BROADER 1.35f
+
 static struct hand hand_of(const vector_page *p, const frame *f, const struct draw_chosen *chosen,
 	const struct frame_layer *from)
 {
 	const struct camera *c = &f->camera;
-	struct hand h = { .f = f, .from = from, .part = 1, .broader = 1, .layers = 1 };
+	bool is_closed = from->paint && from->paint->gap_px;
+	struct hand h = { .f = f,
+		.from = from,
+		.part = 1,
+		.broader = is_closed ? CLOSED_BROADER : 1,
+		.layers = 1 };
 	h.shaper = vector_shaper_of(from, from->stipple ? NULL : chosen->mask, c->width, c->height,
 		FINE_MM * (float)(c->width / p->width_mm));
 	h.to = layer_new(from, h.shaper.form);

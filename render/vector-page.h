@@ -11,8 +11,8 @@
  * A page is small enough to be edited: where the mask hides a stroke or shows it for less than a quarter of a millimetre is not told, and
  * outlines have the corners that they cannot do without; and of very dense hatching some strokes are left out, and the others are
  * broader and stronger. Of the court (5.6 million points) from "walk" on A3, SVG: figure-7d 7.4 MB, ballpoint 8.9, gouache 4.8,
- * impressionist 13.0, pencil and coloured-crayons 17, wax-crayons 19.5 (19.8, 34 and 26 were all of their strokes shown). Means of
- * tiles of 23 pixels are within 8.2 of 255 (RMS, pencil, rsvg-convert) of the picture's.
+ * impressionist 7.4, pencil and coloured-crayons 17, wax-crayons 19.5 (19.8, 34 and 26 were all of their strokes shown). Means of
+ * tiles of 23 pixels are within 8.2 of 255 (RMS, pencil, rsvg-convert; 5.8 impressionist) of the picture's.
  *
  * One owner; const once it is made. */
 #include "render/draw.h"

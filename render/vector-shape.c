@@ -400,7 +400,8 @@ float vector_width_px(const struct vector_shaper *v, const struct stroke *s)
 
 float vector_alpha(const struct vector_shaper *v, const struct stroke *s)
 {
-	return v->form == VECTOR_AREAS || v->disc > 0
-		       ? s->alpha * v->profile[variant_of(v, s)].opacity
-		       : s->alpha;
+	float alpha = v->layer->paint ? 1 - PAINT_DRY(s->alpha) : s->alpha;
+	if (v->form == VECTOR_AREAS || v->disc > 0)
+		alpha *= v->profile[variant_of(v, s)].opacity;
+	return alpha;
 }

@@ -1,5 +1,6 @@
 /* pleinair render as pages of shapes, prints and films, on a small site. */
 #include "process/model.h"
+#include "render/texels.h"
 #include "tests/commands.h"
 #include "tests/scene-made.h"
 #include <math.h>
@@ -118,6 +119,83 @@ static void svg_has_shapes(void)
 	g_assert_cmpmem(whole, length, again, less);
 	svg_clear(&s);
 	svg_clear(&t);
+}
+
+/* ---- as others show it ---- */
+
+#define TILE 23u
+
+static uint8_t *darkness_of(const char *path, uint32_t *ret_width, uint32_t *ret_height)
+{
+	g_autoptr(GError) error = NULL;
+	uint8_t *ink = texels_read_png(path, TEXELS_INK, ret_width, ret_height, &error);
+	g_assert_no_error(error);
+	return ink;
+}
+
+/* How far means of tiles are from those of the other picture, root mean square, of 255. */
+static double tiles_apart(const char *one, const char *other)
+{
+	uint32_t width, height, wide, high;
+	g_autofree uint8_t *a = darkness_of(one, &width, &height),
+			   *b = darkness_of(other, &wide, &high);
+	double squares = 0, tiles = 0;
+	g_assert_cmpuint(wide, ==, width);
+	g_assert_cmpuint(abs((int)high - (int)height), <=, 1);
+	height = MIN(height, high);
+	for (uint32_t top = 0; top + TILE <= height; top += TILE)
+		for (uint32_t left = 0; left + TILE <= width; left += TILE) {
+			double sum = 0;
+			for (uint32_t n = 0; n < TILE * TILE; n++) {
+				size_t at = (size_t)(top + n / TILE) * width + left + n % TILE;
+				sum += a[at] - b[at];
+			}
+			squares += pow(sum / (TILE * TILE), 2);
+			tiles++;
+		}
+	return sqrt(squares / tiles);
+}
+
+static void drawn_in(const char *name, const char *path)
+{
+	g_auto(answer) a = commands_run("render", oak, "--style", name, "--size", "200x100mm",
+		"--view", "overview", "-o", path);
+	commands_assert_done(&a);
+}
+
+/* to, wide: its options for the picture that it makes, and how wide that is. */
+static void shown_by(const char *program, const char *to, const char *wide)
+{
+	static const char *const styles[] = { "figure-7a", "pencil", "impressionist" };
+	g_autofree char *found = g_find_program_in_path(program);
+	if (!found) {
+		g_autofree char *why = g_strdup_printf("%s is not installed", program);
+		g_test_skip(why);
+		return;
+	}
+	g_autofree char *page = in_folder("shown.svg"), *picture = in_folder("shown.png"),
+			*shown = in_folder("by.png");
+	for (size_t n = 0; n < G_N_ELEMENTS(styles); n++) {
+		uint32_t width, height;
+		drawn_in(styles[n], page);
+		drawn_in(styles[n], picture);
+		g_free(darkness_of(picture, &width, &height));
+		commands_shell("HOME='%s' G_DEBUG= %s '%s' %s'%s' %s%u >'%s/log' 2>&1", folder,
+			program, page, to, shown, wide, width, folder);
+		double apart = tiles_apart(picture, shown);
+		g_test_message("%s by %s: %.1f of 255", styles[n], program, apart);
+		g_assert_cmpfloat(apart, <, 10);
+	}
+}
+
+static void shown_by_rsvg(void)
+{
+	shown_by("rsvg-convert", "--output=", "--width=");
+}
+
+static void shown_by_inkscape(void)
+{
+	shown_by("inkscape", "--export-type=png --export-filename=", "--export-width=");
 }
 
 /* ---- PDF, prints ---- */
@@ -267,6 +345,8 @@ int main(int argc, char **argv)
 	oak = in_folder("oak");
 	put_site();
 	g_test_add_func("/render-page/svg-has-shapes", svg_has_shapes);
+	g_test_add_func("/render-page/shown-by/rsvg-convert", shown_by_rsvg);
+	g_test_add_func("/render-page/shown-by/inkscape", shown_by_inkscape);
 	g_test_add_func("/render-page/pdf-has-its-paper", pdf_has_its_paper);
 	g_test_add_func("/render-page/print-knows-its-size", print_knows_its_size);
 	g_test_add_func("/render-page/scale", page_has_its_scale);
