@@ -45,6 +45,9 @@ INLINE vi is_reached(const struct pen *p, vf q, vf depth)
 /* The mask beside eight pixels of a row, from left on; what is outside of it is empty. */
 INLINE vf depth_beside(const visibility_mask *m, int left, int y)
 {
+	if (left >= 0 && left + LANES <= (int)m->width && y >= 0 && y < (int)m->height)
+		return (vf)(load_mask(m->key + (ptrdiff_t)y * m->pitch + left) &
+			    ~((1 << MASK_PIPELINE_BITS) - 1));
 	vf ret;
 	for (int k = 0; k < LANES; k++)
 		ret[k] = left + k >= 0 && left + k < (int)m->width && y >= 0 && y < (int)m->height
