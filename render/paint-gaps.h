@@ -8,7 +8,8 @@
 
 /* So many places are looked at on either side, as far as gaps are wide. */
 #define GAP_PLACES 4
-/* Where less of the paper is seen there is none; and what is so much deeper, as a part of the depth, is not the same surface. */
+/* Where less of the paper is seen there is none; and what is so much deeper, as a part of the depth, is not the same surface: more
+ * than strokes reach over. */
 #define GAP_BARE  0.04f
 #define GAP_FULL  0.98f
 #define GAP_DEPTH 0.05f
@@ -30,10 +31,10 @@ INLINE vf gap_load(const float *row, int32_t x, int32_t width, float beside)
 
 /* For those that are open. */
 INLINE void gap_look(const struct band_ink *ink, ptrdiff_t row, const float *depths, int32_t x,
-	int32_t width, vf depth, vi open, struct gap_side *to)
+	int32_t width, vf depth, vf apart, vi open, struct gap_side *to)
 {
 	vf there = gap_load(depths, x, width, 0), weight = gap_load(ink->weight + row, x, width, 0);
-	vf cover = where(open & (magnitude(there - depth) <= GAP_DEPTH * depth) & (weight > 0),
+	vf cover = where(open & (magnitude(there - depth) <= apart) & (weight > 0),
 		(1 - to->cover) * (1 - gap_load(ink->bare + row, x, width, 1)));
 	if (!any(cover > 0))
 		return;
@@ -57,10 +58,11 @@ INLINE void gap_fill(const struct frame_layer *l, const struct band_ink *ink, pt
 	left.cover = right.cover = all(0);
 	const float *depths = (const float *)(const void *)keys;
 	vi open = gap;
+	vf apart = (GAP_DEPTH + l->paint->behind - 1) * (vf)key;
 	for (int n = 1; n <= GAP_PLACES && any(open); n++) {
 		int32_t away = (n * l->paint->gap_px + GAP_PLACES - 1) / GAP_PLACES;
-		gap_look(ink, row, depths, x - away, width, (vf)key, open, &left);
-		gap_look(ink, row, depths, x + away, width, (vf)key, open, &right);
+		gap_look(ink, row, depths, x - away, width, (vf)key, apart, open, &left);
+		gap_look(ink, row, depths, x + away, width, (vf)key, apart, open, &right);
 		open &= left.cover + right.cover < 2 * GAP_FULL;
 	}
 	vf both = left.cover + right.cover, part = where(gap, least(both, all(1)));

@@ -51,7 +51,7 @@ vec4 looked_at(ivec2 at, float depth_m, vec4 sum)
 	if (at.x < 0 || at.x >= int(size.x))
 		return sum;
 	float there_m = uintBitsToFloat(texelFetch(mask_keys, at, 0).r), high = weight_at(at).x;
-	if (!(high > 0.0) || !(abs(there_m - depth_m) <= GAP_DEPTH * depth_m))
+	if (!(high > 0.0) || !(abs(there_m - depth_m) <= (GAP_DEPTH + paint_lay.z - 1.0) * depth_m))
 		return sum;
 	vec4 ink = ink_at(at);
 	float cover = (1.0 - sum.a) * (1.0 - ink.a);
