@@ -258,13 +258,27 @@ INLINE void draw_short_rows(const struct pen *p, const struct band *b, const vis
 /* Of a row, SPOTS_ROW. */
 typedef int32_t four_loose __attribute__((vector_size(16), aligned(4), may_alias));
 
+/* So many of a row, SPOTS_ROW at most. */
+INLINE void put_eights(struct eights *e, int y, int32_t left, int count, const struct pen *p,
+	const struct band *b, const visibility_mask *m, const struct band_ink *ink)
+{
+	*(four_loose *)(e->y + e->count) = y + (four_loose){ 0 };
+	*(four_loose *)(e->left + e->count) = left + (four_loose){ 0, LANES, 2 * LANES, 3 * LANES };
+	e->count += (uint32_t)count & ~1u;
+	e->odd_y[e->odd] = y;
+	e->odd_left[e->odd] = left + LANES * (count & ~1);
+	e->odd += (uint32_t)count & 1;
+	if (e->count + e->odd > EIGHTS_ROOM - SPOTS_ROW - 1)
+		lay_eights(p, b, m, ink, e);
+}
+
 /* A stroke of paint. */
 INLINE void lay_stroke(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink)
 {
 	struct eights e;
 	int most = (p->across + LANES - 1) / LANES;
-	e.count = 0;
+	e.count = e.odd = 0;
 	for (int y = p->top; y < p->end; y += LANES) {
 		vi first, stop;
 		int32_t left[LANES], vectors[LANES];
@@ -272,22 +286,11 @@ INLINE void lay_stroke(const struct pen *p, const struct band *b, const visibili
 		store_mask(left, first);
 		store_mask(vectors, (stop - first + LANES - 1) >> 3);
 		for (int k = 0; k < MIN(LANES, p->end - y); k++) {
-			if (most > SPOTS_ROW) {
-				for (int n = 0; n < vectors[k]; n++) {
-					e.y[e.count] = y + k;
-					e.left[e.count++] = left[k] + LANES * n;
-					if (e.count == EIGHTS_ROOM)
-						lay_eights(p, b, m, ink, &e);
-				}
-				continue;
-			}
-			*(four_loose *)(e.y + e.count) = y + k + (four_loose){ 0 };
-			*(four_loose *)(e.left + e.count) =
-				left[k] + (four_loose){ 0, LANES, 2 * LANES, 3 * LANES };
-			e.count += (uint32_t)CLAMP(vectors[k], 0, most);
+			int count = CLAMP(vectors[k], 0, most), n = 0;
+			for (; count > SPOTS_ROW; count -= SPOTS_ROW, n += SPOTS_ROW)
+				put_eights(&e, y + k, left[k] + LANES * n, SPOTS_ROW, p, b, m, ink);
+			put_eights(&e, y + k, left[k] + LANES * n, count, p, b, m, ink);
 		}
-		if (e.count > EIGHTS_ROOM - LANES * SPOTS_ROW)
-			lay_eights(p, b, m, ink, &e);
 	}
 	lay_eights(p, b, m, ink, &e);
 }

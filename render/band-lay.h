@@ -114,11 +114,13 @@ INLINE void lay_eight(const struct pen *p, const struct band_ink *ink, const vis
 
 #if defined __AVX512VBMI__
 
-/* Eights of pixels of one stroke, of whatever rows: y and left are those of their first pixels. What is found of them next: how far these
- * are from the stroke's middle, where that is in the texture, by how much 1/depth differs for their row; where they are in planes and mask. */
+/* Eights of pixels of one stroke, of whatever rows: y and left are those of their first pixels. The first of them lie two and two side by
+ * side; odd ones, of which a row has one at most, come behind. What is found of them next: how far their first pixels are from the stroke's
+ * middle, where that is in the texture, by how much 1/depth differs for their row; where they are in planes and mask. */
 #define EIGHTS_ROOM 256
 struct eights {
-	uint32_t count;
+	uint32_t count, odd;
+	int32_t odd_y[EIGHTS_ROOM], odd_left[EIGHTS_ROOM];
 	int32_t y[EIGHTS_ROOM + LANES], left[EIGHTS_ROOM + LANES];
 	float dx[EIGHTS_ROOM + LANES], texel[2][EIGHTS_ROOM + LANES], deeper[EIGHTS_ROOM + LANES];
 	int32_t to[EIGHTS_ROOM + LANES], key[EIGHTS_ROOM + LANES];
@@ -199,11 +201,11 @@ INLINE __mmask16 two_reached(const struct pen *p, wf q, wf depth)
 
 /* takes_paint(), of which pixels beside a hole are looked at by eights. */
 INLINE __mmask16 two_take_paint(const struct pen *p, const visibility_mask *m,
-	const struct eights *e, uint32_t n, __mmask16 covered)
+	const struct eights *e, uint32_t n, bool apart, __mmask16 covered)
 {
 	wf q = p->q + two_dx(e, n) * p->slope[0] + one_and_other(e->deeper + n);
-	wf depth = two_load(
-		(const float *)(const void *)m->key, (ptrdiff_t[]){ e->key[n], e->key[n + 1] });
+	wf depth = sixteen_load((const float *)(const void *)m->key,
+		(ptrdiff_t[]){ e->key[n], e->key[n + 1] }, apart);
 	__mmask16 ret = two_reached(p, q, depth);
 	__mmask16 empty = _mm512_mask_cmpge_epi32_mask(
 		covered, _mm512_castps_si512(depth), _mm512_set1_epi32(MASK_EMPTY));
@@ -217,39 +219,46 @@ INLINE __mmask16 two_take_paint(const struct pen *p, const visibility_mask *m,
 	return (__mmask16)(low | high << LANES);
 }
 
-/* lay_eight() of eights n and n + 1, which may be the same. */
+/* lay_eight() of eights n and n + 1, which lie side by side, or apart, and then may be the same. */
 INLINE void lay_two(const struct pen *p, const struct band_ink *ink, const visibility_mask *m,
-	const struct eights *e, uint32_t n)
+	const struct eights *e, uint32_t n, bool apart)
 {
 	wf thick = e->thick[n / 2], cover = two_clamp01((thick - p->dry) * (1 / PAINT_COVERS));
 	__mmask16 laid = _mm512_cmp_ps_mask(cover, _mm512_setzero_ps(), _CMP_GT_OQ);
 	if (m)
-		laid &= two_take_paint(p, m, e, n, laid);
+		laid &= two_take_paint(p, m, e, n, apart, laid);
 	if (!laid)
 		return;
 	const ptrdiff_t to[] = { e->to[n], e->to[n + 1] };
 	cover = _mm512_maskz_mov_ps(laid, cover);
 	wf weight = cover * two_power_of_two(p->lay + p->octaves * thick);
-	two_store(ink->bare, to, two_load(ink->bare, to) * (1 - cover));
+	sixteen_store(ink->bare, to, apart, sixteen_load(ink->bare, to, apart) * (1 - cover));
 	for (int k = 0; k < 3; k++)
-		two_store(
-			ink->channel[k], to, two_load(ink->channel[k], to) + weight * p->colour[k]);
-	two_store(ink->weight, to, two_load(ink->weight, to) + weight);
-	two_store(ink->height, to, two_load(ink->height, to) + weight * thick);
+		sixteen_store(ink->channel[k], to, apart,
+			sixteen_load(ink->channel[k], to, apart) + weight * p->colour[k]);
+	sixteen_store(ink->weight, to, apart, sixteen_load(ink->weight, to, apart) + weight);
+	sixteen_store(
+		ink->height, to, apart, sixteen_load(ink->height, to, apart) + weight * thick);
 }
 
 /* All of them. First their textures: what waits for these are no branches that are hard to foresee. */
 INLINE void lay_eights(const struct pen *p, const struct band *b, const visibility_mask *m,
 	const struct band_ink *ink, struct eights *e)
 {
+	uint32_t side_by_side = e->count;
+	memcpy(e->y + e->count, e->odd_y, e->odd * sizeof *e->y);
+	memcpy(e->left + e->count, e->odd_left, e->odd * sizeof *e->left);
+	e->count += e->odd;
 	if (!e->count)
 		return;
 	eights_find(e, p, b, m);
 	for (uint32_t n = 0; n < e->count; n += 2)
 		e->thick[n / 2] = two_texture_sum(p, e, n) * TEXTURE_UNIT;
-	for (uint32_t n = 0; n < e->count; n += 2)
-		lay_two(p, ink, m, e, n);
-	e->count = 0;
+	for (uint32_t n = 0; n < side_by_side; n += 2)
+		lay_two(p, ink, m, e, n, false);
+	for (uint32_t n = side_by_side; n < e->count; n += 2)
+		lay_two(p, ink, m, e, n, true);
+	e->count = e->odd = 0;
 }
 
 #endif
