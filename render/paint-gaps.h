@@ -8,8 +8,8 @@
 
 /* So many places are looked at on either side, as far as gaps are wide. */
 #define GAP_PLACES 4
-/* Where less of the paper is seen there is none; and what is so much deeper, as a part of the depth, is not the same surface: more
- * than strokes reach over. */
+/* Where less of the paper is seen there is none; so much paint is as good as all; and what is so much deeper, as a part of the depth, is
+ * not the same surface: more than strokes reach over. */
 #define GAP_BARE  0.04f
 #define GAP_FULL  0.98f
 #define GAP_DEPTH 0.05f
