@@ -143,22 +143,50 @@ INLINE vf is_behind(const struct brush *b, vf x, vf y, vf depth_m)
 	return (1 - v) * upper + v * lower;
 }
 
-/* Where the picture falls off beside points; the line runs across the way there, facing the eye. */
+/* Those that something so near to them may lie behind of, by the deepest pixels of the tiles there: far from borders nothing does. */
+INLINE unsigned may_have_steps(
+	const struct brush *b, const struct lane_candidates *c, float near_px)
+{
+	const visibility_mask *m = b->mask;
+	vf deepest = all(0);
+	int places = near_px < MASK_TILE / 2 ? 2 : 2 + (int)(2 * near_px / MASK_TILE);
+	for (int n = 0; n < places * places; n++) {
+		float right = near_px * (2 * (float)(n % places) / (float)(places - 1) - 1),
+		      down = near_px * (2 * (float)(n / places) / (float)(places - 1) - 1);
+		vf x = least(most(c->x_px + right, all(0)), all((float)m->width - 1)),
+		   y = least(most(c->y_px + down, all(0)), all((float)m->height - 1));
+		vi tile = (__builtin_convertvector(y, vi) / MASK_TILE) * (int32_t)m->tiles_across +
+			  __builtin_convertvector(x, vi) / MASK_TILE;
+		deepest = most(deepest, (vf)gather(m->deepest_m, tile, 4));
+	}
+	vf behind = (deepest / c->depth_m - 1) * LENS_STRETCH(&b->lens, c->depth_m);
+	return bits(behind > STEP_LEAST) & c->left;
+}
+
+/* Where the picture falls off beside points; the line runs across the way there, facing the eye. Few of them are near a border: of each
+ * all eight places at once. */
 INLINE void find_steps(
 	const struct brush *b, const struct lane_candidates *c, struct contour_lanes *h)
 {
-	static const float turn[8][2] = { { 1, 0 }, { 0.7071068f, 0.7071068f }, { 0, 1 },
-		{ -0.7071068f, 0.7071068f }, { -1, 0 }, { -0.7071068f, -0.7071068f }, { 0, -1 },
-		{ 0.7071068f, -0.7071068f } };
+	_Static_assert(LANES == 8, "as many as there are places around");
+	static const float turn[2][LANES] = { { 1, 0.7071068f, 0, -0.7071068f, -1, -0.7071068f, 0,
+						      0.7071068f },
+		{ 0, 0.7071068f, 1, 0.7071068f, 0, -0.7071068f, -1, -0.7071068f } };
 	const struct contours_step *step = &b->layer->step->contours;
 	float band_px = step->band_px * b->f->ink_px;
 	vf sum = all(0), x = all(0), y = all(0);
-	for (int n = 0; n < 8; n++) {
-		vf part = is_behind(b, c->x_px - 0.5f + band_px * turn[n][0],
-			c->y_px - 0.5f + band_px * turn[n][1], c->depth_m);
-		sum += part;
-		x += part * turn[n][0];
-		y += part * turn[n][1];
+	unsigned near = may_have_steps(b, c, band_px + 2);
+	if (!near)
+		return;
+	for (; near; near &= near - 1) {
+		int k = __builtin_ctz(near);
+		vf part = is_behind(b, c->x_px[k] - 0.5f + band_px * load(turn[0]),
+			c->y_px[k] - 0.5f + band_px * load(turn[1]), all(c->depth_m[k]));
+		for (int n = 0; n < LANES; n++) {
+			sum[k] += part[n];
+			x[k] += part[n] * turn[0][n];
+			y[k] += part[n] * turn[1][n];
+		}
 	}
 	vf length = root(x * x + y * y), unit = 1 / most(length, all(1e-3f));
 	/* What has it all around is a speck, and runs nowhere. */

@@ -220,6 +220,18 @@ static bool is_in_view(const struct frame_layer *l, const struct chunk_view *vie
 	return false;
 }
 
+/* They are of no chunk. */
+static void draw_profiles(const frame *f, const visibility_mask *m, const struct chunk_view *views,
+	uint32_t count, uint64_t which, struct task *to)
+{
+	for (uint32_t l = 0; l < f->layers; l++)
+		if (f->layer[l].is_profile && which >> l & 1 &&
+			is_in_view(&f->layer[l], views, count)) {
+			profile_strokes(f, &f->layer[l], m, &to->of_layer[l]);
+			find_spans(&to->of_layer[l]);
+		}
+}
+
 const struct stroke_blocks *stroke_room_fill(stroke_room *r, const frame *f,
 	const visibility_mask *m, const struct chunk_view *views, uint32_t count)
 {
@@ -234,21 +246,20 @@ const struct stroke_blocks *stroke_room_fill_some(stroke_room *r, const frame *f
 	r->taken = 0;
 	r->lanes = f->lanes;
 	look_for_stipple(r, f, views, count, which);
-	for (uint32_t n = 0; n < tasks; n++)
+	for (uint32_t n = 0; n <= tasks; n++)
 		for (uint32_t l = 0; l < f->layers; l++)
 			task[n].of_layer[l].room = r;
 #pragma omp parallel for schedule(dynamic, 1) if (!f->single_thread)
-	for (uint32_t n = 0; n < tasks; n++)
-		run_task(r, f, m, views + n * TASK_CHUNKS,
-			MIN(TASK_CHUNKS, count - n * TASK_CHUNKS), which, &task[n]);
+	for (uint32_t n = 0; n <= tasks; n++) {
+		uint32_t first = (n - 1) * TASK_CHUNKS;
+		if (n == 0) /* all of them, while others do the chunks */
+			draw_profiles(f, m, views, count, which, &task[tasks]);
+		else
+			run_task(r, f, m, views + first, MIN(TASK_CHUNKS, count - first), which,
+				&task[n - 1]);
+	}
 	for (uint32_t l = 0; l < f->layers; l++)
-		if (f->layer[l].is_profile && which >> l & 1 &&
-			is_in_view(&f->layer[l], views, count)) {
-			profile_strokes(f, &f->layer[l], m, &task[0].of_layer[l]);
-			find_spans(&task[0].of_layer[l]);
-		}
-	for (uint32_t l = 0; l < f->layers; l++)
-		join(task, tasks, l, &r->of_layer[l]);
+		join(task, tasks + 1, l, &r->of_layer[l]);
 	give_back(r);
 	return r->of_layer;
 }
