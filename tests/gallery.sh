@@ -132,6 +132,7 @@ Paint | The shipped styles of brush strokes. Xu & Chen wish for them in section 
 Broad strokes | The broadest strokes get larger, and all others with them. | impressionist:view=walk;$yard;paint.length_px=20,40,80,140;paint.width_px=6,11,22,38
 Fine strokes | How large the finest are, as a part of the broadest; and who has them: all, or only what has details. | impressionist:view=walk;$yard;paint.fine=1,0.4,0.15,0.15;paint.detail=1,1,1,0
 Cover | How much paint there is, from the ground that shows to none of it. | gouache:view=walk;$yard;paint.cover=0.4,1,2,5
+Gaps | How far paper between strokes takes the colour of the paint beside it. | impressionist:view=walk;$yard;paint.cover=0.8,0.8,0.8;paint.gap_px=0,6,24
 Following the form | Strokes that are level everywhere, and strokes that go along edges and bends. | impressionist:view=walk;$yard;paint.follow=0,1
 Wet and dry | Strokes that hide each other, and that mix. | impressionist:view=walk;$yard;paint.wet=0,0.5,1
 Thickness | What light makes of paint that lies thick. | impressionist:view=walk;$yard;paint.thickness_px=0,2,6;paint.shine=0,0.1,0.3
