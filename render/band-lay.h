@@ -130,8 +130,9 @@ struct eights {
 INLINE void eights_find(
 	struct eights *e, const struct pen *p, const struct band *b, const visibility_mask *m)
 {
-	e->y[e->count] = e->y[e->count - 1];
-	e->left[e->count] = e->left[e->count - 1];
+	/* The last one again, for all lanes. */
+	store_mask(e->y + e->count, e->y[e->count - 1] + (vi){ 0 });
+	store_mask(e->left + e->count, e->left[e->count - 1] + (vi){ 0 });
 	int32_t pitch = m ? (int32_t)m->pitch : 0;
 	for (uint32_t n = 0; n <= e->count; n += LANES) {
 		vi y = *(const vi_loose *)(e->y + n), left = *(const vi_loose *)(e->left + n);
