@@ -256,6 +256,7 @@ INLINE void draw_short_rows(const struct pen *p, const struct band *b, const vis
 #if defined __AVX512VBMI__
 
 /* Of a row, SPOTS_ROW. */
+_Static_assert(SPOTS_ROW == 4, "one vector of them");
 typedef int32_t four_loose __attribute__((vector_size(16), aligned(4), may_alias));
 
 /* So many of a row, SPOTS_ROW at most. */

@@ -87,7 +87,7 @@ struct band_ink {
 	/* Of strokes that lie on each other weights have a factor of two to the octaves that they lie higher by (frame-paint.h), which makes
 	 * sums those of what lies highest, whatever came first. Sum of weight * how thick its paint is, 0..1. */
 	float *height;
-	struct band_parts *laid; /* where strokes of BAND_LAID are */
+	struct band_parts *laid; /* strokes of BAND_LAID add where they are; else not looked at */
 };
 /* Draws strokes of the layer over the planes. m may be NULL. */
 void band_draw(const struct band *b, const frame *f, const struct frame_layer *l,

@@ -271,5 +271,9 @@ INLINE void try_points(
 
 void LANES_NAME(stroke_contours)(const struct brush *b, struct stroke_chain *to)
 {
-	row_each(b, to, try_points);
+	struct lane_candidates c;
+	for (struct row_walk w = row_walk_of(b); row_next(b, &w, &c);) {
+		find_ids(b, &c);
+		try_points(b, w.at, &c, to);
+	}
 }

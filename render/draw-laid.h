@@ -6,12 +6,6 @@
 #include "render/paint-gaps.h"
 #include "render/project-lanes.h"
 
-INLINE void fill(const struct band *b, float *plane, float value)
-{
-	for (size_t i = 0; i < (size_t)b->pitch * b->rows; i += LANES)
-		store(plane + i, all(value));
-}
-
 /* Ink lies thicker on what stands up, as much thicker as it lies thinner in the hollows. */
 INLINE vf on_relief(vf bare, vf relief, float tooth)
 {

@@ -8,6 +8,12 @@
 #include <math.h>
 #include <string.h>
 
+INLINE void fill(const struct band *b, float *plane, float value)
+{
+	for (size_t i = 0; i < (size_t)b->pitch * b->rows; i += LANES)
+		store(plane + i, all(value));
+}
+
 /* ---- paper ---- */
 
 INLINE void lay_row(const float colour[3], float grain, const uint8_t *height, uint32_t width,

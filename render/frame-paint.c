@@ -36,9 +36,12 @@ static struct paint_extent extent_of(const stroke_texture *t, uint32_t variant, 
 	uint32_t first[2] = { UINT32_MAX, UINT32_MAX }, last[2] = { 0, 0 };
 	for (uint32_t y = 1; y <= t->width; y++)
 		for (uint32_t x = 1; x <= t->length; x++, texel++)
-			for (int k = 0; k < 2 && *texel > 0 && *texel >= dry * 255 - 0.5f; k++) {
-				first[k] = MIN(first[k], k ? y : x);
-				last[k] = MAX(last[k], k ? y : x);
+			if (*texel > 0 && *texel >= dry * 255 - 0.5f) {
+				uint32_t at[] = { x, y };
+				for (int k = 0; k < 2; k++) {
+					first[k] = MIN(first[k], at[k]);
+					last[k] = MAX(last[k], at[k]);
+				}
 			}
 	for (int k = 0; k < 2 && last[k]; k++)
 		extent_along(

@@ -162,15 +162,17 @@ INLINE void try_copies(
 	find_hatch(b, at, c, &h);
 	fetch(b, c);
 	vf copies = copies_of(b, c);
-	for (; c->left && c->copy < b->copies; c->copy++) {
+	for (; c->left; next_copy(c, copies)) {
 		struct lane_candidates one = *c;
 		try_strokes(b, &one, &h, to);
-		c->rank += c->last;
-		c->left &= bits((c->rank < c->most) & ((float)c->copy + 1 < copies));
 	}
 }
 
 void LANES_NAME(stroke_hatch)(const struct brush *b, struct stroke_chain *to)
 {
-	row_each(b, to, try_copies);
+	struct lane_candidates c;
+	for (struct row_walk w = row_walk_of(b); row_next(b, &w, &c);) {
+		find_ids(b, &c);
+		try_copies(b, w.at, &c, to);
+	}
 }

@@ -152,21 +152,13 @@ INLINE void try_copies(
 		find_paint(b, &c[n], &p[n]);
 		copies[n] = copies_of(b, &c[n]);
 	}
-	for (uint32_t copy = 0; copy < b->copies; copy++) {
-		unsigned left = 0;
+	do
 		for (int n = 0; n < VECTORS; n++) {
-			if (!c[n].left)
-				continue;
 			struct lane_candidates one = c[n];
-			one.copy = copy;
-			try_stroke(b, &one, &p[n], to);
-			c[n].rank += c[n].last;
-			c[n].left &= bits((c[n].rank < c[n].most) & ((float)copy + 1 < copies[n]));
-			left |= c[n].left;
+			if (one.left)
+				try_stroke(b, &one, &p[n], to);
 		}
-		if (!left)
-			break;
-	}
+	while (group_next_copy(c, copies));
 }
 
 /* As many of them as there are groups of, or all. */
@@ -196,13 +188,9 @@ INLINE unsigned wanted_by_detail(
 void LANES_NAME(stroke_paint)(const struct brush *b, struct stroke_chain *to)
 {
 	struct queue q = { 0 };
-	uint32_t end = row_end(b);
-	for (uint32_t i = 0; i < end; i += LANES) {
-		struct lane_candidates c;
-		row_candidates(b, i, end, &c);
-		if (!c.left)
-			continue;
-		c.left &= wanted_by_detail(b, b->view->chunk->first + i, &c);
+	struct lane_candidates c;
+	for (struct row_walk w = row_walk_of(b); row_next(b, &w, &c);) {
+		c.left &= wanted_by_detail(b, w.at, &c);
 		if (c.left)
 			put_in_queue(b, &c, &q);
 		if (q.count >= QUEUE)

@@ -257,21 +257,13 @@ INLINE void try_copies(
 		find_wanted(b, &c[n]);
 		copies[n] = copies_of(b, &c[n]);
 	}
-	for (uint32_t copy = 0; copy < b->copies; copy++) {
-		unsigned left = 0;
+	do
 		for (int n = 0; n < VECTORS; n++) {
-			if (!c[n].left)
-				continue;
 			struct lane_candidates one = c[n];
-			one.copy = copy;
-			try_on_surface(b, &one, to);
-			c[n].rank += c[n].last;
-			c[n].left &= bits((c[n].rank < c[n].most) & ((float)copy + 1 < copies[n]));
-			left |= c[n].left;
+			if (one.left)
+				try_on_surface(b, &one, to);
 		}
-		if (!left)
-			break;
-	}
+	while (group_next_copy(c, copies));
 }
 
 INLINE void try_group(const struct brush *b, const struct queue *q, uint32_t at, uint32_t end,

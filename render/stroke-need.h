@@ -211,6 +211,14 @@ INLINE vf copies_of(const struct brush *b, const struct lane_candidates *c)
 	return choose(c->is_flat, all((float)b->copies), leaves);
 }
 
+/* On to the next stroke of each point: leaves those that may give one. */
+INLINE void next_copy(struct lane_candidates *c, vf copies)
+{
+	c->copy++;
+	c->rank += c->last;
+	c->left &= bits((c->rank < c->most) & ((float)c->copy < copies));
+}
+
 /* Moves points in their planes, inside the patches that they stand for. */
 INLINE void scatter(const struct brush *b, struct lane_candidates *c)
 {

@@ -66,6 +66,17 @@ INLINE void find_group(const struct brush *b, const struct queue *q, uint32_t at
 	}
 }
 
+/* On to the next strokes of the group's points; false: none may give one. */
+INLINE bool group_next_copy(struct lane_candidates c[VECTORS], const vf copies[VECTORS])
+{
+	unsigned left = 0;
+	for (int n = 0; n < VECTORS; n++) {
+		next_copy(&c[n], copies[n]);
+		left |= c[n].left;
+	}
+	return left;
+}
+
 /* Those before end were looked at; those behind them move up. */
 INLINE void queue_move_up(struct queue *q, uint32_t end)
 {

@@ -42,27 +42,28 @@ INLINE void row_candidates(
 		c->left &= row_kinds(b, at);
 }
 
-/* No point from there on, by its place in the chunk, is drawn. */
-INLINE uint32_t row_end(const struct brush *b)
+/* Where a walk through the rows is: at is the place in the scene of the row that it came to, what comes is in the chunk. */
+struct row_walk {
+	uint32_t at, next, end;
+};
+
+INLINE struct row_walk row_walk_of(const struct brush *b)
 {
 	float count = (float)b->list_count;
-	return (uint32_t)MIN(row_need_most(b) * count + 1, count);
+	return (struct row_walk){ .end = (uint32_t)MIN(row_need_most(b) * count + 1, count) };
 }
 
-/* Calls draw with each eight that may give strokes; at: the first one's place in the scene. It is inlined too. */
-INLINE void row_each(const struct brush *b, struct stroke_chain *to,
-	void (*draw)(const struct brush *b, uint32_t at, struct lane_candidates *c,
-		struct stroke_chain *to))
+/* The next ones side by side that may give strokes; false: there are no more. */
+INLINE bool row_next(const struct brush *b, struct row_walk *w, struct lane_candidates *c)
 {
-	uint32_t end = row_end(b);
-	for (uint32_t i = 0; i < end; i += LANES) {
-		struct lane_candidates c;
-		row_candidates(b, i, end, &c);
-		if (!c.left)
-			continue;
-		find_ids(b, &c);
-		draw(b, b->view->chunk->first + i, &c, to);
+	while (w->next < w->end) {
+		w->at = b->view->chunk->first + w->next;
+		row_candidates(b, w->next, w->end, c);
+		w->next += LANES;
+		if (c->left)
+			return true;
 	}
+	return false;
 }
 
 #endif

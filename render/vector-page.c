@@ -345,7 +345,7 @@ static void thin_out(struct hand *h, const struct thinning *t)
 	h->part = t->part;
 	h->layers = sqrtf(1 / h->part);
 	h->broader *= h->layers;
-	h->shaper.edge_px *= t->coarser * h->broader;
+	h->shaper.edge_px *= t->coarser * h->layers;
 }
 
 /* From a stroke in so many. */
