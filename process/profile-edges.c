@@ -1,5 +1,5 @@
 #include "process/normal-equations.h"
-#include "process/profile-faces.h"
+#include "process/profile-extent.h"
 #include "process/vector3.h"
 #include <string.h>
 
@@ -11,21 +11,6 @@
 /* Beyond its last points a face goes on for half a spacing, on the mean. */
 #define LAST_SPACINGS     0.45
 #define END_STEP_SPACINGS 2.5f
-/* Next to an edge, within so many spacings, a part of the steps has feature points; of the points at the end of a face not more lie at the
- * end of a shadow. */
-#define BY_SPACINGS    1.5f
-#define BY_M           0.01f
-#define REACH_SPACINGS 2.2f
-#define FEATURES_SHARE 0.35f
-/* Along an edge one looks for it in steps of this, with no larger gap between; for the feature points beside it in larger ones. */
-#define STEP_M               0.08f
-#define STEP_SPACINGS        3.0f
-#define GAP_M                0.25f
-#define GAP_SPACINGS         7.0f
-#define FEATURE_GAP_M        0.4f
-#define FEATURE_GAP_SPACINGS 8.0f
-/* Only so much farther than the section does it tell where an edge is. */
-#define FARTHER 3.0f
 /* What lies farther from what grew is left to what grew there. */
 #define MARK_SUPPORT 0.85f /* of what grew, where no face tells of it */
 #define OTHER_KIND_M 0.03
@@ -37,36 +22,18 @@
 #define LEFT_M          0.1
 #define BESIDE_M        0.04f
 #define BESIDE_SPACINGS 1.0f
-#define AHEAD_M         0.3f
-/* Beyond the end of a face there are at most so many points as inside. Of the face are those on it; where nobody knows where it was seen from
- * also those so near to it, in spacings, for there a face seems to end wherever a surface bends. */
-#define BEYOND_SHARE    0.3f
-#define BEYOND_GUESSED  0.1f
-#define BEYOND_SPACINGS 2.5f
-/* Of the steps of an edge that are borne out. */
-#define SUPPORT_LEAST 0.75f
-/* And at least so long, in spacings. */
-#define LONG_SPACINGS 8.0f
 /* The farthest points of a face that ends lie on a line, in most steps, as far as spacings explain. */
 #define STEPS_LEAST    3
 #define STEPS_SHARE    0.5
 #define NOISE_SPACINGS 0.35
 #define NOISE_M        0.003
-/* A face in the site's frame: normal . place = off_m. */
-struct plane {
-	float normal[3];
-	double off_m;
-	float noise_m;
-};
-
 struct settler {
 	const profile_around *all;
 	const struct profile_piece *seed;
 	struct profile_section section;
 	bool is_met[PROFILE_SPANS][2]; /* where a span begins, or ends, it meets another face */
-	GArray *near;
-	GArray *ret;   /* of struct profile_piece */
-	bool is_there; /* the piece itself, found again, is known already */
+	GArray *ret;                   /* of struct profile_piece */
+	bool is_there;                 /* the piece itself, found again, is known already */
 	bool (*is_known)(const struct profile_piece *p, const void *user_data);
 	const void *user_data;
 };
@@ -74,182 +41,6 @@ struct settler {
 static const struct profile_near *near_at(const GArray *near, guint i)
 {
 	return &g_array_index(near, struct profile_near, i);
-}
-
-static struct plane plane_of(const struct profile_frame *f, const struct profile_face *face)
-{
-	struct plane p = { .off_m = (double)face->off_m, .noise_m = face->noise_m };
-	for (int k = 0; k < 3; k++)
-		p.normal[k] = face->normal[0] * f->axis[0][k] + face->normal[1] * f->axis[1][k] +
-			      face->normal[2] * f->axis[2][k];
-	for (int k = 0; k < 3; k++)
-		p.off_m += (double)p.normal[k] * f->at[k];
-	return p;
-}
-
-static struct profile_face face_in(const struct profile_frame *f, const struct plane *p)
-{
-	struct profile_face face = { .noise_m = p->noise_m };
-	double off_m = p->off_m;
-	for (int k = 0; k < 3; k++) {
-		face.normal[k] = vector3_dot(p->normal, f->axis[k]);
-		off_m -= (double)p->normal[k] * f->at[k];
-	}
-	face.off_m = (float)off_m;
-	return face;
-}
-
-/* ---- along an edge ---- */
-
-struct step {
-	uint32_t of[2], beyond, other, features, shadows;
-};
-
-/* The steps of an edge, from its piece's middle on. */
-#define STEPS_MOST 2048
-struct walk {
-	float step_m;
-	struct profile_frame frame;
-	struct profile_face face[2];
-	int faces, side; /* side: a face of which alone ends, to 1 or -1 */
-	int most;        /* steps to either side, where the edge is still known by its section */
-	int from,
-		to; /* steps that were counted: from .. to - 1, of those of all from -STEPS_MOST to STEPS_MOST */
-	struct step *step; /* of number 0; before it those of less */
-};
-
-/* Whether the face may go on in the point, which lies beyond its end. */
-static bool is_near_face(
-	const struct profile_piece *p, const struct profile_near *n, const struct profile_face *f)
-{
-	const float at[3] = { n->u, n->v, n->t };
-	return profile_is_of(n, f) ||
-	       (p->is_guessed && fabsf(vector3_dot(at, f->normal) - f->off_m) <
-					 BEYOND_SPACINGS * p->spacing_m);
-}
-
-/* What is next to the edge in each step. */
-static void count_steps(const struct settler *s, const struct profile_piece *p,
-	const struct walk *w, int from, int to)
-{
-	float reach_m = REACH_SPACINGS * p->spacing_m + BY_M,
-	      by_m = BY_SPACINGS * p->spacing_m + BY_M;
-	profile_around_look(s->all, &w->frame, (double)((float)from * w->step_m),
-		(double)((float)to * w->step_m), reach_m, 1, s->near);
-	for (guint i = 0; i < s->near->len; i++) {
-		const struct profile_near *n = near_at(s->near, i);
-		struct step *step = &w->step[CLAMP((int)floorf(n->t / w->step_m), from, to - 1)];
-		bool is_of = false;
-		for (int f = 0; f < w->faces; f++) {
-			bool is_beyond =
-				w->faces == 1 && profile_beside(n, &w->face[f]) * (float)w->side >
-							 1.2f * p->spacing_m;
-			is_of |= profile_is_of(n, &w->face[f]);
-			if (is_beyond)
-				step->beyond += is_near_face(p, n, &w->face[f]);
-			else
-				step->of[f] += profile_is_of(n, &w->face[f]);
-		}
-		if (n->u * n->u + n->v * n->v <= by_m * by_m) {
-			step->other += !is_of;
-			step->features += n->is_feature;
-			step->shadows += is_of && n->flags & FEATURE_BEHIND;
-		}
-	}
-}
-
-static bool is_good(const struct profile_piece *p, const struct step *s)
-{
-	if (p->kind == PROFILE_CREASE)
-		return s->of[0] && s->of[1] && s->other <= s->of[0] + s->of[1];
-	float share = p->is_guessed ? BEYOND_GUESSED : BEYOND_SHARE;
-	return s->of[0] && (float)s->beyond <= share * (float)s->of[0] &&
-	       s->shadows * 2 <= s->of[0];
-}
-
-struct run {
-	int from, to; /* steps that are part of it: from .. to - 1 */
-	uint32_t good, features;
-};
-
-/* The longest run of good steps without large gaps. */
-static struct run longest_run(const struct profile_piece *p, const struct walk *w)
-{
-	int gap = (int)ceilf(fmaxf(GAP_M, GAP_SPACINGS * p->spacing_m) / w->step_m),
-	    feature_gap = (int)ceilf(
-		    fmaxf(FEATURE_GAP_M, FEATURE_GAP_SPACINGS * p->spacing_m) / w->step_m);
-	struct run best = { 0 }, run = { 0 };
-	int last_good = INT32_MIN / 2, last_feature = INT32_MIN / 2;
-	for (int n = w->from; n <= w->to; n++) {
-		bool good = n < w->to && is_good(p, &w->step[n]);
-		if (n < w->to && w->step[n].features)
-			last_feature = n;
-		if (n == w->to || n - last_good > gap || n - last_feature > feature_gap) {
-			run.to = last_good + 1;
-			if (run.good && run.to - run.from > best.to - best.from)
-				best = run;
-			run = (struct run){ n, n, 0, 0 };
-		}
-		if (good && last_feature > n - feature_gap) {
-			if (!run.good)
-				run.from = n;
-			run.good++;
-			run.features += w->step[n].features > 0;
-			last_good = n;
-		}
-	}
-	return best;
-}
-
-/* Ahead, at an end, by as much as it is long. false: it goes no further. */
-static bool walk_on(const struct settler *s, const struct profile_piece *p, struct walk *w,
-	const struct run *run)
-{
-	int more = w->to - w->from,
-	    near = (int)ceilf(fmaxf(GAP_M, GAP_SPACINGS * p->spacing_m) / w->step_m),
-	    from = run->from <= w->from + near ? MAX(w->from - more, -w->most) : w->from,
-	    to = run->to >= w->to - near ? MIN(w->to + more, w->most) : w->to;
-	if (from == w->from && to == w->to)
-		return false;
-	if (from < w->from)
-		count_steps(s, p, w, from, w->from);
-	if (to > w->to)
-		count_steps(s, p, w, w->to, to);
-	w->from = from;
-	w->to = to;
-	return true;
-}
-
-/* Sets where the edge begins and ends: as far as its faces, and feature points beside it, go along with it. */
-static bool find_extent(
-	const struct settler *s, struct profile_piece *p, const struct plane *plane, int side)
-{
-	g_autofree struct step *steps = g_new0(struct step, 2 * STEPS_MOST);
-	struct walk w = { .step_m = fmaxf(STEP_M, STEP_SPACINGS * p->spacing_m),
-		.faces = 1 + (p->kind == PROFILE_CREASE),
-		.side = side,
-		.step = steps + STEPS_MOST };
-	double middle_m = (p->from_m + p->to_m) / 2;
-	struct run run;
-	profile_frame_of(p, &w.frame);
-	for (int f = 0; f < w.faces; f++)
-		w.face[f] = face_in(&w.frame, &plane[f]);
-	w.to = MIN((int)ceil(profile_piece_length(p) / 2 / (double)w.step_m), STEPS_MOST);
-	w.from = -w.to;
-	w.most = MIN(
-		MAX((int)(FARTHER * (float)w.to), w.to + (int)(AHEAD_M / w.step_m)), STEPS_MOST);
-	count_steps(s, p, &w, w.from, w.to);
-	do {
-		run = longest_run(p, &w);
-		if (run.to - run.from < 2)
-			return false;
-	} while (walk_on(s, p, &w, &run));
-	p->from_m = middle_m + (double)((float)run.from * w.step_m);
-	p->to_m = middle_m + (double)((float)run.to * w.step_m);
-	p->support = (float)run.good / (float)(run.to - run.from);
-	return p->support >= SUPPORT_LEAST &&
-	       (float)run.features >= FEATURES_SHARE * (float)(run.to - run.from) &&
-	       profile_piece_length(p) >= (double)(LONG_SPACINGS * p->spacing_m);
 }
 
 /* ---- an edge ---- */
@@ -321,7 +112,8 @@ static bool is_same(const struct profile_piece *p, double off_m)
 	return off_m < SAME_M + SAME_SPACINGS * (double)p->spacing_m;
 }
 
-static void keep(struct settler *s, struct profile_piece *p, const struct plane *plane, int side)
+static void keep(
+	struct settler *s, struct profile_piece *p, const struct profile_plane *plane, int side)
 {
 	for (int f = 0; f < 1 + (p->kind == PROFILE_CREASE); f++)
 		memcpy(p->face[f], plane[f].normal, sizeof p->face[f]);
@@ -331,7 +123,7 @@ static void keep(struct settler *s, struct profile_piece *p, const struct plane 
 		return;
 	if (s->is_known && s->is_known(p, s->user_data))
 		s->is_there |= is_same(s->seed, off_from(s->seed, p));
-	else if (find_extent(s, p, plane, side))
+	else if (profile_extent_find(s->all, p, plane, side))
 		g_array_append_val(s->ret, *p);
 }
 
@@ -422,8 +214,8 @@ static void add_crease(struct settler *s, uint32_t a, uint32_t b, bool is_joined
 		if (span[n] >= 0 && ends[n] >= 0)
 			s->is_met[span[n]][ends[n]] = true;
 	struct profile_piece p = piece_between(s, low, high);
-	const struct plane planes[2] = { plane_of(&section->frame, f),
-		plane_of(&section->frame, g) };
+	const struct profile_plane planes[2] = { profile_plane_of(&section->frame, f),
+		profile_plane_of(&section->frame, g) };
 	p.kind = PROFILE_CREASE;
 	keep(s, &p, planes, 0);
 }
@@ -495,7 +287,7 @@ static void add_end(struct settler *s, const struct profile_span *span, int end)
 	in_face(f, (float)(x[0] - x[1] * (double)section->half_m), -section->half_m, low);
 	in_face(f, (float)(x[0] + x[1] * (double)section->half_m), section->half_m, high);
 	struct profile_piece p = piece_between(s, low, high);
-	const struct plane plane = plane_of(&section->frame, f);
+	const struct profile_plane plane = profile_plane_of(&section->frame, f);
 	p.kind = PROFILE_END;
 	keep(s, &p, &plane, end ? 1 : -1);
 }
@@ -558,7 +350,6 @@ void profile_piece_settle(const profile_around *all, const struct profile_piece 
 		.all = all, .seed = seed, .ret = ret, .is_known = is_known, .user_data = user_data
 	};
 	s.section.look = *look;
-	s.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 	s.section.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 	find_edges(&s);
 	if (ret->len == 0 && seed->is_directed && seed->support > MARK_SUPPORT) {
@@ -569,5 +360,4 @@ void profile_piece_settle(const profile_around *all, const struct profile_piece 
 	if (seed->seen_m > 0)
 		keep_same(&s, seed, ret);
 	profile_section_clear(&s.section);
-	g_array_unref(s.near);
 }

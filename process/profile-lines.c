@@ -2,6 +2,7 @@
 #include "process/profile-agree.h"
 #include "process/profile-chain.h"
 #include "process/profile-cross.h"
+#include "process/profile-extent.h"
 #include "process/profile-join.h"
 #include "process/profile-rim.h"
 #include <math.h>
@@ -182,6 +183,25 @@ static GArray *find_agreed(
 	return agreed;
 }
 
+/* In the same order. */
+static GArray *cut_extents(
+	const profile_around *around, const GArray *pieces, const struct profile_options *options)
+{
+	GArray *ret = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
+	g_autofree GArray **part = g_new(GArray *, pieces->len + 1);
+#pragma omp parallel for schedule(dynamic, 64) if (!options->single_thread)
+	for (guint n = 0; n < pieces->len; n++) {
+		part[n] = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
+		profile_extent_cut(around, &g_array_index(pieces, struct profile_piece, n),
+			(double)options->length_least_m / 2, part[n]);
+	}
+	for (guint n = 0; n < pieces->len; n++) {
+		g_array_append_vals(ret, part[n]->data, part[n]->len);
+		g_array_unref(part[n]);
+	}
+	return ret;
+}
+
 profile_lines *profile_lines_find(const model *m, const struct profile_options *options)
 {
 	const double unit_m = profile_unit_m(m);
@@ -197,7 +217,8 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 	g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
 	for (guint n = 0; n < agreed->len; n++)
 		profile_joiner_add(joiner, &g_array_index(agreed, struct profile_piece, n));
-	g_autoptr(GArray) whole = profile_joiner_pieces(joiner);
+	g_autoptr(GArray) joined = profile_joiner_pieces(joiner);
+	g_autoptr(GArray) whole = cut_extents(around, joined, &o);
 	g_array_sort(whole, profile_piece_by_length);
 	profile_cross_cut(whole, &o);
 	profile_lines *lines = profile_chain(whole, origin_m, &o);

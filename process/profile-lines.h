@@ -14,8 +14,9 @@
  * 4. Where a face ends, all beams along the end tell at last where exactly (profile-rim.h).
  * 5. All of that more than once, each time by other beams or taking steep faces for likelier or not; what looks agree on stays
  *    (profile-agree.h).
- * 6. What runs through another edge is cut off there (profile-cross.h).
- * 7. Chaining (profile-chain.h): what follows each other is a curve, and ends that nearly meet in a corner meet.
+ * 6. Each is looked at closely from one end to the other, and what points do not bear out is left out (profile-extent.h).
+ * 7. What runs through another edge is cut off there (profile-cross.h).
+ * 8. Chaining (profile-chain.h): what follows each other is a curve, and ends that nearly meet in a corner meet.
  *
  * The same model gives the same bytes on any number of threads. */
 #include "process/model.h"
