@@ -30,8 +30,8 @@
 /* And at least so long, in spacings. */
 #define LONG_SPACINGS 8.0f
 /* Edges are looked at closely in steps of this. Good ones count for them, others against them, less so where there are no points; when
- * those against them are ahead by so much, it is another edge that begins behind them. Measured on court and street: coarser steps and
- * larger gaps leave more on no edge, finer and smaller ones take more of edges away. */
+ * those against them are ahead by so much, it is another edge that begins behind them. Measured on the court: coarser steps and
+ * larger gaps leave more on no edge, smaller ones take more of edges away. */
 #define CLOSE_M            0.015f
 #define CLOSE_SPACINGS     1.0f
 #define CLOSE_GAP_M        0.3f
@@ -57,7 +57,8 @@ struct profile_plane profile_plane_of(
 	return p;
 }
 
-struct profile_face profile_face_in(const struct profile_frame *f, const struct profile_plane *p)
+/* The other way around. */
+static struct profile_face face_in(const struct profile_frame *f, const struct profile_plane *p)
 {
 	struct profile_face face = { .noise_m = p->noise_m };
 	double off_m = p->off_m;
@@ -208,7 +209,7 @@ bool profile_extent_find(const profile_around *all, struct profile_piece *p,
 	struct run run;
 	profile_frame_of(p, &w.frame);
 	for (int f = 0; f < w.faces; f++)
-		w.face[f] = profile_face_in(&w.frame, &plane[f]);
+		w.face[f] = face_in(&w.frame, &plane[f]);
 	w.to = MIN((int)ceil(profile_piece_length(p) / 2 / (double)w.step_m), STEPS_MOST);
 	w.from = -w.to;
 	w.most = MIN(
@@ -240,11 +241,13 @@ static void set_faces(const struct profile_piece *p, struct walk *w)
 {
 	w->faces = p->kind == PROFILE_CREASE ? 2 : p->kind == PROFILE_END;
 	for (int f = 0; f < w->faces; f++) {
-		w->face[f] = (struct profile_face){
-			.noise_m = CLOSE_NOISE_M + CLOSE_NOISE_SPACINGS * p->spacing_m
-		};
-		for (int k = 0; k < 3; k++)
-			w->face[f].normal[k] = vector3_dot(p->face[f], w->frame.axis[k]);
+		struct profile_plane plane = { .noise_m = CLOSE_NOISE_M +
+							  CLOSE_NOISE_SPACINGS * p->spacing_m };
+		for (int k = 0; k < 3; k++) {
+			plane.normal[k] = p->face[f][k];
+			plane.off_m += (double)p->face[f][k] * w->frame.at[k];
+		}
+		w->face[f] = face_in(&w->frame, &plane);
 	}
 }
 

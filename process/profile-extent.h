@@ -9,10 +9,9 @@ struct profile_plane {
 	double off_m;
 	float noise_m;
 };
-/* One of a section as a plane, and the other way around. */
+/* One of a section as a plane. */
 struct profile_plane profile_plane_of(
 	const struct profile_frame *f, const struct profile_face *face);
-struct profile_face profile_face_in(const struct profile_frame *f, const struct profile_plane *p);
 
 /* Sets from_m and to_m of an edge that was just found, as far as its faces, and feature points beside it, go along with it, and its support.
  * plane: two of a crease, one of a face's end; side: of the latter, 1 or -1 (profile_beside()). false: too little bears it out, or it

@@ -38,13 +38,12 @@ static void add_point(GArray *all, GRand *r, int face, double x, double across)
 	memcpy(p.within, place.within, sizeof p.within);
 	model_pack_normal(normal[face], p.normal);
 	p.k1 = p.k2 = MODEL_HALF_NONE;
-	if (face == 0 && x < COLOUR_TO_M && fabs(across - COLOUR_AT_M) < SPACING_M) {
-		p.kind = FEATURE_UNDIRECTED;
-		p.flags = FEATURE_COLOUR_EDGE;
-	}
-	if (face == 0 && fabs(across - BENT_AT_M) < SPACING_M) {
-		p.kind = FEATURE_UNDIRECTED;
-		p.flags = FEATURE_CREASE;
+	bool is_coloured = x < COLOUR_TO_M && fabs(across - COLOUR_AT_M) < SPACING_M;
+	if (face == 0 && (is_coloured || fabs(across - BENT_AT_M) < SPACING_M)) {
+		p.kind = FEATURE_DIRECTED;
+		p.feature = 200;
+		p.flags = is_coloured ? FEATURE_COLOUR_EDGE : FEATURE_CREASE;
+		model_pack_normal((const float[3]){ 1, 0, 0 }, p.direction);
 	}
 	g_array_append_val(all, p);
 }
@@ -143,10 +142,32 @@ static void test_short(void)
 	g_assert_cmpuint(left->len, ==, 1);
 }
 
+/* Lines are cut so: nothing bears out a mark of points that are bent. */
+static void test_lines(void)
+{
+	g_autoptr(model) m = make_corner();
+	g_autoptr(profile_lines) lines = profile_lines_find(m, NULL);
+	double coloured_m = 0;
+	for (guint n = 0; n < lines->line->len; n++) {
+		const struct profile_line *line =
+			&g_array_index(lines->line, struct profile_line, n);
+		const float *at_m =
+			g_array_index(lines->vertex, struct profile_vertex, line->first).at_m;
+		double z = lines->origin_m[2] + (double)at_m[2];
+		g_test_message(
+			"kind %d, %.2f m at z = %.3f", line->kind, (double)line->length_m, z);
+		g_assert_true(line->kind != PROFILE_MARK || fabs(z - BENT_AT_M) > 0.05);
+		if (line->kind == PROFILE_MARK && fabs(z - COLOUR_AT_M) < 0.02)
+			coloured_m += (double)line->length_m;
+	}
+	g_assert_cmpfloat(fabs(coloured_m - (COLOUR_TO_M - LEFT_M)), <, 0.05);
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/profile-extent/cut", test_cut);
 	g_test_add_func("/profile-extent/short", test_short);
+	g_test_add_func("/profile-extent/lines", test_lines);
 	return g_test_run();
 }
