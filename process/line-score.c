@@ -543,8 +543,8 @@ static void score_run(const struct edge_run *run, const struct cloud_cells *cell
 			uint32_t adds = 0;
 			for (guint k = 0; k < sets->len; k++)
 				adds += g_hash_table_contains(sets->pdata[k], line) &&
-					!(best[0] && g_hash_table_contains(sets->pdata[k],
-							     GUINT_TO_POINTER(best[0])));
+					!(n && g_hash_table_contains(
+						       sets->pdata[k], GUINT_TO_POINTER(best[0])));
 			if (adds > most ||
 				(adds == most && most && GPOINTER_TO_UINT(line) < best[n])) {
 				most = adds;

@@ -114,10 +114,60 @@ static void test_behind(void)
 	g_free(behind.cell);
 }
 
+/* A front that ends half way up, and lines along its upper edge, each from one part of its width to another. */
+static double score_covered(const double (*part)[2], uint32_t lines)
+{
+	struct bench_truth_scan s = new_panorama();
+	const double rise = tan((LOWEST_RAD + HIGHEST_RAD) / 2),
+		     half_m = NEAREST_M * tan(ACROSS * 2 * G_PI / COLUMNS);
+	for (uint32_t row = 0; row < ROWS; row++)
+		for (int column = -ACROSS; column < ACROSS; column++)
+			if (rise_of(row, column) < rise)
+				set_cell(&s, row, column, NEAREST_M, BENCH_TRUTH_BUILDING, 0, 1);
+	g_autoptr(profile_lines) all = profile_lines_new();
+	for (uint32_t n = 0; n < lines; n++) {
+		struct profile_line line = { .first = 2 * n, .count = 2 };
+		for (int e = 0; e < 2; e++) {
+			struct profile_vertex v = {
+				.at_m = { (float)(half_m * (2 * part[n][e] - 1)), (float)NEAREST_M,
+					(float)(rise * NEAREST_M) }
+			};
+			g_array_append_val(all->vertex, v);
+		}
+		g_array_append_val(all->line, line);
+	}
+	g_autoptr(line_truth) t = line_truth_new();
+	struct line_score score;
+	line_truth_add(t, &s, NULL, COLUMNS);
+	line_score_make(t, all, &s.pose, &score);
+	g_free(s.cell);
+	/* Its sides are edges, too. */
+	return score.covered_m / (2 * half_m);
+}
+
+/* Of all lines those two count that cover the most together, whichever comes first. */
+static void test_covered(void)
+{
+	static const double cases[][4][2] = {
+		{ { 0, 0.4 }, { -0.01, 1.01 } },
+		{ { -0.01, 1.01 }, { 0, 0.4 } },
+		{ { 0.2, 0.6 }, { -0.01, 0.5 }, { 0.5, 1.01 } },
+		{ { 0, 0.3 }, { 0.3, 0.6 }, { 0.6, 0.9 } },
+	};
+	static const uint32_t lines[] = { 2, 2, 3, 3 };
+	static const double covered[] = { 1, 1, 1, 0.6 };
+	for (size_t n = 0; n < G_N_ELEMENTS(cases); n++) {
+		double part = score_covered(cases[n], lines[n]);
+		g_test_message("case %zu: %.3f", n, part);
+		g_assert_cmpfloat_with_epsilon(part, covered[n], 0.03);
+	}
+}
+
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
 	g_test_add_func("/line-score/faces", test_faces);
 	g_test_add_func("/line-score/behind", test_behind);
+	g_test_add_func("/line-score/covered", test_covered);
 	return g_test_run();
 }
