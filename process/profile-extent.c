@@ -39,7 +39,7 @@
 #define CLOSE_UNKNOWN      0.3f
 /* And points are on its faces when they are so near to them, 1 sigma: edges are known no better. */
 #define CLOSE_NOISE_M        0.004f
-#define CLOSE_NOISE_SPACINGS 0.15f
+#define CLOSE_NOISE_SPACINGS 0.25f
 /* On which side of its end a face is tells what is so near. */
 #define SIDE_M 0.1f
 

@@ -135,18 +135,30 @@ static void to_metres(profile_lines *p, double unit_m)
 			g_array_index(p->vertex, struct profile_vertex, n).at_m[k] *= (float)unit_m;
 }
 
-/* Ends of faces, by the beams along all of their length; what lies on one line now is one. */
-static profile_joiner *fit_rims(
+/* Ends of faces, by the beams along all of their length; where beams tell of none there is none. In the same order. */
+static void fit_rims(
 	const profile_around *around, GArray *pieces, const struct profile_options *options)
 {
-	profile_joiner *joiner = profile_joiner_new(options);
+	g_autofree enum profile_rim *told = g_new(enum profile_rim, pieces->len + 1);
+	guint kept = 0;
 #pragma omp parallel for schedule(dynamic) if (!options->single_thread)
 	for (guint n = 0; n < pieces->len; n++)
-		profile_rim_fit(around, &g_array_index(pieces, struct profile_piece, n));
+		told[n] = profile_rim_fit(around, &g_array_index(pieces, struct profile_piece, n));
+	for (guint n = 0; n < pieces->len; n++)
+		if (told[n] != PROFILE_RIM_NONE)
+			g_array_index(pieces, struct profile_piece, kept++) =
+				g_array_index(pieces, struct profile_piece, n);
+	g_array_set_size(pieces, kept);
+}
+
+/* What lies on one line is one. */
+static GArray *join(GArray *pieces, const struct profile_options *options)
+{
+	g_autoptr(profile_joiner) joiner = profile_joiner_new(options);
 	g_array_sort(pieces, profile_piece_by_worth);
 	for (guint n = 0; n < pieces->len; n++)
 		profile_joiner_add(joiner, &g_array_index(pieces, struct profile_piece, n));
-	return joiner;
+	return profile_joiner_pieces(joiner);
 }
 
 /* What one look makes of pieces that grew; NULL: progress stopped it. */
@@ -160,8 +172,10 @@ static GArray *find_edges(const struct sight *s, const GArray *grown)
 		g_array_unref(pieces);
 		pieces = profile_joiner_pieces(joiner);
 	}
-	g_autoptr(profile_joiner) joiner = fit_rims(s->around, pieces, s->options);
-	return profile_joiner_pieces(joiner);
+	fit_rims(s->around, pieces, s->options);
+	GArray *joined = join(pieces, s->options);
+	fit_rims(s->around, joined, s->options);
+	return joined;
 }
 
 /* Those of all looks, as far as they agree; NULL: progress stopped it. */
@@ -213,11 +227,7 @@ profile_lines *profile_lines_find(const model *m, const struct profile_options *
 	g_autoptr(GArray) agreed = grown ? find_agreed(around, grown, &o) : NULL;
 	if (!agreed)
 		return NULL;
-	g_array_sort(agreed, profile_piece_by_worth);
-	g_autoptr(profile_joiner) joiner = profile_joiner_new(&o);
-	for (guint n = 0; n < agreed->len; n++)
-		profile_joiner_add(joiner, &g_array_index(agreed, struct profile_piece, n));
-	g_autoptr(GArray) joined = profile_joiner_pieces(joiner);
+	g_autoptr(GArray) joined = join(agreed, &o);
 	g_autoptr(GArray) whole = cut_extents(around, joined, &o);
 	g_array_sort(whole, profile_piece_by_length);
 	profile_cross_cut(whole, &o);

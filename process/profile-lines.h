@@ -11,7 +11,8 @@
  * 3. Joining (profile-join.h): the longest come first; what they explain is left out. What lies on one line is one. Edges that came out
  *    longer than what they were found by are looked at again, by all of their length, for that tells their direction the better; those
  *    that are not found again keep about what they were found by.
- * 4. Where a face ends, all beams along the end tell at last where exactly (profile-rim.h).
+ * 4. Where a face ends, all beams along the end tell at last where exactly, and what they do not tell of is none; nor is a crease one of whose
+ *    faces is no wider than a row of beams (profile-rim.h).
  * 5. All of that more than once, each time by other beams or taking steep faces for likelier or not; what looks agree on stays
  *    (profile-agree.h).
  * 6. Each is looked at closely from one end to the other, and what points do not bear out is left out (profile-extent.h).

@@ -7,7 +7,8 @@
 /* The face is fitted as far from its end as this, and points on it lie so near to it. */
 #define FACE_M        0.25f
 #define FACE_SPACINGS 10.0f
-#define NEAR_M        0.03f
+#define NEAR_M        0.012f
+#define WIDER_M       0.03f /* where none lie so near */
 #define NEAR_COS      -0.3f
 #define FACE_FITS     4
 #define FACE_POINTS   16
@@ -20,11 +21,14 @@
 /* A beam is not on the face when no point is within this part of the way to it. */
 #define MISSED_SHARE 0.55
 /* Beams that graze the face are too far apart there to tell. */
-#define GRAZING_COS  0.08f
-#define GAP_MOST_M   0.12
-#define GAPS_LEAST   4u
-#define FITS         6
-#define HALF_LEAST_M 0.002
+#define GRAZING_COS 0.08f
+/* Nor does a pair of beams as far apart there as a scanner's are head-on so far away; and of ends that none tells, or whose face is not known
+ * and whose points are as far apart as beams are at the second distance, nobody can say where they are. */
+#define GAP_MOST_AT_M 40.0
+#define SPARSE_AT_M   20.0
+#define GAPS_LEAST    4u
+#define FITS          6
+#define HALF_LEAST_M  0.002
 /* In the middle of an interval it is a little likelier than near its ends. */
 #define MIDDLE_WEIGHT 0.15
 /* Before they say otherwise it runs as it did. */
@@ -32,6 +36,13 @@
 /* So many of the intervals reach to the line, or nearly, when it is one. */
 #define REACH_M     0.006
 #define REACH_SHARE 0.33
+/* A face that no station sees so many beams of, across, is none, and where it begins another, at least twice as wide, ends. Points so
+ * near to a crease's faces are on them, of those as far around. */
+#define NARROW_BEAMS    1.3
+#define ON_M            0.006f
+#define ON_SPACINGS     0.2f
+#define AROUND_M        0.1f
+#define AROUND_SPACINGS 4.0f
 
 struct rim_point {
 	double beside, along;
@@ -108,9 +119,9 @@ static bool find_side(struct rim *r)
 }
 
 /* By least squares of what is off it; what is far off counts less. */
-static bool fit_face(struct rim *r)
+static bool fit_face_to(struct rim *r, double near_m)
 {
-	double reach_m = (double)NEAR_M, x[3] = { 0 };
+	double reach_m = near_m, x[3] = { 0 };
 	const double off_m = r->off_m;
 	for (int fit = 0; fit < FACE_FITS; fit++) {
 		double information[9] = { 0 }, gradient[3] = { 0 }, weights = 0, squares = 0;
@@ -149,6 +160,15 @@ static bool fit_face(struct rim *r)
 		r->normal[k] /= length;
 	r->off_m = (off_m + x[0]) / length;
 	return set_across(r);
+}
+
+static bool fit_face(struct rim *r)
+{
+	const struct rim was = *r;
+	if (fit_face_to(r, (double)NEAR_M))
+		return true;
+	*r = was;
+	return fit_face_to(r, (double)WIDER_M);
 }
 
 /* ---- beams ---- */
@@ -196,12 +216,13 @@ static int by_along(const void *a, const void *b)
 	return (x->beside > y->beside) - (x->beside < y->beside);
 }
 
-/* The beams that met the face near its end. */
-static void gather_on(struct rim *r)
+/* The beams that met the face near its end; returns how many graze it. */
+static uint32_t gather_on(struct rim *r)
 {
 	struct seen_from from = { 0 };
 	int scan = -1;
 	bool is_known = false;
+	uint32_t grazing = 0;
 	g_array_set_size(r->on, 0);
 	for (guint i = 0; i < r->near->len; i++) {
 		const struct profile_near *p = near_at(r, i);
@@ -215,12 +236,19 @@ static void gather_on(struct rim *r)
 		}
 		for (int k = 0; k < 3; k++)
 			way[k] = at[k] - from.at[k];
-		if (!is_known || !cut_face(r, &from, way, cut) || fabs(cut[0]) > (double)r->band_m)
+		if (!is_known)
+			continue;
+		if (!cut_face(r, &from, way, cut)) {
+			grazing++;
+			continue;
+		}
+		if (fabs(cut[0]) > (double)r->band_m)
 			continue;
 		struct rim_point on = { cut[0], cut[1], i };
 		g_array_append_val(r->on, on);
 	}
 	g_array_sort(r->on, by_along);
+	return grazing;
 }
 
 /* Whether a point of the face is so near. */
@@ -269,7 +297,7 @@ static void add_gaps(const struct rim *r, const struct rim_point *on, GArray *re
 		if (!cut_face(r, &s, next, cut))
 			continue;
 		double apart = hypot(cut[0] - on->beside, cut[1] - on->along);
-		if (cut[0] - on->beside < 0.3 * apart || apart > GAP_MOST_M ||
+		if (cut[0] - on->beside < 0.3 * apart || apart > GAP_MOST_AT_M * s.beam_rad ||
 			fabs(cut[1]) > r->half_m || is_met(r, cut, MISSED_SHARE * apart))
 			continue;
 		struct gap gap = { (cut[0] + on->beside) / 2, (cut[1] + on->along) / 2,
@@ -364,18 +392,36 @@ static bool begin_face(struct rim *r, const float normal[3])
 	return find_side(r) && fit_face(r);
 }
 
-static bool fit_rim(struct rim *r, struct profile_piece *p)
+/* Whether points are so far apart for all stations; false: one is not known. */
+static bool is_sparse(const struct rim *r, const struct profile_piece *p)
+{
+	struct seen_from s = { 0 };
+	double most_rad = 0;
+	int scan = -1;
+	for (guint i = 0; i < r->near->len; i++) {
+		const struct profile_near *n = near_at(r, i);
+		if (n->scan != scan && !station_of(r, n->scan, &s))
+			return false;
+		scan = n->scan;
+		most_rad = fmax(most_rad, s.beam_rad);
+	}
+	return scan >= 0 && (double)p->spacing_m > SPARSE_AT_M * most_rad;
+}
+
+static enum profile_rim fit_rim(struct rim *r, struct profile_piece *p)
 {
 	double x[2] = { 0 }, at[2][3];
 	if (!begin_face(r, p->face[0]))
-		return false;
-	gather_on(r);
+		return is_sparse(r, p) ? PROFILE_RIM_NONE : PROFILE_RIM_UNKNOWN;
+	uint32_t grazing = gather_on(r);
+	if (r->on->len < GAPS_LEAST)
+		return grazing < GAPS_LEAST ? PROFILE_RIM_UNKNOWN : PROFILE_RIM_NONE;
 	g_autoptr(GArray) gaps = g_array_new(FALSE, FALSE, sizeof(struct gap));
 	for (guint n = 0; n < r->on->len; n++)
 		add_gaps(r, &g_array_index(r->on, struct rim_point, n), gaps);
 	if (gaps->len < GAPS_LEAST || !fit_gaps(r, gaps, x) ||
 		fabs(x[0]) + fabs(x[1]) * r->half_m > (double)r->band_m || !is_borne_out(gaps, x))
-		return false;
+		return PROFILE_RIM_NONE;
 	for (int n = 0; n < 2; n++) {
 		double t = n ? r->half_m : -r->half_m, flat = hypot(r->normal[0], r->normal[1]),
 		       up = (r->off_m - r->normal[2] * t) / flat;
@@ -385,23 +431,152 @@ static bool fit_rim(struct rim *r, struct profile_piece *p)
 	}
 	set_line(r, at, p);
 	set_face(r, p->face[0]);
-	return true;
+	return PROFILE_RIM_FITTED;
 }
 
-bool profile_rim_fit(const profile_around *all, struct profile_piece *p)
+/* ---- creases ---- */
+
+/* A face of a crease in the frame of that; both go through its origin. */
+struct beside {
+	float normal[3], across[3];
+	float on_m;
+};
+
+static struct beside beside_of(const struct rim *r, const float normal[3], float on_m)
 {
-	struct rim r = { .all = all,
+	struct beside b = { .on_m = on_m };
+	for (int k = 0; k < 3; k++)
+		b.normal[k] = vector3_dot(normal, r->frame.axis[k]);
+	b.across[0] = -b.normal[1];
+	b.across[1] = b.normal[0];
+	vector3_unit(b.across);
+	return b;
+}
+
+/* On the face, and not on the other; how far beside the crease. */
+static bool is_on_alone(const struct profile_near *p, const struct beside *face,
+	const struct beside *other, float *ret_beside_m)
+{
+	const float at[3] = { p->u, p->v, p->t };
+	*ret_beside_m = vector3_dot(at, face->across);
+	return fabsf(vector3_dot(at, face->normal)) < face->on_m &&
+	       fabsf(vector3_dot(at, other->normal)) >= other->on_m &&
+	       vector3_dot(p->normal, face->normal) >= NEAR_COS;
+}
+
+/* How many beams beside that through the crease it was, as its station sees it; NAN: nobody knows. */
+static double beams_from(const struct rim *r, const struct profile_near *p)
+{
+	struct seen_from s;
+	if (!station_of(r, p->scan, &s))
+		return NAN;
+	double depth = hypot(s.at[0], s.at[1]), to[2] = { -s.at[0] / depth, -s.at[1] / depth },
+	       u = (double)p->u - s.at[0], v = (double)p->v - s.at[1];
+	return (v * to[0] - u * to[1]) / (u * to[0] + v * to[1]) * depth / hypot(depth, s.at[2]) /
+	       s.beam_rad;
+}
+
+struct sweep {
+	double least, most;
+	uint32_t points;
+};
+
+/* How many beams wide the face is to the station that sees the most of it. */
+static double beams_across(
+	const struct rim *r, const struct beside *face, const struct beside *other)
+{
+	g_autoptr(GArray) sweeps = g_array_new(FALSE, TRUE, sizeof(struct sweep));
+	float beside_m;
+	int side = 0;
+	double most = 0;
+	for (guint i = 0; i < r->near->len; i++)
+		if (is_on_alone(near_at(r, i), face, other, &beside_m))
+			side += beside_m > 0 ? 1 : -1;
+	for (guint i = 0; i < r->near->len; i++) {
+		const struct profile_near *p = near_at(r, i);
+		if (!is_on_alone(p, face, other, &beside_m) || beside_m * (float)side < 0)
+			continue;
+		double beams = beams_from(r, p);
+		if (isnan(beams))
+			return INFINITY;
+		if (p->scan >= sweeps->len)
+			g_array_set_size(sweeps, p->scan + 1u);
+		struct sweep *s = &g_array_index(sweeps, struct sweep, p->scan);
+		s->least = s->points ? fmin(s->least, beams) : beams;
+		s->most = s->points ? fmax(s->most, beams) : beams;
+		s->points++;
+	}
+	for (guint n = 0; n < sweeps->len; n++) {
+		const struct sweep *s = &g_array_index(sweeps, struct sweep, n);
+		if (s->points >= GAPS_LEAST)
+			most = fmax(most, s->most - s->least);
+	}
+	return most;
+}
+
+/* The face that ends there, when the other one is hardly there; -1: both are, or neither. */
+static int face_that_ends(const struct rim *r, const struct profile_piece *p)
+{
+	float on_m = ON_M + ON_SPACINGS * p->spacing_m;
+	const struct beside face[2] = { beside_of(r, p->face[0], on_m),
+		beside_of(r, p->face[1], on_m) };
+	double beams[2] = { beams_across(r, &face[0], &face[1]),
+		beams_across(r, &face[1], &face[0]) };
+	int wide = beams[0] < beams[1];
+	return beams[1 - wide] <= NARROW_BEAMS && beams[wide] >= 2 * NARROW_BEAMS ? wide : -1;
+}
+
+/* ---- all of it ---- */
+
+static void begin(
+	struct rim *r, const profile_around *all, const struct profile_piece *p, float radius_m)
+{
+	*r = (struct rim){ .all = all,
 		.half_m = profile_piece_length(p) / 2,
 		.band_m = BAND_M + BAND_SPACINGS * p->spacing_m };
-	if (p->kind != PROFILE_END)
-		return false;
-	profile_frame_of(p, &r.frame);
-	r.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
-	r.on = g_array_new(FALSE, FALSE, sizeof(struct rim_point));
-	profile_around_look(all, &r.frame, -r.half_m, r.half_m,
-		fmaxf(fminf(FACE_M, FACE_SPACINGS * p->spacing_m), r.band_m), 1, r.near);
-	bool is_told = fit_rim(&r, p);
-	g_array_unref(r.near);
-	g_array_unref(r.on);
-	return is_told;
+	profile_frame_of(p, &r->frame);
+	r->near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
+	r->on = g_array_new(FALSE, FALSE, sizeof(struct rim_point));
+	profile_around_look(
+		all, &r->frame, -r->half_m, r->half_m, fmaxf(radius_m, r->band_m), 1, r->near);
+}
+
+static void end(struct rim *r)
+{
+	g_array_unref(r->near);
+	g_array_unref(r->on);
+}
+
+static enum profile_rim fit_end(const profile_around *all, struct profile_piece *p)
+{
+	struct rim r;
+	begin(&r, all, p, fminf(FACE_M, FACE_SPACINGS * p->spacing_m));
+	enum profile_rim told = fit_rim(&r, p);
+	end(&r);
+	return told;
+}
+
+static enum profile_rim fit_crease(const profile_around *all, struct profile_piece *p)
+{
+	struct rim r;
+	begin(&r, all, p, AROUND_M + AROUND_SPACINGS * p->spacing_m);
+	int wide = face_that_ends(&r, p);
+	end(&r);
+	if (wide < 0)
+		return PROFILE_RIM_UNKNOWN;
+	struct profile_piece q = *p;
+	q.kind = PROFILE_END;
+	memcpy(q.face[0], p->face[wide], sizeof q.face[0]);
+	memset(q.face[1], 0, sizeof q.face[1]);
+	if (fit_end(all, &q) != PROFILE_RIM_FITTED)
+		return PROFILE_RIM_UNKNOWN;
+	*p = q;
+	return PROFILE_RIM_FITTED;
+}
+
+enum profile_rim profile_rim_fit(const profile_around *all, struct profile_piece *p)
+{
+	return p->kind == PROFILE_END      ? fit_end(all, p)
+	       : p->kind == PROFILE_CREASE ? fit_crease(all, p)
+					   : PROFILE_RIM_UNKNOWN;
 }

@@ -7,7 +7,13 @@
  * all. Directions of beams are exact and ranges are not, so places are where beams cut the plane, not where their ranges have them. */
 #include "process/profile-pieces.h"
 
-/* Moves a PROFILE_END. false: no station that is known tells of it, and it stays as it was. */
-bool profile_rim_fit(const profile_around *all, struct profile_piece *p);
+enum profile_rim {
+	PROFILE_RIM_UNKNOWN, /* no station that is known tells of it; it stayed as it was */
+	PROFILE_RIM_NONE,    /* beams tell of no end there, or are too far apart to tell where */
+	PROFILE_RIM_FITTED   /* it was moved */
+};
+/* Of a PROFILE_END; and of a PROFILE_CREASE one of whose faces no station sees more than a row of beams of: where the other face ends is
+ * known the better, and it becomes a PROFILE_END. */
+enum profile_rim profile_rim_fit(const profile_around *all, struct profile_piece *p);
 
 #endif
