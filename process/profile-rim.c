@@ -392,7 +392,7 @@ static bool begin_face(struct rim *r, const float normal[3])
 	return find_side(r) && fit_face(r);
 }
 
-/* Whether points are so far apart for all stations; false: one is not known. */
+/* Whether points are farther apart than beams of any of their stations are at SPARSE_AT_M; false: nobody knows. */
 static bool is_sparse(const struct rim *r, const struct profile_piece *p)
 {
 	struct seen_from s = { 0 };
@@ -437,14 +437,14 @@ static enum profile_rim fit_rim(struct rim *r, struct profile_piece *p)
 /* ---- creases ---- */
 
 /* A face of a crease in the frame of that; both go through its origin. */
-struct beside {
+struct crease_face {
 	float normal[3], across[3];
 	float on_m;
 };
 
-static struct beside beside_of(const struct rim *r, const float normal[3], float on_m)
+static struct crease_face crease_face_of(const struct rim *r, const float normal[3], float on_m)
 {
-	struct beside b = { .on_m = on_m };
+	struct crease_face b = { .on_m = on_m };
 	for (int k = 0; k < 3; k++)
 		b.normal[k] = vector3_dot(normal, r->frame.axis[k]);
 	b.across[0] = -b.normal[1];
@@ -454,8 +454,8 @@ static struct beside beside_of(const struct rim *r, const float normal[3], float
 }
 
 /* On the face, and not on the other; how far beside the crease. */
-static bool is_on_alone(const struct profile_near *p, const struct beside *face,
-	const struct beside *other, float *ret_beside_m)
+static bool is_on_alone(const struct profile_near *p, const struct crease_face *face,
+	const struct crease_face *other, float *ret_beside_m)
 {
 	const float at[3] = { p->u, p->v, p->t };
 	*ret_beside_m = vector3_dot(at, face->across);
@@ -464,30 +464,28 @@ static bool is_on_alone(const struct profile_near *p, const struct beside *face,
 	       vector3_dot(p->normal, face->normal) >= NEAR_COS;
 }
 
-/* How many beams beside that through the crease it was, as its station sees it; NAN: nobody knows. */
-static double beams_from(const struct rim *r, const struct profile_near *p)
+/* How many beams beside that through the crease it was, as its station sees it. */
+static double beams_from(const struct seen_from *s, const struct profile_near *p)
 {
-	struct seen_from s;
-	if (!station_of(r, p->scan, &s))
-		return NAN;
-	double depth = hypot(s.at[0], s.at[1]), to[2] = { -s.at[0] / depth, -s.at[1] / depth },
-	       u = (double)p->u - s.at[0], v = (double)p->v - s.at[1];
-	return (v * to[0] - u * to[1]) / (u * to[0] + v * to[1]) * depth / hypot(depth, s.at[2]) /
-	       s.beam_rad;
+	double depth = hypot(s->at[0], s->at[1]), to[2] = { -s->at[0] / depth, -s->at[1] / depth },
+	       u = (double)p->u - s->at[0], v = (double)p->v - s->at[1];
+	return (v * to[0] - u * to[1]) / (u * to[0] + v * to[1]) * depth / hypot(depth, s->at[2]) /
+	       s->beam_rad;
 }
 
-struct sweep {
+struct width {
 	double least, most;
 	uint32_t points;
 };
 
-/* How many beams wide the face is to the station that sees the most of it. */
+/* How many beams wide the face is to the station that sees the most of it; infinity: nobody knows. */
 static double beams_across(
-	const struct rim *r, const struct beside *face, const struct beside *other)
+	const struct rim *r, const struct crease_face *face, const struct crease_face *other)
 {
-	g_autoptr(GArray) sweeps = g_array_new(FALSE, TRUE, sizeof(struct sweep));
+	g_autoptr(GArray) widths = g_array_new(FALSE, TRUE, sizeof(struct width));
 	float beside_m;
-	int side = 0;
+	struct seen_from from = { 0 };
+	int side = 0, scan = -1;
 	double most = 0;
 	for (guint i = 0; i < r->near->len; i++)
 		if (is_on_alone(near_at(r, i), face, other, &beside_m))
@@ -496,20 +494,21 @@ static double beams_across(
 		const struct profile_near *p = near_at(r, i);
 		if (!is_on_alone(p, face, other, &beside_m) || beside_m * (float)side < 0)
 			continue;
-		double beams = beams_from(r, p);
-		if (isnan(beams))
+		if (p->scan != scan && !station_of(r, p->scan, &from))
 			return INFINITY;
-		if (p->scan >= sweeps->len)
-			g_array_set_size(sweeps, p->scan + 1u);
-		struct sweep *s = &g_array_index(sweeps, struct sweep, p->scan);
-		s->least = s->points ? fmin(s->least, beams) : beams;
-		s->most = s->points ? fmax(s->most, beams) : beams;
-		s->points++;
+		scan = p->scan;
+		double beams = beams_from(&from, p);
+		if (p->scan >= widths->len)
+			g_array_set_size(widths, p->scan + 1u);
+		struct width *w = &g_array_index(widths, struct width, p->scan);
+		w->least = w->points ? fmin(w->least, beams) : beams;
+		w->most = w->points ? fmax(w->most, beams) : beams;
+		w->points++;
 	}
-	for (guint n = 0; n < sweeps->len; n++) {
-		const struct sweep *s = &g_array_index(sweeps, struct sweep, n);
-		if (s->points >= GAPS_LEAST)
-			most = fmax(most, s->most - s->least);
+	for (guint n = 0; n < widths->len; n++) {
+		const struct width *w = &g_array_index(widths, struct width, n);
+		if (w->points >= GAPS_LEAST)
+			most = fmax(most, w->most - w->least);
 	}
 	return most;
 }
@@ -518,8 +517,8 @@ static double beams_across(
 static int face_that_ends(const struct rim *r, const struct profile_piece *p)
 {
 	float on_m = ON_M + ON_SPACINGS * p->spacing_m;
-	const struct beside face[2] = { beside_of(r, p->face[0], on_m),
-		beside_of(r, p->face[1], on_m) };
+	const struct crease_face face[2] = { crease_face_of(r, p->face[0], on_m),
+		crease_face_of(r, p->face[1], on_m) };
 	double beams[2] = { beams_across(r, &face[0], &face[1]),
 		beams_across(r, &face[1], &face[0]) };
 	int wide = beams[0] < beams[1];
