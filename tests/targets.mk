@@ -105,7 +105,7 @@ check-units: all
 check-kernel: all
 	@sh tests/deps.sh $(kernel_packages) || true
 	$(MAKE) $(kernel_programs)
-	prove --jobs 4 --timer --exec sh $(addprefix tests/kernel/,scan.sh faults.sh run.sh screen.sh cuts.sh) :: $(BUILD)
+	prove --jobs 4 --timer --failures --exec sh $(addprefix tests/kernel/,scan.sh faults.sh run.sh screen.sh cuts.sh) :: $(BUILD)
 .PHONY: check-units check-kernel
 #: make check-asan      all tests under AddressSanitizer and UndefinedBehaviorSanitizer together
 check-asan:

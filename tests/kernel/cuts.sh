@@ -24,12 +24,8 @@ start() { # END: boots in the background
 }
 told() { tr -d '\r' < "$said" | sed -n "s/^$1 //p" | tail -1; }
 number() { printf '%s' "$2" | sed -n "s/.*$1=\([0-9]*\).*/\1/p"; }
-await() { # WORD: told by the guest, or the end of it
-	for _ in $(seq 1200); do
-		grep -q "^\($1\|failed\)" "$said" 2> /dev/null && break
-		kill -0 $boot 2> /dev/null || break
-		sleep 0.1
-	done
+await() { # WORD: told by the guest, or the end of it: boot has the one limit of time, which a busy machine needs
+	until grep -q "^\($1\|failed\)" "$said" 2> /dev/null || ! kill -0 $boot 2> /dev/null; do sleep 0.1; done
 	! grep -q ^failed "$said" && grep -q "^$1" "$said"
 }
 
@@ -57,7 +53,10 @@ for n in $(seq $((cuts + 1))); do
 	finished=${now:-$(number finished "${found:-finished=0}")}
 	words="boot $n finds what was there${found:+ ($found)}"
 	[ "$end" ] && words="$words, and brings it to its end ($(told finished))" || words="$words; cut $moment s after the scan began ($(told scans))"
-	[ $good = 0 ] && echo "ok $n - $words" || echo "not ok $n - $words: $(told failed)"
+	[ $good = 0 ] && echo "ok $n - $words" || {
+		why=$(told failed)
+		echo "not ok $n - $words: ${why:-see $cache/cuts.console.log}"
+	}
 	[ $good = 0 ] || exit 1
 done
 echo "# after $resumed cuts a partial scan was gone on with; $finished scans are finished and whole"
