@@ -20,7 +20,7 @@
 /* A draft scan of it takes less than a second. */
 #define COMMANDS_SCENE "hall?seed=3&ares=360&camera=64x96&divergence_mrad=0"
 /* A command that takes longer is hung, and is ended by a signal. */
-#define COMMANDS_PATIENCE_S 100
+#define COMMANDS_PATIENCE_S 300
 #define COMMANDS_NOBODY     65534
 
 /* How the world looks to a command. */
