@@ -9,8 +9,8 @@
 #define SAME_COS      0.985 /* 10 degrees */
 #define PAST_M        0.05
 #define STEP_M        0.05
-/* So many looks, on the mean along it, show what stays. */
-#define LOOKS_LEAST 1.5
+/* More looks than this, on the mean along it, show what stays. */
+#define LOOKS_LEAST 2
 /* And those so near are of one edge if no look shows both. */
 #define RIVAL_M        0.02
 #define RIVAL_SPACINGS 0.7

@@ -6,8 +6,8 @@
 
 #define PROFILE_AGREE_LOOKS 8 /* at most */
 
-/* found: of each look its pieces, of struct profile_piece. Returns those that another look shows, too, along most of them, less what no other
- * shows at their ends; where looks tell of one edge differently, and none shows both, the one that more of them show. What several looks
+/* found: of each look its pieces, of struct profile_piece. Returns those that more than one other look shows, on the mean along them, less
+ * what no other shows at their ends; where looks tell of one edge differently, and none shows both, the one that more of them show. What several looks
  * show is there several times. Those that the most looks show come first. Caller unrefs. */
 GArray *profile_agree(GArray *const *found, uint32_t looks, bool single_thread);
 

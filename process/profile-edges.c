@@ -16,12 +16,18 @@
 #define OTHER_KIND_M 0.03
 /* An edge that was looked at again is the same when it is so near. One that was not found again is left as long as so many times what it
  * was found by. */
-#define SAME_M          0.015
-#define SAME_SPACINGS   0.5
-#define SEEN_PART       2.0
-#define LEFT_M          0.1
-#define BESIDE_M        0.04f
-#define BESIDE_SPACINGS 1.0f
+#define SAME_M        0.015
+#define SAME_SPACINGS 0.5
+#define SEEN_PART     2.0
+#define LEFT_M        0.1
+#define NEAR_M        0.04f
+#define NEAR_SPACINGS 1.0f
+/* Beside an edge others lie as far as faces are known to their ends; of its length they take this part at least, and points bear them out along so
+ * much of theirs. */
+#define ENDS_SPACINGS  2.5f
+#define BESIDE_PART    0.7
+#define BESIDE_SUPPORT 0.92f
+#define BESIDE_PAST_M  0.1
 /* The farthest points of a face that ends lie on a line, in most steps, as far as spacings explain. */
 #define STEPS_LEAST    3
 #define STEPS_SHARE    0.5
@@ -31,6 +37,7 @@ struct settler {
 	const profile_around *all;
 	const struct profile_piece *seed;
 	struct profile_section section;
+	bool is_beside; /* what runs along beside the seed, not the seed itself, is looked for */
 	bool is_met[PROFILE_SPANS][2]; /* where a span begins, or ends, it meets another face */
 	GArray *ret;                   /* of struct profile_piece */
 	bool is_there;                 /* the piece itself, found again, is known already */
@@ -112,18 +119,47 @@ static bool is_same(const struct profile_piece *p, double off_m)
 	return off_m < SAME_M + SAME_SPACINGS * (double)p->spacing_m;
 }
 
+/* As far across as faces are known to their ends. */
+static float known_m(const struct settler *s)
+{
+	return s->section.radius_m - ENDS_SPACINGS * s->section.spacing_m;
+}
+
+/* Whether it is where edges are looked for. */
+static bool is_within(const struct settler *s, const struct profile_piece *p)
+{
+	double at[3];
+	straight_place(&p->line, (p->from_m + p->to_m) / 2, at);
+	return straight_off(&s->seed->line, at) <=
+	       (double)(s->is_beside ? known_m(s) : NEAR_M + NEAR_SPACINGS * p->spacing_m);
+}
+
+/* No more of an edge than what it was found by, and a little: farther on nothing bears it out. */
+static void cut_to_seen(struct profile_piece *p, double part, double past_m)
+{
+	double middle = straight_along(&p->line, p->seen_at),
+	       half_m = part * (double)p->seen_m / 2 + past_m;
+	p->from_m = fmax(p->from_m, middle - half_m);
+	p->to_m = fmin(p->to_m, middle + half_m);
+}
+
+static bool runs_along(struct profile_piece *p)
+{
+	cut_to_seen(p, 1, BESIDE_PAST_M);
+	return p->support >= BESIDE_SUPPORT &&
+	       profile_piece_length(p) >= BESIDE_PART * (double)p->seen_m;
+}
+
 static void keep(
 	struct settler *s, struct profile_piece *p, const struct profile_plane *plane, int side)
 {
 	for (int f = 0; f < 1 + (p->kind == PROFILE_CREASE); f++)
 		memcpy(p->face[f], plane[f].normal, sizeof p->face[f]);
-	double at[3];
-	straight_place(&p->line, (p->from_m + p->to_m) / 2, at);
-	if (straight_off(&s->seed->line, at) > (double)(BESIDE_M + BESIDE_SPACINGS * p->spacing_m))
+	if (!is_within(s, p))
 		return;
 	if (s->is_known && s->is_known(p, s->user_data))
 		s->is_there |= is_same(s->seed, off_from(s->seed, p));
-	else if (profile_extent_find(s->all, p, plane, side))
+	else if (profile_extent_find(s->all, p, plane, side) && (!s->is_beside || runs_along(p)))
 		g_array_append_val(s->ret, *p);
 }
 
@@ -281,8 +317,7 @@ static void add_end(struct settler *s, const struct profile_span *span, int end)
 	double x[2];
 	float low[2], middle[2], high[2];
 	in_face(f, end ? span->to_m : span->from_m, 0, middle);
-	if (hypotf(middle[0], middle[1]) > section->radius_m - 2.5f * section->spacing_m ||
-		!fit_end(s, span, end, x))
+	if (hypotf(middle[0], middle[1]) > known_m(s) || !fit_end(s, span, end, x))
 		return;
 	in_face(f, (float)(x[0] - x[1] * (double)section->half_m), -section->half_m, low);
 	in_face(f, (float)(x[0] + x[1] * (double)section->half_m), section->half_m, high);
@@ -310,17 +345,6 @@ static void find_edges(struct settler *s)
 				add_end(s, &s->section.span[n], end);
 }
 
-/* No more of an edge than what it was found by, and a little: farther on nothing bears it out. */
-static bool seen_part(const struct profile_piece *p, struct profile_piece *ret)
-{
-	double middle = straight_along(&p->line, p->seen_at),
-	       half_m = SEEN_PART * (double)p->seen_m / 2;
-	*ret = *p;
-	ret->from_m = fmax(p->from_m, middle - half_m);
-	ret->to_m = fmin(p->to_m, middle + half_m);
-	return profile_piece_length(ret) > LEFT_M;
-}
-
 /* Of an edge that was looked at again, the edge itself: the one that is the nearest, of its kind if there is one. */
 static void keep_same(const struct settler *s, const struct profile_piece *seed, GArray *ret)
 {
@@ -337,8 +361,18 @@ static void keep_same(const struct settler *s, const struct profile_piece *seed,
 	g_array_set_size(ret, 0);
 	if (is_same(seed, least))
 		g_array_append_val(ret, best);
-	else if (!s->is_there && seen_part(seed, &best))
-		g_array_append_val(ret, best);
+	else if (!s->is_there) {
+		best = *seed;
+		cut_to_seen(&best, SEEN_PART, 0);
+		if (profile_piece_length(&best) > LEFT_M)
+			g_array_append_val(ret, best);
+	}
+}
+
+static void begin(struct settler *s, const struct profile_look *look)
+{
+	s->section.look = *look;
+	s->section.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 }
 
 void profile_piece_settle(const profile_around *all, const struct profile_piece *seed,
@@ -349,8 +383,7 @@ void profile_piece_settle(const profile_around *all, const struct profile_piece 
 	struct settler s = {
 		.all = all, .seed = seed, .ret = ret, .is_known = is_known, .user_data = user_data
 	};
-	s.section.look = *look;
-	s.section.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
+	begin(&s, look);
 	find_edges(&s);
 	if (ret->len == 0 && seed->is_directed && seed->support > MARK_SUPPORT) {
 		struct profile_piece p = *seed;
@@ -359,5 +392,21 @@ void profile_piece_settle(const profile_around *all, const struct profile_piece 
 	}
 	if (seed->seen_m > 0)
 		keep_same(&s, seed, ret);
+	profile_section_clear(&s.section);
+}
+
+void profile_piece_look_beside(const profile_around *all, const struct profile_piece *edge,
+	const struct profile_look *look,
+	bool (*is_known)(const struct profile_piece *p, const void *user_data),
+	const void *user_data, GArray *ret)
+{
+	struct settler s = { .all = all,
+		.seed = edge,
+		.is_beside = true,
+		.ret = ret,
+		.is_known = is_known,
+		.user_data = user_data };
+	begin(&s, look);
+	find_edges(&s);
 	profile_section_clear(&s.section);
 }

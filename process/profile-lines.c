@@ -16,6 +16,8 @@
 /* What grew becomes edges, and those that are so much longer than what they were found by are found again by all of their length. */
 #define PASSES 3
 #define LONGER 1.3
+/* And at last one looks beside those that are so long, of buildings: beside a chord of what is round there is always another. */
+#define LONG_M 0.5
 /* All of that once for each of these. */
 static const struct profile_look looks[] = {
 	{ false, 0 },
@@ -70,7 +72,8 @@ static bool tell(const struct profile_options *o, uint32_t look, int pass, doubl
 {
 	return !o->progress ||
 	       o->progress(PROFILE_GROWN_PART + (SETTLED_PART - PROFILE_GROWN_PART) *
-							(look + (pass + part) / PASSES) / LOOKS,
+							(look + (pass + part) / (PASSES + 1)) /
+							LOOKS,
 		       o->user_data);
 }
 
@@ -80,36 +83,55 @@ struct sight {
 	uint32_t look;
 };
 
+static bool may_have_others_beside(const struct profile_piece *p, const struct profile_options *o)
+{
+	return p->kind <= PROFILE_END && profile_piece_length(p) >= LONG_M &&
+	       (!o->leaf_class || o->leaf_class[p->leaf] == CLASS_BUILDING);
+}
+
+/* What comes of a piece in a pass, beside what the joiner has. */
+static void look_at(const struct sight *s, const struct profile_piece *p, int pass,
+	const profile_joiner *joiner, GArray *ret)
+{
+	const struct profile_look *look = &looks[s->look];
+	const bool is_again = pass > 0;
+	if (pass == PASSES) {
+		if (may_have_others_beside(p, s->options))
+			profile_piece_look_beside(s->around, p, look, is_known, joiner, ret);
+	} else if (is_again &&
+		   (p->kind > PROFILE_END || profile_piece_length(p) < LONGER * (double)p->seen_m))
+		g_array_append_val(ret, *p);
+	else if (!profile_joiner_explains(joiner, p, is_again))
+		profile_piece_settle(s->around, p, look, is_known, joiner, ret);
+}
+
+static void add_all(profile_joiner *joiner, GArray *pieces)
+{
+	g_array_sort(pieces, profile_piece_by_worth);
+	for (guint n = 0; n < pieces->len; n++)
+		profile_joiner_add(joiner, &g_array_index(pieces, struct profile_piece, n));
+}
+
 /* The longest first, some at a time: what these show explains many of those that come later. false: progress stopped it. */
 static bool settle(const struct sight *s, GArray *pieces, int pass, profile_joiner *joiner)
 {
 	const struct profile_options *options = s->options;
-	const bool is_again = pass > 0;
-	g_array_sort(pieces, is_again ? profile_piece_by_worth : profile_piece_by_length);
+	g_array_sort(pieces, pass > 0 ? profile_piece_by_worth : profile_piece_by_length);
 	for (guint n = 0; n < pieces->len; n += BATCH) {
 		GArray *found[BATCH];
 		guint count = MIN(BATCH, pieces->len - n);
 #pragma omp parallel for schedule(dynamic) if (!options->single_thread)
 		for (guint k = 0; k < count; k++) {
-			const struct profile_piece *p =
-				&g_array_index(pieces, struct profile_piece, n + k);
 			found[k] = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
-			if (is_again &&
-				(p->kind > PROFILE_END ||
-					profile_piece_length(p) < LONGER * (double)p->seen_m))
-				g_array_append_val(found[k], *p);
-			else if (!profile_joiner_explains(joiner, p, is_again))
-				profile_piece_settle(
-					s->around, p, &looks[s->look], is_known, joiner, found[k]);
+			look_at(s, &g_array_index(pieces, struct profile_piece, n + k), pass,
+				joiner, found[k]);
 		}
 		g_autoptr(GArray) edges = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
 		for (guint k = 0; k < count; k++) {
 			g_array_append_vals(edges, found[k]->data, found[k]->len);
 			g_array_unref(found[k]);
 		}
-		g_array_sort(edges, profile_piece_by_worth);
-		for (guint k = 0; k < edges->len; k++)
-			profile_joiner_add(joiner, &g_array_index(edges, struct profile_piece, k));
+		add_all(joiner, edges);
 		if (!tell(options, s->look, pass, (double)n / pieces->len))
 			return false;
 	}
@@ -155,9 +177,7 @@ static void fit_rims(
 static GArray *join(GArray *pieces, const struct profile_options *options)
 {
 	g_autoptr(profile_joiner) joiner = profile_joiner_new(options);
-	g_array_sort(pieces, profile_piece_by_worth);
-	for (guint n = 0; n < pieces->len; n++)
-		profile_joiner_add(joiner, &g_array_index(pieces, struct profile_piece, n));
+	add_all(joiner, pieces);
 	return profile_joiner_pieces(joiner);
 }
 
@@ -165,8 +185,11 @@ static GArray *join(GArray *pieces, const struct profile_options *options)
 static GArray *find_edges(const struct sight *s, const GArray *grown)
 {
 	g_autoptr(GArray) pieces = g_array_copy((GArray *)grown);
-	for (int pass = 0; pass < PASSES; pass++) {
+	for (int pass = 0; pass <= PASSES; pass++) {
 		g_autoptr(profile_joiner) joiner = profile_joiner_new(s->options);
+		/* Those that one looks beside stay as they are. */
+		if (pass == PASSES)
+			add_all(joiner, pieces);
 		if (!settle(s, pieces, pass, joiner))
 			return NULL;
 		g_array_unref(pieces);

@@ -51,5 +51,11 @@ void profile_piece_settle(const profile_around *all, const struct profile_piece 
 	const struct profile_look *look,
 	bool (*is_known)(const struct profile_piece *p, const void *user_data),
 	const void *user_data, GArray *ret);
+/* What runs along beside an edge that is known, a moulding's say, whose own feature points tell its direction less well: all edges around it, as long as
+ * most of it and no longer. The rest is as with profile_piece_settle(). */
+void profile_piece_look_beside(const profile_around *all, const struct profile_piece *edge,
+	const struct profile_look *look,
+	bool (*is_known)(const struct profile_piece *p, const void *user_data),
+	const void *user_data, GArray *ret);
 
 #endif

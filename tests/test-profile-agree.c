@@ -2,7 +2,7 @@
 #include "process/profile-agree.h"
 #include <math.h>
 
-enum { LOOKS = 4 };
+enum { LOOKS = 6 };
 
 /* Along x, so far aside. */
 static void add(GArray *pieces, double from_m, double to_m, double aside_m)
@@ -40,52 +40,56 @@ static guint count_at(const GArray *agreed, double aside_m, double from_m, doubl
 	return count;
 }
 
-/* What one look alone shows goes; what two show stays, as far as both do. */
+/* What one look alone shows goes, and what two do; what three show stays, as far as another does. */
 static void test_alone(void)
 {
 	GArray *found[LOOKS];
 	new_looks(found);
-	add(found[0], 0, 2, 0);
-	add(found[1], 0.5, 3, 0.004);
-	add(found[2], 0, 2, 1);
+	for (int n = 0; n < 3; n++)
+		add(found[n], 0.25 * n, 2 + n, 0.002 * n);
+	for (int n = 0; n < 2; n++)
+		add(found[n], 0, 2, 1);
+	add(found[2], 0, 2, 2);
 	g_autoptr(GArray) agreed = profile_agree(found, LOOKS, false);
-	g_assert_cmpuint(agreed->len, ==, 2);
-	g_assert_cmpuint(count_at(agreed, 0, 0.5, 2), ==, 1);
-	g_assert_cmpuint(count_at(agreed, 0.004, 0.5, 2), ==, 1);
+	g_assert_cmpuint(agreed->len, ==, 3);
+	g_assert_cmpuint(count_at(agreed, 0, 0.25, 2), ==, 1);
+	g_assert_cmpuint(count_at(agreed, 0.002, 0.25, 3), ==, 1);
+	g_assert_cmpuint(count_at(agreed, 0.004, 0.5, 3), ==, 1);
 	free_looks(found);
 }
 
-/* Where two looks show it here and two there, 3 cm apart, it is one edge, and the longer one is kept; where they show both it is two. */
+/* Where three looks show it here and three there, 3 cm apart, it is one edge, and the longer one is kept; where they show both it is two. */
 static void test_rivals(void)
 {
 	for (int both = 0; both < 2; both++) {
 		GArray *found[LOOKS];
 		new_looks(found);
 		for (int n = 0; n < LOOKS; n++) {
-			if (n < 2 || both)
+			if (n < 3 || both)
 				add(found[n], 0, 2, 0);
-			if (n >= 2 || both)
+			if (n >= 3 || both)
 				add(found[n], 0, 1.5, 0.03);
 		}
 		g_autoptr(GArray) agreed = profile_agree(found, LOOKS, false);
-		g_assert_cmpuint(count_at(agreed, 0, 0, 2), ==, both ? 4 : 2);
-		g_assert_cmpuint(count_at(agreed, 0.03, 0, 1.5), ==, both ? 4 : 0);
+		g_assert_cmpuint(count_at(agreed, 0, 0, 2), ==, both ? 6 : 3);
+		g_assert_cmpuint(count_at(agreed, 0.03, 0, 1.5), ==, both ? 6 : 0);
 		free_looks(found);
 	}
 }
 
-/* Three looks are right against two, though these show it longer. */
+/* Four looks are right against three, though these show it longer. */
 static void test_more(void)
 {
-	GArray *found[5];
-	for (int n = 0; n < 5; n++) {
+	enum { MORE = 7 };
+	GArray *found[MORE];
+	for (int n = 0; n < MORE; n++) {
 		found[n] = g_array_new(FALSE, FALSE, sizeof(struct profile_piece));
-		add(found[n], 0, n < 3 ? 1.5 : 2, n < 3 ? 0.03 : 0);
+		add(found[n], 0, n < 4 ? 1.5 : 2, n < 4 ? 0.03 : 0);
 	}
-	g_autoptr(GArray) agreed = profile_agree(found, 5, true);
-	g_assert_cmpuint(agreed->len, ==, 3);
-	g_assert_cmpuint(count_at(agreed, 0.03, 0, 1.5), ==, 3);
-	for (int n = 0; n < 5; n++)
+	g_autoptr(GArray) agreed = profile_agree(found, MORE, true);
+	g_assert_cmpuint(agreed->len, ==, 4);
+	g_assert_cmpuint(count_at(agreed, 0.03, 0, 1.5), ==, 4);
+	for (int n = 0; n < MORE; n++)
 		g_array_unref(found[n]);
 }
 

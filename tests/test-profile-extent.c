@@ -1,8 +1,5 @@
-#include "process/model-write.h"
 #include "process/profile-extent.h"
-#include "tests/simulated.h"
-#include <json-glib/json-glib.h>
-#include <math.h>
+#include "tests/profile-model.h"
 #include <string.h>
 
 /* A wall, y = 0, from z = 0 to 1 on the left of HIGHER_FROM_M; on its right it goes on to 1.5. At its foot a floor, z = 0, to y = -0.6. From
@@ -53,18 +50,10 @@ static bool has_floor(double x)
 	return (x < GAP_FROM_M || x > GAP_TO_M) && fabs(x - CHINK_AT_M) > CHINK_M / 2;
 }
 
-static int by_order(const void *a, const void *b)
-{
-	return part_point_compare(a, b);
-}
-
 static model *make_corner(void)
 {
 	g_autoptr(GRand) r = g_rand_new_with_seed(5);
 	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
-	g_autoptr(GError) error = NULL;
-	g_autofree char *folder = simulated_folder();
-	g_autofree char *path = g_build_filename(folder, "points.model", NULL);
 	for (double x = LEFT_M; x < RIGHT_M; x += SPACING_M) {
 		for (double z = SPACING_M / 2 + (has_floor(x) ? 0 : GAP_UP_M);
 			z < (x > HIGHER_FROM_M ? 1.5 : 1); z += SPACING_M)
@@ -72,15 +61,7 @@ static model *make_corner(void)
 		for (double y = SPACING_M / 3; y < 0.6 && has_floor(x); y += SPACING_M)
 			add_point(all, r, 1, x, y);
 	}
-	g_array_sort(all, by_order);
-	g_autoptr(model_writer) w = model_writer_new(path, 0, &error);
-	for (guint n = 0; n < all->len; n++)
-		g_assert_true(
-			model_writer_add(w, &g_array_index(all, struct part_point, n), 1, NULL));
-	g_assert_true(model_writer_finish(w, NULL, 0, json_object_new(), NULL));
-	model *m = model_open_file(path, &error);
-	g_assert_no_error(error);
-	return m;
+	return write_model(all, NULL);
 }
 
 /* Along x, at this height, longer than anything that is there. */
