@@ -16,7 +16,8 @@
 /* What grew becomes edges, and those that are so much longer than what they were found by are found again by all of their length. */
 #define PASSES 3
 #define LONGER 1.3
-/* And at last one looks beside those that are so long, of buildings: beside a chord of what is round there is always another. */
+/* And after these passes, in one more, one looks beside those that are so long, of buildings: beside a chord of what is round there is always another. */
+#define BESIDE PASSES
 #define LONG_M 0.5
 /* All of that once for each of these. */
 static const struct profile_look looks[] = {
@@ -72,7 +73,7 @@ static bool tell(const struct profile_options *o, uint32_t look, int pass, doubl
 {
 	return !o->progress ||
 	       o->progress(PROFILE_GROWN_PART + (SETTLED_PART - PROFILE_GROWN_PART) *
-							(look + (pass + part) / (PASSES + 1)) /
+							(look + (pass + part) / (BESIDE + 1)) /
 							LOOKS,
 		       o->user_data);
 }
@@ -95,7 +96,7 @@ static void look_at(const struct sight *s, const struct profile_piece *p, int pa
 {
 	const struct profile_look *look = &looks[s->look];
 	const bool is_again = pass > 0;
-	if (pass == PASSES) {
+	if (pass == BESIDE) {
 		if (may_have_others_beside(p, s->options))
 			profile_piece_look_beside(s->around, p, look, is_known, joiner, ret);
 	} else if (is_again &&
@@ -185,10 +186,10 @@ static GArray *join(GArray *pieces, const struct profile_options *options)
 static GArray *find_edges(const struct sight *s, const GArray *grown)
 {
 	g_autoptr(GArray) pieces = g_array_copy((GArray *)grown);
-	for (int pass = 0; pass <= PASSES; pass++) {
+	for (int pass = 0; pass <= BESIDE; pass++) {
 		g_autoptr(profile_joiner) joiner = profile_joiner_new(s->options);
 		/* Those that one looks beside stay as they are. */
-		if (pass == PASSES)
+		if (pass == BESIDE)
 			add_all(joiner, pieces);
 		if (!settle(s, pieces, pass, joiner))
 			return NULL;

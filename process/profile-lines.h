@@ -10,8 +10,8 @@
  *    as far as its faces do, with feature points beside it.
  * 3. Joining (profile-join.h): the longest come first; what they explain is left out. What lies on one line is one. Edges that came out
  *    longer than what they were found by are looked at again, by all of their length, for that tells their direction the better; those
- *    that are not found again keep about what they were found by. Beside long ones one looks for others: mouldings run along each other,
- *    and what is often interrupted grows in short and crooked pieces only.
+ *    that are not found again keep about what they were found by. Beside long ones of buildings one looks for others: mouldings run along
+ *    each other, and what is often interrupted grows in short and crooked pieces only.
  * 4. Where a face ends, all beams along the end tell at last where exactly, and what they do not tell of is none; nor is a crease one of whose
  *    faces is no wider than a row of beams (profile-rim.h).
  * 5. All of that more than once, each time by other beams or taking steep faces for likelier or not; what looks agree on stays

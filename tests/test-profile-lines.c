@@ -264,14 +264,21 @@ static double meet_band(const double way[3], float ret_normal[3])
 static const double band_edge[3][2] = { { -BAND_OUT_M, BAND_LOW_M }, { 0, BAND_LOW_M },
 	{ -BAND_OUT_M, BAND_HIGH_M } };
 
-static struct part_point band_point(GRand *r, const double way[3])
+/* is_crooked: feature points beside the second edge tell any direction. */
+static struct part_point band_point(GRand *r, const double way[3], bool is_crooked)
 {
 	float normal[3], along[3] = { 1, 0, 0 };
 	double far = meet_band(way, normal), length = sqrt(way[0] * way[0] + 1 + way[2] * way[2]),
 	       wavers = RANGE_NOISE_M * gauss(r) / length, at[3], nearest = INFINITY;
-	for (int n = 0; n < 3; n++)
-		nearest = fmin(nearest, hypot(scanner_m[1] + far - band_edge[n][0],
-						scanner_m[2] + far * way[2] - band_edge[n][1]));
+	for (int n = 0; n < 3; n++) {
+		double off = hypot(scanner_m[1] + far - band_edge[n][0],
+			scanner_m[2] + far * way[2] - band_edge[n][1]);
+		if (off < nearest)
+			nearest = off;
+		for (int k = 0; k < 3 && n == 1 && off == nearest && is_crooked; k++)
+			along[k] = (float)gauss(r);
+	}
+	vector3_unit(along);
 	for (int k = 0; k < 3; k++)
 		at[k] = scanner_m[k] + (far + wavers) * way[k];
 	struct morton_place place;
@@ -287,11 +294,12 @@ static struct part_point band_point(GRand *r, const double way[3])
 	model_pack_normal(along, p.direction);
 	p.k1 = p.k2 = MODEL_HALF_NONE;
 	if (nearest < 0.025)
-		p.kind = g_rand_double(r) < 0.6 ? FEATURE_DIRECTED : FEATURE_UNDIRECTED;
+		p.kind = is_crooked || g_rand_double(r) < 0.6 ? FEATURE_DIRECTED
+							      : FEATURE_UNDIRECTED;
 	return p;
 }
 
-static model *make_band(void)
+static model *make_band(bool is_crooked)
 {
 	g_autoptr(GRand) r = g_rand_new_with_seed(3);
 	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
@@ -299,7 +307,7 @@ static model *make_band(void)
 	JsonObject *scan = json_object_new();
 	for (double x = -0.25; x < 0.16; x += BEAM_RAD)
 		for (double z = 0.5; z < 0.64; z += BEAM_RAD) {
-			struct part_point p = band_point(r, (double[3]){ x, 1, z });
+			struct part_point p = band_point(r, (double[3]){ x, 1, z }, is_crooked);
 			double side = scanner_m[0] - scanner_m[1] * x;
 			if (fabs(side) < BAND_LONG_M)
 				g_array_append_val(all, p);
@@ -328,20 +336,40 @@ static double nearest_line(const profile_lines *lines, const double at[3])
 	return least;
 }
 
+/* Of an edge of the band, in percent, what is within 2 cm of lines. */
+static int band_covered(const profile_lines *lines, int n)
+{
+	int some = 0;
+	for (int s = 0; s < 100; s++) {
+		double at[3] = { (s / 50.0 - 0.99) * 0.95 * BAND_LONG_M, band_edge[n][0],
+			band_edge[n][1] };
+		some += nearest_line(lines, at) < 0.02;
+	}
+	g_test_message("edge %d: %d %% within 2 cm of lines", n, some);
+	return some;
+}
+
 /* Four rows of beams meet its front, two its underside; all along it that is enough. */
 static void test_band(void)
 {
-	g_autoptr(model) m = make_band();
+	g_autoptr(model) m = make_band(false);
 	g_autoptr(profile_lines) lines = profile_lines_find(m, NULL);
-	for (int n = 0; n < 3; n++) {
-		int some = 0;
-		for (int s = 0; s < 100; s++) {
-			double at[3] = { (s / 50.0 - 0.99) * 0.95 * BAND_LONG_M, band_edge[n][0],
-				band_edge[n][1] };
-			some += nearest_line(lines, at) < 0.02;
-		}
-		g_test_message("edge %d: %d %% within 2 cm of lines", n, some);
-		g_assert_cmpint(some, >=, 90);
+	for (int n = 0; n < 3; n++)
+		g_assert_cmpint(band_covered(lines, n), >=, 90);
+}
+
+/* Where feature points of an edge tell no direction it is found beside the others, of a building alone. */
+static void test_crooked(void)
+{
+	g_autoptr(model) m = make_band(true);
+	for (int is_building = 0; is_building < 2; is_building++) {
+		uint8_t leaf_class[21];
+		memset(leaf_class, is_building ? CLASS_BUILDING : CLASS_OTHER, sizeof leaf_class);
+		const struct profile_options options = { .leaf_class = leaf_class };
+		g_autoptr(profile_lines) lines = profile_lines_find(m, &options);
+		g_assert_cmpint(band_covered(lines, 0), >=, 90);
+		int covered = band_covered(lines, 1);
+		g_assert_true(is_building ? covered >= 90 : covered < 10);
 	}
 }
 
@@ -372,7 +400,7 @@ static bool is_known(const struct profile_piece *p, const void *user_data)
 static void test_beside(void)
 {
 	const double origin_m[3] = { 0 };
-	g_autoptr(model) m = make_band();
+	g_autoptr(model) m = make_band(false);
 	g_autoptr(profile_around) around = profile_around_new(m, origin_m, 1);
 	g_autoptr(GArray) own = look_at_band(around, false, -0.5, 0.5, NULL);
 	g_autoptr(GArray) found = look_at_band(around, true, -0.5, 0.5, NULL);
@@ -438,6 +466,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/profile-lines/grow", test_grow);
 	g_test_add_func("/profile-lines/block", test_block);
 	g_test_add_func("/profile-lines/band", test_band);
+	g_test_add_func("/profile-lines/crooked", test_crooked);
 	g_test_add_func("/profile-lines/beside", test_beside);
 	g_test_add_func("/profile-lines/threads", test_threads);
 	g_test_add_func("/profile-lines/stopped", test_stopped);
