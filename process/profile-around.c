@@ -4,8 +4,6 @@
 #include <string.h>
 
 #define CELL_M PROFILE_AROUND_LAYER_M
-/* Cells on either side of the origin: 65 km. */
-#define CELLS_HALF (1 << 20)
 /* How far apart beams are, the median of one point in so many of those that face the scanner. */
 #define BEAM_STEP     7u
 #define BEAM_STEP_RAD 2e-5
@@ -24,17 +22,23 @@ struct stored {
 	uint8_t flags, is_feature;
 };
 
-/* A cube with points in it. */
-struct cell {
+/* Four cubes each way, so many bits of a number. Most cubes near a surface are empty: a bit says so of 64 with one look into the table. */
+#define BLOCK_BITS 2
+/* Blocks on either side of the origin: 262 km. */
+#define BLOCKS_HALF (1 << 20)
+struct block {
 	uint64_t key; /* UINT64_MAX: none */
-	uint32_t first, count;
+	uint64_t has; /* which cubes have points */
+	uint32_t
+		first; /* of those its first, in their own order; while filling, which block it was */
 };
 
 struct profile_around {
-	uint32_t mask, cells;
-	struct cell *cell; /* a hash table */
+	uint32_t mask, blocks;
+	struct block *block; /* a hash table */
+	uint32_t *begin;     /* of each cube with points, block by block, its first; one more */
 	struct stored *
-		stored; /* cube by cube, in the order in which the model comes to them: what is near is near */
+		stored; /* cube by cube, blocks in the order in which the model comes to them: what is near is near */
 	GArray *stations; /* of struct profile_station */
 };
 
@@ -43,11 +47,28 @@ static int32_t cell_of(float m)
 	return (int32_t)floorf(m * (1 / CELL_M));
 }
 
-static uint64_t key_of(int32_t x, int32_t y, int32_t z)
+/* Of the block that a cube is in. */
+static uint64_t key_of(const int32_t cell[3])
 {
-	const uint64_t mask = 2 * CELLS_HALF - 1;
-	return ((uint64_t)(x + CELLS_HALF) & mask) << 42 |
-	       ((uint64_t)(y + CELLS_HALF) & mask) << 21 | ((uint64_t)(z + CELLS_HALF) & mask);
+	uint64_t key = 0;
+	for (int k = 0; k < 3; k++)
+		key = key << 21 |
+		      ((uint32_t)((cell[k] >> BLOCK_BITS) + BLOCKS_HALF) & (2 * BLOCKS_HALF - 1));
+	return key;
+}
+
+/* The last bits of each number: a cube's in its block, or a block's among its neighbours. */
+static unsigned last_bits(const int32_t n[3], int beyond)
+{
+	unsigned bits = 0;
+	for (int k = 0; k < 3; k++)
+		bits = bits << BLOCK_BITS | ((unsigned)(n[k] >> beyond) & ((1u << BLOCK_BITS) - 1));
+	return bits;
+}
+
+static unsigned bit_of(const int32_t cell[3])
+{
+	return last_bits(cell, 0);
 }
 
 /* Where it is in the table, or would be. */
@@ -55,7 +76,7 @@ static uint32_t slot_of(const profile_around *a, uint64_t key)
 {
 	uint64_t v = key * 0x9E3779B97F4A7C15u;
 	uint32_t slot = (uint32_t)(v >> 32) & a->mask;
-	while (a->cell[slot].key != key && a->cell[slot].key != UINT64_MAX)
+	while (a->block[slot].key != key && a->block[slot].key != UINT64_MAX)
 		slot = (slot + 1) & a->mask;
 	return slot;
 }
@@ -63,49 +84,56 @@ static uint32_t slot_of(const profile_around *a, uint64_t key)
 static void set_table(profile_around *a, uint32_t mask)
 {
 	a->mask = mask;
-	a->cell = g_new(struct cell, (size_t)mask + 1);
+	a->block = g_new(struct block, (size_t)mask + 1);
 	for (uint32_t n = 0; n <= mask; n++)
-		a->cell[n] = (struct cell){ UINT64_MAX, 0, 0 };
+		a->block[n] = (struct block){ UINT64_MAX, 0, 0 };
 }
 
 static void widen_table(profile_around *a)
 {
-	struct cell *was = a->cell;
+	struct block *was = a->block;
 	uint32_t mask = a->mask;
 	set_table(a, 2 * mask + 1);
 	for (uint32_t n = 0; n <= mask; n++)
 		if (was[n].key != UINT64_MAX)
-			a->cell[slot_of(a, was[n].key)] = was[n];
+			a->block[slot_of(a, was[n].key)] = was[n];
 	g_free(was);
 }
 
-/* Counts; first is for now which cube it was. */
-static void count_point(profile_around *a, uint64_t key)
+static void add_cell(profile_around *a, const int32_t cell[3])
 {
-	struct cell *c = &a->cell[slot_of(a, key)];
-	if (c->key == key) {
-		c->count++;
+	uint64_t key = key_of(cell);
+	struct block *b = &a->block[slot_of(a, key)];
+	b->has |= 1ull << bit_of(cell);
+	if (b->key == key)
 		return;
-	}
-	*c = (struct cell){ key, a->cells++, 1 };
-	if (a->cells > a->mask / 2)
+	b->key = key;
+	b->first = a->blocks++;
+	if (a->blocks > a->mask / 2)
 		widen_table(a);
 }
 
-/* From which cube it was to where its points begin. */
-static void place_cells(profile_around *a)
+/* From which block it was to which its first cube is; returns how many cubes there are. */
+static uint32_t number_cells(profile_around *a)
 {
-	g_autofree uint32_t *begin = g_new0(uint32_t, a->cells + 1);
+	g_autofree uint32_t *first = g_new0(uint32_t, a->blocks + 1);
 	for (uint32_t n = 0; n <= a->mask; n++)
-		if (a->cell[n].key != UINT64_MAX)
-			begin[a->cell[n].first + 1] = a->cell[n].count;
-	for (uint32_t n = 0; n < a->cells; n++)
-		begin[n + 1] += begin[n];
+		if (a->block[n].key != UINT64_MAX)
+			first[a->block[n].first + 1] =
+				(uint32_t)__builtin_popcountll(a->block[n].has);
+	for (uint32_t n = 0; n < a->blocks; n++)
+		first[n + 1] += first[n];
 	for (uint32_t n = 0; n <= a->mask; n++)
-		if (a->cell[n].key != UINT64_MAX) {
-			a->cell[n].first = begin[a->cell[n].first];
-			a->cell[n].count = 0;
-		}
+		if (a->block[n].key != UINT64_MAX)
+			a->block[n].first = first[a->block[n].first];
+	return first[a->blocks];
+}
+
+/* Of a cube that has points. */
+static uint32_t number_of(const struct block *b, const int32_t cell[3])
+{
+	uint64_t before = (1ull << bit_of(cell)) - 1;
+	return b->first + (uint32_t)__builtin_popcountll(b->has & before);
 }
 
 /* What a copy is made from. */
@@ -132,8 +160,10 @@ static struct stored stored_of(
 	return s;
 }
 
-/* Counts first, then puts each in its place. */
-static void fill(profile_around *a, const struct source *of, bool is_count)
+enum pass { CELLS, COUNTS, POINTS };
+
+/* Which cubes there are, how many points each has, and then each point in its place. */
+static void fill(profile_around *a, const struct source *of, enum pass pass)
 {
 	uint64_t chunks;
 	const struct model_chunk *chunk = model_chunks(of->m, &chunks);
@@ -141,17 +171,36 @@ static void fill(profile_around *a, const struct source *of, bool is_count)
 		const struct model_point *p = model_points(of->m) + chunk[n].first;
 		for (uint32_t i = 0; i < chunk[n].points; i++) {
 			struct stored s = stored_of(of, &chunk[n], &p[i]);
-			uint64_t key =
-				key_of(cell_of(s.at_m[0]), cell_of(s.at_m[1]), cell_of(s.at_m[2]));
-			if (is_count) {
-				count_point(a, key);
-			} else {
-				struct cell *c = &a->cell[slot_of(a, key)];
-				a->stored[c->first + c->count++] = s;
+			const int32_t cell[3] = { cell_of(s.at_m[0]), cell_of(s.at_m[1]),
+				cell_of(s.at_m[2]) };
+			if (pass == CELLS) {
+				add_cell(a, cell);
+				continue;
 			}
+			uint32_t number = number_of(&a->block[slot_of(a, key_of(cell))], cell);
+			if (pass == COUNTS)
+				a->begin[number + 1]++;
+			else
+				a->stored[a->begin[number]++] = s;
 		}
 		product_forget(model_file(of->m), p, chunk[n].points * sizeof *p);
 	}
+}
+
+static void copy_points(profile_around *a, const struct source *of)
+{
+	set_table(a, (1u << 16) - 1);
+	fill(a, of, CELLS);
+	uint32_t cells = number_cells(a);
+	a->begin = g_new0(uint32_t, cells + 2);
+	fill(a, of, COUNTS);
+	for (uint32_t n = 0; n < cells; n++)
+		a->begin[n + 1] += a->begin[n];
+	a->stored = g_new(struct stored, model_count(of->m) + 1);
+	fill(a, of, POINTS);
+	/* Each begins now where the next one should. */
+	memmove(a->begin + 1, a->begin, cells * sizeof *a->begin);
+	a->begin[0] = 0;
 }
 
 /* ---- stations ---- */
@@ -251,11 +300,7 @@ profile_around *profile_around_new(const model *m, const double origin_m[3], dou
 	const struct source of = { m, origin_m, unit_m };
 	profile_around *a = g_new0(profile_around, 1);
 	read_stations(a, &of);
-	set_table(a, (1u << 16) - 1);
-	a->stored = g_new(struct stored, model_count(m) + 1);
-	fill(a, &of, true);
-	place_cells(a);
-	fill(a, &of, false);
+	copy_points(a, &of);
 	for (guint n = 0; n < a->stations->len; n++)
 		find_beams(a, &g_array_index(a->stations, struct profile_station, n),
 			(uint32_t)model_count(m));
@@ -266,7 +311,8 @@ void profile_around_free(profile_around *a)
 {
 	if (!a)
 		return;
-	g_free(a->cell);
+	g_free(a->block);
+	g_free(a->begin);
 	g_free(a->stored);
 	g_array_unref(a->stations);
 	g_free(a);
@@ -278,6 +324,11 @@ struct query {
 	const struct profile_frame *frame;
 	float at[3], from_m, to_m, radius_m;
 	GArray *found;
+	/* The block where the table was last asked for one with these last bits; layer by layer it comes again. */
+	struct recent {
+		uint64_t key;
+		const struct block *block;
+	} recent[1u << 3 * BLOCK_BITS];
 };
 
 static void look_at(const struct query *q, const struct stored *s)
@@ -316,20 +367,30 @@ static bool is_near(const struct query *q, const int32_t cell[3])
 	return square <= reach * reach;
 }
 
-static void look_in(const profile_around *a, const struct query *q, const int32_t cell[3])
+static const struct block *block_of(const profile_around *a, struct query *q, const int32_t cell[3])
 {
-	if (!is_near(q, cell))
+	struct recent *r = &q->recent[last_bits(cell, BLOCK_BITS)];
+	uint64_t key = key_of(cell);
+	if (!r->block || r->key != key)
+		*r = (struct recent){ key, &a->block[slot_of(a, key)] };
+	return r->block;
+}
+
+static void look_in(const profile_around *a, struct query *q, const int32_t cell[3])
+{
+	const struct block *b = block_of(a, q, cell);
+	if (!(b->has >> bit_of(cell) & 1) || !is_near(q, cell))
 		return;
-	const struct cell *c = &a->cell[slot_of(a, key_of(cell[0], cell[1], cell[2]))];
-	for (uint32_t i = 0; i < c->count; i++)
-		look_at(q, &a->stored[c->first + i]);
+	uint32_t number = number_of(b, cell);
+	for (uint32_t i = a->begin[number]; i < a->begin[number + 1]; i++)
+		look_at(q, &a->stored[i]);
 }
 
 /* Layer by layer of the cubes across the axis that the line runs along the most. */
 void profile_around_look(const profile_around *a, const struct profile_frame *f, double from_m,
 	double to_m, float radius_m, uint32_t step, GArray *ret)
 {
-	struct query q = { f, { 0 }, (float)from_m, (float)to_m, radius_m, ret };
+	struct query q = { f, { 0 }, (float)from_m, (float)to_m, radius_m, ret, { { 0 } } };
 	int axis = 0;
 	float ends[2], slope[3];
 	g_array_set_size(ret, 0);

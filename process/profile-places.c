@@ -91,23 +91,22 @@ void places_add(struct places *p, const struct profile_piece *piece, double from
 	}
 }
 
-static int by_number(const void *a, const void *b)
+struct places_found places_found_new(uint32_t numbers)
 {
-	const uint32_t *x = a, *y = b;
-	return (*x > *y) - (*x < *y);
-}
-
-struct places_found places_found_new(uint32_t pieces)
-{
-	return (struct places_found){ g_array_new(FALSE, FALSE, sizeof(uint32_t)),
-		g_malloc0(pieces / 8 + 1) };
+	uint32_t words = numbers / 64 + 1;
+	return (struct places_found){ g_new0(uint64_t, words), words };
 }
 
 GArray *places_found_take(struct places_found *f)
 {
+	GArray *ret = g_array_new(FALSE, FALSE, sizeof(uint32_t));
+	for (uint32_t n = 0; n < f->words; n++)
+		for (uint64_t left = f->is_in[n]; left; left &= left - 1) {
+			uint32_t number = 64 * n + (uint32_t)__builtin_ctzll(left);
+			g_array_append_val(ret, number);
+		}
 	g_free(f->is_in);
-	g_array_sort(f->number, by_number);
-	return f->number;
+	return ret;
 }
 
 void places_find(const struct places *p, const double at[3], struct places_found *ret)
@@ -117,9 +116,7 @@ void places_find(const struct places *p, const double at[3], struct places_found
 		for (uint32_t e = in->key == UINT64_MAX ? UINT32_MAX : in->last; e != UINT32_MAX;
 			e = g_array_index(p->entries, struct entry, e).before) {
 			uint32_t piece = g_array_index(p->entries, struct entry, e).piece;
-			if (!(ret->is_in[piece / 8] >> piece % 8 & 1))
-				g_array_append_val(ret->number, piece);
-			ret->is_in[piece / 8] |= (uint8_t)(1 << piece % 8);
+			ret->is_in[piece / 64] |= 1ull << piece % 64;
 		}
 	}
 }

@@ -16,15 +16,15 @@ void places_add(struct places *p, const struct profile_piece *piece, double from
 	uint32_t number);
 uint32_t places_steps(double from_m, double to_m);
 
-/* Numbers, each once. */
+/* A bit of each number that there is. */
 struct places_found {
-	GArray *number; /* of uint32_t */
-	uint8_t *is_in; /* a bit of each number that there is */
+	uint64_t *is_in;
+	uint32_t words;
 };
 struct places_found places_found_new(uint32_t numbers);
 /* Those with a place in the cubes around this one. */
 void places_find(const struct places *p, const double at[3], struct places_found *ret);
-/* In order; caller unrefs. */
+/* Numbers, uint32_t, in order; caller unrefs. */
 GArray *places_found_take(struct places_found *f);
 /* Of so many pieces those that may be near this one, or near where it would be if it were longer by reach_m, in order; caller unrefs. */
 GArray *places_near(const struct places *p, uint32_t numbers, const struct profile_piece *piece,

@@ -148,24 +148,42 @@ static double fit(const struct sums *s, double noise_m, struct span *ret)
 	return fmax(qq - b * xq - c * yq, 0);
 }
 
-static int by_number(const void *a, const void *b)
+/* What would stand there were they in order; they change places (Wirth 1976, after Hoare's FIND). */
+static double nth_least(double *of, int count, int nth)
 {
-	const double *x = a, *y = b;
-	return (*x > *y) - (*x < *y);
+	for (int low = 0, high = count - 1; low < high;) {
+		const double pivot = of[nth];
+		int i = low, j = high;
+		while (i <= j) {
+			while (of[i] < pivot)
+				i++;
+			while (of[j] > pivot)
+				j--;
+			if (i <= j) {
+				double swap = of[i];
+				of[i++] = of[j];
+				of[j--] = swap;
+			}
+		}
+		if (j < nth)
+			low = i;
+		if (i > nth)
+			high = j;
+	}
+	return of[nth];
 }
 
 /* Of what plane fits leave, how far off the plane it is known to waver. */
 static double least_noise_m(const struct sweep *s)
 {
 	g_autofree double *error = g_new(double, s->beams + 1);
-	size_t some = 0;
+	int some = 0;
 	for (uint32_t i = 0; i < s->beams; i++) {
 		float m = g_array_index(s->near, struct profile_near, s->beam[i].point).error_m;
 		if (isfinite(m))
 			error[some++] = (double)m;
 	}
-	qsort(error, some, sizeof *error, by_number);
-	return some ? error[some / ERROR_SHARE] : 0;
+	return some ? nth_least(error, some, some / ERROR_SHARE) : 0;
 }
 
 /* What is left in the calmest of windows some beams wide. */
@@ -182,8 +200,7 @@ static double find_noise(const struct sweep *s)
 	}
 	if (!some)
 		return fmax(NOISE_M, least_m);
-	qsort(left, (size_t)some, sizeof *left, by_number);
-	return fmax(fmin(left[(int)(NOISE_SHARE * some)], NOISE_MOST_M), least_m);
+	return fmax(fmin(nth_least(left, some, (int)(NOISE_SHARE * some)), NOISE_MOST_M), least_m);
 }
 
 /* ---- all parts ---- */
@@ -201,37 +218,56 @@ static bool may_slope(const struct sweep *s, int bins, double slope)
 	return bins >= BINS_PER_SPACING || fabs(slope) < STEEP;
 }
 
-static void find_best(const struct sweep *s, struct best *best)
+struct search {
+	double part_cost, scale;
+	double least
+		[BINS]; /* of a part that begins there, up to where it was last tried, and of all before it */
+	struct best best[BINS + 1];
+};
+
+static void try_part(const struct sweep *s, int from, int to, struct search *ret)
 {
-	double part_cost = (s->is_guessed ? GUESSED_COST : PART_COST) +
-			   PART_PARAMETERS * log(fmax(s->sum[s->bins].n, 2.0)),
-	       scale = 1 / (s->noise_m * s->noise_m);
+	struct best *best = &ret->best[to];
+	struct sums sums = between(s, from, to);
+	if (sums.n < POINTS_LEAST || s->sum[from + 1].n == s->sum[from].n ||
+		(s->is_guessed && to - from < GUESSED_WIDTH))
+		return;
+	struct span span;
+	double cost =
+		ret->best[from].cost + ret->part_cost + fit(&sums, s->noise_m, &span) * ret->scale;
+	ret->least[from] = cost;
+	if (cost < best->cost && span.xx * SLOPE_ERROR * SLOPE_ERROR > s->noise_m * s->noise_m &&
+		may_slope(s, to - from, span.b))
+		*best = (struct best){ cost, from };
+}
+
+/* What a part leaves grows with its bins, so that one which cost too much up to the bin before needs no fit: most do. */
+static void find_best(const struct sweep *s, struct search *ret)
+{
+	const double none_cost = s->is_guessed ? GUESSED_NONE_COST : NONE_COST;
+	struct best *best = ret->best;
+	ret->part_cost = (s->is_guessed ? GUESSED_COST : PART_COST) +
+			 PART_PARAMETERS * log(fmax(s->sum[s->bins].n, 2.0));
+	ret->scale = 1 / (s->noise_m * s->noise_m);
 	best[0] = (struct best){ 0, -1 };
 	for (int to = 1; to <= s->bins; to++) {
-		best[to] = (struct best){ best[to - 1].cost +
-						  (s->is_guessed ? GUESSED_NONE_COST : NONE_COST) *
-							  (s->sum[to].n - s->sum[to - 1].n),
-			-1 };
-		for (int from = to - 1; from >= 0; from--) {
-			struct sums sums = between(s, from, to);
-			if (sums.n < POINTS_LEAST || s->sum[from + 1].n == s->sum[from].n)
-				continue;
-			struct span span;
-			double cost =
-				best[from].cost + part_cost + fit(&sums, s->noise_m, &span) * scale;
-			if (cost < best[to].cost &&
-				(!s->is_guessed || to - from >= GUESSED_WIDTH) &&
-				span.xx * SLOPE_ERROR * SLOPE_ERROR > s->noise_m * s->noise_m &&
-				may_slope(s, to - from, span.b))
-				best[to] = (struct best){ cost, from };
-		}
+		double none = s->sum[to].n - s->sum[to - 1].n;
+		ret->least[to - 1] = best[to - 1].cost + ret->part_cost;
+		best[to] = (struct best){ best[to - 1].cost + none_cost * none, -1 };
+		/* What was best up to there is likely best now. */
+		if (best[to - 1].from >= 0)
+			try_part(s, best[to - 1].from, to, ret);
+		for (int from = to - 1; from >= 0; from--)
+			if (ret->least[from] < best[to].cost)
+				try_part(s, from, to, ret);
 	}
 }
 
 static void find_parts(struct sweep *s)
 {
-	struct best best[BINS + 1];
-	find_best(s, best);
+	struct search search;
+	const struct best *best = search.best;
+	find_best(s, &search);
 	s->spans = 0;
 	for (int to = s->bins; to > 0;) {
 		int from = best[to].from;
