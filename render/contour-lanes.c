@@ -93,14 +93,29 @@ INLINE vf suggested_weight(
 					      wider * faces * bent_enough(b, most_bent));
 }
 
+/* Those of smooth surface that may be on a line, by what is quickly told: nothing is bent along the ray more than along its principal
+ * direction, or the one across. along: the normal along the ray. */
+INLINE unsigned may_be_on_line(
+	const struct brush *b, const struct lane_candidates *c, const vf k[2], vf along)
+{
+	const struct contours_step *step = &b->layer->step->contours;
+	const float band_px = step->band_px * b->f->ink_px, more = 1 + 1e-4f;
+	vf px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m),
+	   bent = most(magnitude(k[0]), magnitude(k[1])), cosine = along * (-1 / b->ray_most);
+	vi turns = cosine * cosine * px_per_m < most(bent, all(1e-3f)) * (2 * more * band_px),
+	   hints = (k[0] * k[1] < 0) & (cosine < more * step->slant_least),
+	   is_bent = (k[0] != 0) & (bent * more > fmaxf(step->bent_least_per_m, 1e-3f));
+	return bits(is_bent & ((step->outlines > 0 ? turns : (vi){ 0 }) |
+				      (step->suggestive > 0 ? hints : (vi){ 0 })));
+}
+
 /* Of smooth surface. */
-INLINE void find_smooth(const struct brush *b, uint32_t at, const struct lane_candidates *c,
-	struct contour_lanes *h)
+INLINE void find_smooth(const struct brush *b, uint32_t at, const vf k[2],
+	const struct lane_candidates *c, struct contour_lanes *h)
 {
 	const scene *s = b->f->scene;
-	vf site[3], axis[3], k[2];
+	vf site[3], axis[3];
 	vf px_per_m = b->lens.focal_px / LENS_SCALE_M(&b->lens, c->depth_m);
-	bends_of(b->layer->bend, at, k);
 	vi some = unit_lanes(*(const vi_loose *)(const void *)s->direction[at], site);
 	some &= c->is_flat & (k[0] != 0) & (load_u8_whole(s->kind + at) < FEATURE_UNDIRECTED);
 	for (int n = 0; n < 3; n++)
@@ -165,8 +180,8 @@ INLINE unsigned may_have_steps(
 
 /* Where the picture falls off beside points; the line runs across the way there, facing the eye. Few of them are near a border: of each
  * all eight places at once. */
-INLINE void find_steps(
-	const struct brush *b, const struct lane_candidates *c, struct contour_lanes *h)
+INLINE void find_steps(const struct brush *b, unsigned near, const struct lane_candidates *c,
+	struct contour_lanes *h)
 {
 	_Static_assert(LANES == 8, "as many as there are places around");
 	static const float turn[2][LANES] = { { 1, 0.7071068f, 0, -0.7071068f, -1, -0.7071068f, 0,
@@ -175,9 +190,6 @@ INLINE void find_steps(
 	const struct contours_step *step = &b->layer->step->contours;
 	float band_px = step->band_px * b->f->ink_px;
 	vf sum = all(0), x = all(0), y = all(0);
-	unsigned near = may_have_steps(b, c, band_px + 2);
-	if (!near)
-		return;
 	for (; near; near &= near - 1) {
 		int k = __builtin_ctz(near);
 		vf part = is_behind(b, c->x_px[k] - 0.5f + band_px * load(turn[0]),
@@ -230,13 +242,25 @@ INLINE struct stroke stroke_of(const struct brush *b, const struct lane_candidat
 	return s;
 }
 
+/* Most points are on no line: it is looked for before it is asked what is wanted, and what is hidden. */
 INLINE void try_points(
 	const struct brush *b, uint32_t at, struct lane_candidates *c, struct stroke_chain *to)
 {
+	const struct contours_step *step = &b->layer->step->contours;
 	struct contour_lanes h = { .weight = all(0) };
+	vf bend[2] = { all(0), all(0) };
+	unsigned smooth = 0, near = 0;
 	find_normals(b, *(const vi_loose *)(const void *)b->f->scene->normal[at], c);
+	vf along = along_of(b, c);
 	if (hides_backs(b))
-		c->left &= bits(along_of(b, c) <= BEYOND * b->ray_most);
+		c->left &= bits(along <= BEYOND * b->ray_most);
+	if (b->layer->bend) {
+		bends_of(b->layer->bend, at, bend);
+		smooth = may_be_on_line(b, c, bend, along);
+	}
+	if (b->mask && step->steps > 0)
+		near = may_have_steps(b, c, step->band_px * b->f->ink_px + 2);
+	c->left &= smooth | near;
 	if (!c->left)
 		return;
 	find_wanted_here(b, c);
@@ -246,10 +270,9 @@ INLINE void try_points(
 	c->left &= bits(shown > 0);
 	if (!c->left)
 		return;
-	if (b->layer->bend)
-		find_smooth(b, at, c, &h);
-	if (b->mask && b->layer->step->contours.steps > 0)
-		find_steps(b, c, &h);
+	if (smooth & c->left)
+		find_smooth(b, at, bend, c, &h);
+	find_steps(b, near & c->left, c, &h);
 	c->left &= bits(h.weight > 0);
 	if (!c->left)
 		return;

@@ -229,6 +229,7 @@ static bool add_layers(frame *f, GError **error)
 			const struct pipeline *line =
 				&g_array_index(f->drawing->pipelines, struct pipeline, p);
 			if (n < line->layers && step_is_ink(&line->steps[n]) &&
+				!step_draws_nothing(&line->steps[n]) &&
 				!add_layer(f, (uint8_t)p, &line->steps[n], error))
 				return false;
 		}

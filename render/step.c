@@ -378,6 +378,15 @@ bool step_is_ink(const struct step *s)
 	       step_is_paint(s);
 }
 
+bool step_draws_nothing(const struct step *s)
+{
+	const struct contours_step *c = &s->contours;
+	bool has_opacity = step_parameter_find(s->kind->parameters, "opacity");
+	return step_is_ink(s) && ((has_opacity && s->ink.opacity <= 0) ||
+					 (step_is_contours(s) && c->outlines <= 0 &&
+						 c->steps <= 0 && c->suggestive <= 0));
+}
+
 bool step_is_filter(const struct step *s)
 {
 	return s->kind->stage == STEP_FILTER && s->kind->parameters != edl_parameters;

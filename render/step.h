@@ -320,8 +320,9 @@ bool step_is_contours(const struct step *s);
 bool step_is_cut(const struct step *s);
 bool step_is_profile(const struct step *s);
 bool step_is_paint(const struct step *s);
-bool step_is_filter(const struct step *s); /* of pictures: not "edl", which belongs to points */
-bool step_is_dots(const struct step *s);   /* sprites or stipple: round */
+bool step_draws_nothing(const struct step *s); /* ink, for a segment that has none of it */
+bool step_is_filter(const struct step *s);     /* of pictures: not "edl", which belongs to points */
+bool step_is_dots(const struct step *s);       /* sprites or stipple: round */
 struct step step_defaults(const struct step_kind *kind);
 
 #endif

@@ -256,6 +256,42 @@ static void test_hidden_segment(void)
 	picture_buffer_clear(&b);
 }
 
+/* Steps that a segment has none of cost nothing, and change nothing. */
+static void test_nothing(void)
+{
+#define LINES "{\"step\":\"lines\",\"points\":\"all\",\"ink\":\"#000000\"}"
+	static const char *const none[] = {
+		"{\"step\":\"strokes\",\"points\":\"all\",\"opacity\":0}",
+		"{\"step\":\"contours\",\"opacity\":0}",
+		"{\"step\":\"contours\",\"outlines\":0,\"steps\":0,\"suggestive\":0}",
+	};
+	g_autoptr(drawing) d = NULL;
+	g_autoptr(frame) f =
+		frame_with(made_shared_court(), "\"site\":{\"steps\":[" LINES "]}", &d);
+	struct picture_buffer a = made_picture(f);
+	g_assert_cmpuint(f->layers, ==, 1);
+	for (size_t n = 0; n < G_N_ELEMENTS(none); n++) {
+		g_autofree char *nodes =
+			g_strdup_printf("\"site\":{\"steps\":[%s," LINES "]}", none[n]);
+		g_autoptr(drawing) e = NULL;
+		g_autoptr(frame) g = frame_with(made_shared_court(), nodes, &e);
+		g_assert_cmpuint(g->layers, ==, 1);
+		struct picture_buffer b = made_picture(g);
+		g_assert_cmpmem(a.rgba, sizeof(*a.rgba) * WIDTH * HEIGHT, b.rgba,
+			sizeof(*b.rgba) * WIDTH * HEIGHT);
+		picture_buffer_clear(&b);
+	}
+	/* One of the three is enough. */
+	g_autoptr(drawing) e = NULL;
+	g_autoptr(frame) g = frame_with(made_shared_court(),
+		"\"site\":{\"steps\":[{\"step\":\"contours\",\"outlines\":0,\"suggestive\":0}"
+		"," LINES "]}",
+		&e);
+	g_assert_cmpuint(g->layers, ==, 2);
+	picture_buffer_clear(&a);
+#undef LINES
+}
+
 /* A wall is drawn; a metre before its left half stands another one that is not. Dark pixels over that one. */
 static size_t dark_over(double reach_m)
 {
@@ -462,6 +498,7 @@ int main(int argc, char **argv)
 	g_test_add_func("/draw/order", test_order);
 	g_test_add_func("/draw/segments", test_segments);
 	g_test_add_func("/draw/hidden-segment", test_hidden_segment);
+	g_test_add_func("/draw/nothing", test_nothing);
 	g_test_add_func("/draw/reach", test_reach);
 	g_test_add_func("/draw/paper", test_paper);
 	g_test_add_func("/draw/grain", test_grain);
