@@ -47,28 +47,27 @@ static int32_t cell_of(float m)
 	return (int32_t)floorf(m * (1 / CELL_M));
 }
 
-/* Of the block that a cube is in. */
-static uint64_t key_of(const int32_t cell[3])
+static void block_of(const int32_t cell[3], int32_t ret[3])
+{
+	for (int k = 0; k < 3; k++)
+		ret[k] = cell[k] >> BLOCK_BITS;
+}
+
+static uint64_t key_of(const int32_t block[3])
 {
 	uint64_t key = 0;
 	for (int k = 0; k < 3; k++)
-		key = key << 21 |
-		      ((uint32_t)((cell[k] >> BLOCK_BITS) + BLOCKS_HALF) & (2 * BLOCKS_HALF - 1));
+		key = key << 21 | ((uint32_t)(block[k] + BLOCKS_HALF) & (2 * BLOCKS_HALF - 1));
 	return key;
 }
 
-/* The last bits of each number: a cube's in its block, or a block's among its neighbours. */
-static unsigned last_bits(const int32_t n[3], int beyond)
-{
-	unsigned bits = 0;
-	for (int k = 0; k < 3; k++)
-		bits = bits << BLOCK_BITS | ((unsigned)(n[k] >> beyond) & ((1u << BLOCK_BITS) - 1));
-	return bits;
-}
-
+/* Which of its block a cube is. */
 static unsigned bit_of(const int32_t cell[3])
 {
-	return last_bits(cell, 0);
+	unsigned bit = 0;
+	for (int k = 0; k < 3; k++)
+		bit = bit << BLOCK_BITS | ((unsigned)cell[k] & ((1u << BLOCK_BITS) - 1));
+	return bit;
 }
 
 /* Where it is in the table, or would be. */
@@ -102,7 +101,9 @@ static void widen_table(profile_around *a)
 
 static void add_cell(profile_around *a, const int32_t cell[3])
 {
-	uint64_t key = key_of(cell);
+	int32_t block[3];
+	block_of(cell, block);
+	uint64_t key = key_of(block);
 	struct block *b = &a->block[slot_of(a, key)];
 	b->has |= 1ull << bit_of(cell);
 	if (b->key == key)
@@ -130,10 +131,17 @@ static uint32_t number_cells(profile_around *a)
 }
 
 /* Of a cube that has points. */
-static uint32_t number_of(const struct block *b, const int32_t cell[3])
+static uint32_t number_of(const struct block *b, unsigned bit)
 {
-	uint64_t before = (1ull << bit_of(cell)) - 1;
+	uint64_t before = (1ull << bit) - 1;
 	return b->first + (uint32_t)__builtin_popcountll(b->has & before);
+}
+
+static uint32_t find_number(const profile_around *a, const int32_t cell[3])
+{
+	int32_t block[3];
+	block_of(cell, block);
+	return number_of(&a->block[slot_of(a, key_of(block))], bit_of(cell));
 }
 
 /* What a copy is made from. */
@@ -177,7 +185,7 @@ static void fill(profile_around *a, const struct source *of, enum pass pass)
 				add_cell(a, cell);
 				continue;
 			}
-			uint32_t number = number_of(&a->block[slot_of(a, key_of(cell))], cell);
+			uint32_t number = find_number(a, cell);
 			if (pass == COUNTS)
 				a->begin[number + 1]++;
 			else
@@ -323,12 +331,9 @@ void profile_around_free(profile_around *a)
 struct query {
 	const struct profile_frame *frame;
 	float at[3], from_m, to_m, radius_m;
+	int axis; /* that the line runs along the most; layers are across it */
+	int32_t first, last, step;
 	GArray *found;
-	/* The block where the table was last asked for one with these last bits; layer by layer it comes again. */
-	struct recent {
-		uint64_t key;
-		const struct block *block;
-	} recent[1u << 3 * BLOCK_BITS];
 };
 
 static void look_at(const struct query *q, const struct stored *s)
@@ -367,60 +372,82 @@ static bool is_near(const struct query *q, const int32_t cell[3])
 	return square <= reach * reach;
 }
 
-static const struct block *block_of(const profile_around *a, struct query *q, const int32_t cell[3])
+/* Which cubes of the blocks that lie so far along the axis are in the layers that are asked for. */
+static uint64_t layers_in(const struct query *q, int32_t block)
 {
-	struct recent *r = &q->recent[last_bits(cell, BLOCK_BITS)];
-	uint64_t key = key_of(cell);
-	if (!r->block || r->key != key)
-		*r = (struct recent){ key, &a->block[slot_of(a, key)] };
-	return r->block;
+	/* As bit_of() counts: of the first layer across each axis, and how far it is to the next one. */
+	static const uint64_t layer[3] = { 0xffff, 0x000f000f000f000f, 0x1111111111111111 };
+	const int far[3] = { 16, 4, 1 };
+	uint64_t ret = 0;
+	for (int n = 0; n < 1 << BLOCK_BITS; n++) {
+		int32_t at = block * (1 << BLOCK_BITS) + n;
+		if (at >= q->first && at <= q->last && (at - q->first) % q->step == 0)
+			ret |= layer[q->axis] << n * far[q->axis];
+	}
+	return ret;
 }
 
-static void look_in(const profile_around *a, struct query *q, const int32_t cell[3])
+static void look_in(
+	const profile_around *a, const struct query *q, const int32_t block[3], uint64_t layers)
 {
-	const struct block *b = block_of(a, q, cell);
-	if (!(b->has >> bit_of(cell) & 1) || !is_near(q, cell))
-		return;
-	uint32_t number = number_of(b, cell);
-	for (uint32_t i = a->begin[number]; i < a->begin[number + 1]; i++)
-		look_at(q, &a->stored[i]);
+	const struct block *b = &a->block[slot_of(a, key_of(block))];
+	for (uint64_t left = b->has & layers; left; left &= left - 1) {
+		unsigned bit = (unsigned)__builtin_ctzll(left);
+		int32_t cell[3];
+		for (int k = 0; k < 3; k++)
+			cell[k] = block[k] * (1 << BLOCK_BITS) +
+				  (int32_t)(bit >> (2 - k) * BLOCK_BITS & ((1 << BLOCK_BITS) - 1));
+		if (!is_near(q, cell))
+			continue;
+		uint32_t number = number_of(b, bit);
+		for (uint32_t i = a->begin[number]; i < a->begin[number + 1]; i++)
+			look_at(q, &a->stored[i]);
+	}
 }
 
-/* Layer by layer of the cubes across the axis that the line runs along the most. */
+/* In the blocks that lie so far along the axis: those around the line. */
+static void look_across(const profile_around *a, const struct query *q, int32_t along)
+{
+	const float block_m = CELL_M * (1 << BLOCK_BITS), *way = q->frame->axis[2];
+	const float middle_m = ((float)along + 0.5f) * block_m - q->at[q->axis];
+	int32_t low[3], high[3], block[3];
+	for (int k = 0; k < 3; k++) {
+		/* Where the line is amid them; aside of that it slants, and so does its disc. */
+		float slope = way[k] / way[q->axis], at = q->at[k] + slope * middle_m,
+		      reach = q->radius_m * sqrtf(1 + slope * slope) + fabsf(slope) * block_m / 2;
+		low[k] = k == q->axis ? along : cell_of(at - reach) >> BLOCK_BITS;
+		high[k] = k == q->axis ? along : cell_of(at + reach) >> BLOCK_BITS;
+	}
+	uint64_t layers = layers_in(q, along);
+	for (block[0] = low[0]; layers && block[0] <= high[0]; block[0]++)
+		for (block[1] = low[1]; block[1] <= high[1]; block[1]++)
+			for (block[2] = low[2]; block[2] <= high[2]; block[2]++)
+				look_in(a, q, block, layers);
+}
+
+/* Layer by layer of the cubes across the axis that the line runs along the most, those of a block together. */
 void profile_around_look(const profile_around *a, const struct profile_frame *f, double from_m,
 	double to_m, float radius_m, uint32_t step, GArray *ret)
 {
-	struct query q = { f, { 0 }, (float)from_m, (float)to_m, radius_m, ret, { { 0 } } };
-	int axis = 0;
-	float ends[2], slope[3];
+	struct query q = { .frame = f,
+		.from_m = (float)from_m,
+		.to_m = (float)to_m,
+		.radius_m = radius_m,
+		.step = (int32_t)step,
+		.found = ret };
+	float ends[2];
 	g_array_set_size(ret, 0);
 	for (int k = 0; k < 3; k++) {
 		q.at[k] = (float)f->at[k];
-		if (fabsf(f->axis[2][k]) > fabsf(f->axis[2][axis]))
-			axis = k;
+		if (fabsf(f->axis[2][k]) > fabsf(f->axis[2][q.axis]))
+			q.axis = k;
 	}
 	for (int e = 0; e < 2; e++)
-		ends[e] = q.at[axis] + (e ? q.to_m : q.from_m) * f->axis[2][axis];
+		ends[e] = q.at[q.axis] + (e ? q.to_m : q.from_m) * f->axis[2][q.axis];
 	/* A disc around an end reaches so much further along the axis. */
-	float past = radius_m * sqrtf(fmaxf(1 - f->axis[2][axis] * f->axis[2][axis], 0));
-	int32_t cell[3], low[3], high[3], first = cell_of(fminf(ends[0], ends[1]) - past),
-					  last = cell_of(fmaxf(ends[0], ends[1]) + past);
-	for (int k = 0; k < 3; k++)
-		slope[k] = f->axis[2][k] / f->axis[2][axis];
-	for (int32_t layer = first; layer <= last; layer += (int32_t)step) {
-		float middle = ((float)layer + 0.5f) * CELL_M - q.at[axis];
-		for (int k = 0; k < 3; k++) {
-			/* Where the line is amid the layer; aside of that it slants, and so does its disc. */
-			float at = q.at[k] + slope[k] * middle,
-			      reach = k == axis ? 0
-						: radius_m * sqrtf(1 + slope[k] * slope[k]) +
-							  fabsf(slope[k]) * CELL_M / 2;
-			low[k] = k == axis ? layer : cell_of(at - reach);
-			high[k] = k == axis ? layer : cell_of(at + reach);
-		}
-		for (cell[0] = low[0]; cell[0] <= high[0]; cell[0]++)
-			for (cell[1] = low[1]; cell[1] <= high[1]; cell[1]++)
-				for (cell[2] = low[2]; cell[2] <= high[2]; cell[2]++)
-					look_in(a, &q, cell);
-	}
+	float past = radius_m * sqrtf(fmaxf(1 - f->axis[2][q.axis] * f->axis[2][q.axis], 0));
+	q.first = cell_of(fminf(ends[0], ends[1]) - past);
+	q.last = cell_of(fmaxf(ends[0], ends[1]) + past);
+	for (int32_t n = q.first >> BLOCK_BITS; n <= q.last >> BLOCK_BITS; n++)
+		look_across(a, &q, n);
 }
