@@ -19,7 +19,7 @@ static struct camera make_camera(double back_m, uint32_t width, uint32_t height)
 
 /* ---- styles ---- */
 
-static style *style_of(const char *text)
+static inline style *style_of(const char *text)
 {
 	g_autoptr(GError) error = NULL;
 	style *s = style_parse(text, -1, "made.json", &error);
@@ -69,6 +69,55 @@ static void assert_alike(
 		save_all(cpu, gles, name);
 	g_assert_cmpfloat(d.mean, <=, MEAN_MOST);
 	g_assert_cmpfloat(d.within, >=, WITHIN_PART);
+}
+
+#define CAMERAS 3
+/* From two places, the second one amid the points; and by parallel rays, where what the points are cut at is thick. */
+static struct camera camera_of(int n)
+{
+	struct camera c = make_camera(n ? 2.5 : 7, WIDTH, HEIGHT);
+	if (n < 2)
+		return c;
+	c = camera_parallel(&c, 4, 7);
+	c.is_cut = true;
+	return c;
+}
+
+/* Strokes that are added, not blended. */
+static void compare_sums(
+	gles_draw *d, const frame *f, const struct picture_buffer *cpu, const char *name)
+{
+	g_autofree char *sums = g_strconcat(name, "-sums", NULL);
+	gles_draw_set_sums(d, true);
+	struct picture_buffer gles = draw_gles(d, f);
+	gles_draw_set_sums(d, false);
+	assert_alike(cpu, &gles, sums);
+	picture_buffer_clear(&gles);
+}
+
+static void compare_some(gles_draw *d, const char *name, const style *how, int cameras)
+{
+	scene *s = make_scene();
+	gles_draw_set_sums(d, false);
+	for (int n = 0; n < cameras; n++) {
+		struct camera c = camera_of(n);
+		drawing *drawn;
+		frame *f = frame_of(s, how, &c, &drawn);
+		struct picture_buffer cpu = draw_cpu(f), gles = draw_gles(d, f);
+		assert_alike(&cpu, &gles, name);
+		if (f->layers && n == 0)
+			compare_sums(d, f, &cpu, name);
+		picture_buffer_clear(&cpu);
+		picture_buffer_clear(&gles);
+		frame_free(f);
+		drawing_free(drawn);
+	}
+	scene_free(s);
+}
+
+static void compare(gles_draw *d, const char *name, const style *how)
+{
+	compare_some(d, name, how, CAMERAS);
 }
 
 #endif

@@ -60,7 +60,8 @@ tests: $(tests) $(fuzzers)
 
 # Each program prints TAP; prove runs them side by side, each with a time limit, and sums up. The longest go first. What a failed one
 # said comes again at the end.
-long_tests := $(addprefix $(BUILD)/tests/,test-kiosk-workflow test-kiosk-hostile test-process-kill test-scan-kill test-commands-damage test-preset test-scan-faults)
+long_tests := $(addprefix $(BUILD)/tests/,test-kiosk-workflow test-kiosk-hostile test-poster test-parity test-parity-styles test-calibrate test-process-kill test-scan-kill \
+	test-commands-damage test-preset test-scan-faults)
 run_tests ?= $(tests) $(fuzzers)
 check-tests: all tests
 	@rm -rf $(BUILD)/said
@@ -70,7 +71,7 @@ check-tests: all tests
 # Half a minute and more of two cores each: whole scans again and again, killed, damaged, calibrated. They are of make check-slow, which
 # runs wherever main changes (.ci/run).
 patient_tests := $(addprefix $(BUILD)/tests/,test-scan-kill test-scan-faults test-calibrate test-export test-align-command \
-	test-commands-damage test-preset test-process-kill test-kiosk-hostile test-kiosk-workflow test-parity test-scan test-poster)
+	test-commands-damage test-preset test-process-kill test-kiosk-hostile test-kiosk-workflow test-parity test-parity-styles test-scan test-poster)
 
 # Instrumented, these take a minute and more of two cores each.
 slow_tests := $(addprefix $(BUILD)/tests/,test-cloud-align test-align-command test-scan-faults test-align-scans \

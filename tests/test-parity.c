@@ -1,58 +1,8 @@
-/* One picture, two backends: a small scene by every kind of step and every shipped style, on the processor and by whatever OpenGL ES
- * there is. And the same frame twice by gles: the same bytes. */
+/* One picture, two backends: a small scene by every kind of step, on the processor and by whatever OpenGL ES there is. And the same frame twice by gles: the same bytes. */
 #include "render/gles-shaders.h"
 #include "render/painter.h"
 #include "tests/parity-drawn.h"
 #include <string.h>
-
-#define CAMERAS 3
-/* From two places, the second one amid the points; and by parallel rays, where what the points are cut at is thick. */
-static struct camera camera_of(int n)
-{
-	struct camera c = make_camera(n ? 2.5 : 7, WIDTH, HEIGHT);
-	if (n < 2)
-		return c;
-	c = camera_parallel(&c, 4, 7);
-	c.is_cut = true;
-	return c;
-}
-
-/* Strokes that are added, not blended. */
-static void compare_sums(
-	gles_draw *d, const frame *f, const struct picture_buffer *cpu, const char *name)
-{
-	g_autofree char *sums = g_strconcat(name, "-sums", NULL);
-	gles_draw_set_sums(d, true);
-	struct picture_buffer gles = draw_gles(d, f);
-	gles_draw_set_sums(d, false);
-	assert_alike(cpu, &gles, sums);
-	picture_buffer_clear(&gles);
-}
-
-static void compare_some(gles_draw *d, const char *name, const style *how, int cameras)
-{
-	scene *s = make_scene();
-	gles_draw_set_sums(d, false);
-	for (int n = 0; n < cameras; n++) {
-		struct camera c = camera_of(n);
-		drawing *drawn;
-		frame *f = frame_of(s, how, &c, &drawn);
-		struct picture_buffer cpu = draw_cpu(f), gles = draw_gles(d, f);
-		assert_alike(&cpu, &gles, name);
-		if (f->layers && n == 0)
-			compare_sums(d, f, &cpu, name);
-		picture_buffer_clear(&cpu);
-		picture_buffer_clear(&gles);
-		frame_free(f);
-		drawing_free(drawn);
-	}
-	scene_free(s);
-}
-
-static void compare(gles_draw *d, const char *name, const style *how)
-{
-	compare_some(d, name, how, CAMERAS);
-}
 
 /* sections: others than the paper; may be NULL. */
 static void compare_whole(gles_draw *d, const char *name, const char *sections, const char *steps)
@@ -224,17 +174,6 @@ static void test_look(gconstpointer data)
 		return;
 	g_autofree char *steps = g_strdup_printf("\"site\":{\"steps\":[%s]}", l->steps);
 	compare_whole(d, l->name, l->sections, steps);
-}
-
-static void test_style(gconstpointer data)
-{
-	g_autoptr(GError) error = NULL;
-	g_autoptr(gles_draw) d = gles_here_draw();
-	if (!d)
-		return;
-	g_autoptr(style) how = style_load(data, &error);
-	g_assert_no_error(error);
-	compare(d, how->name, how);
 }
 
 #define LINES "{\"step\":\"lines\",\"points\":\"all\"}"
@@ -503,18 +442,6 @@ static void test_painter(void)
 	scene_free(s);
 }
 
-static void add_styles(void)
-{
-	const char *source = g_getenv("PLEINAIR_SOURCE");
-	g_autofree char *folder = g_build_filename(source ? source : ".", "render", "styles", NULL);
-	g_autoptr(GDir) dir = g_dir_open(folder, 0, NULL);
-	for (const char *name; dir && (name = g_dir_read_name(dir));) {
-		g_autofree char *test = g_strdup_printf("/parity/style/%s", name);
-		g_test_add_data_func_full(
-			test, g_build_filename(folder, name, NULL), test_style, g_free);
-	}
-}
-
 int main(int argc, char **argv)
 {
 	g_test_init(&argc, &argv, NULL);
@@ -531,7 +458,6 @@ int main(int argc, char **argv)
 		g_autofree char *test = g_strdup_printf("/parity/sheets/%s", sheets[n].name);
 		g_test_add_data_func(test, &sheets[n], test_sheets);
 	}
-	add_styles();
 	g_test_add_func("/parity/bytes", test_bytes);
 	g_test_add_data_func("/parity/same-bytes/strokes", SAME_STROKES, test_same_bytes);
 	g_test_add_data_func("/parity/same-bytes/filters", SAME_FILTERS, test_same_bytes);
