@@ -28,6 +28,8 @@
 #define BESIDE_PART    0.7
 #define BESIDE_SUPPORT 0.92f
 #define BESIDE_PAST_M  0.1
+/* The halves of longer pieces are looked at where these lie between faces that are bent, or were not found again by all of their length. */
+#define BENT_LONG_M 2.0f
 /* The farthest points of a face that ends lie on a line, in most steps, as far as spacings explain. */
 #define STEPS_LEAST    3
 #define STEPS_SHARE    0.5
@@ -40,6 +42,7 @@ struct settler {
 	bool is_beside; /* what runs along beside the seed, not the seed itself, is looked for */
 	bool is_met[PROFILE_SPANS][2]; /* where a span begins, or ends, it meets another face */
 	GArray *ret;                   /* of struct profile_piece */
+	bool is_bent;                  /* by a crease that it would make, it is */
 	bool is_there;                 /* the piece itself, found again, is known already */
 	bool (*is_known)(const struct profile_piece *p, const void *user_data);
 	const void *user_data;
@@ -230,6 +233,12 @@ static void leave_shadows(struct settler *s)
 	}
 }
 
+static bool are_bent(const struct profile_section *s, uint32_t a, uint32_t b)
+{
+	return 2 * s->half_m > BENT_LONG_M &&
+	       (profile_section_is_bent(s, a) || profile_section_is_bent(s, b));
+}
+
 /* Two faces that a station sees meet; or that both end there, and meet nothing else. */
 static void add_crease(struct settler *s, uint32_t a, uint32_t b, bool is_joined)
 {
@@ -241,6 +250,10 @@ static void add_crease(struct settler *s, uint32_t a, uint32_t b, bool is_joined
 		hypotf(middle[0], middle[1]) > section->radius_m ||
 		are_joined(s, a, b, middle) != is_joined)
 		return;
+	if (are_bent(section, a, b)) {
+		s->is_bent = true;
+		return;
+	}
 	int ends[2] = { -1, -1 }, span[2] = { span_at(s, a, beside_of(f, middle), &ends[0]),
 		span_at(s, b, beside_of(g, middle), &ends[1]) };
 	for (int n = 0; n < 2 && !is_joined; n++)
@@ -345,8 +358,9 @@ static void find_edges(struct settler *s)
 				add_end(s, &s->section.span[n], end);
 }
 
-/* Of an edge that was looked at again, the edge itself: the one that is the nearest, of its kind if there is one. */
-static void keep_same(const struct settler *s, const struct profile_piece *seed, GArray *ret)
+/* Of an edge that was looked at again, the edge itself: the one that is the nearest, of its kind if there is one. false: it was not found,
+ * and may be by its halves. */
+static bool keep_same(const struct settler *s, const struct profile_piece *seed, GArray *ret)
 {
 	double least = INFINITY;
 	struct profile_piece best = { 0 };
@@ -362,11 +376,14 @@ static void keep_same(const struct settler *s, const struct profile_piece *seed,
 	if (is_same(seed, least))
 		g_array_append_val(ret, best);
 	else if (!s->is_there) {
+		if (profile_piece_length(seed) > (double)BENT_LONG_M)
+			return false;
 		best = *seed;
 		cut_to_seen(&best, SEEN_PART, 0);
 		if (profile_piece_length(&best) > LEFT_M)
 			g_array_append_val(ret, best);
 	}
+	return true;
 }
 
 static void begin(struct settler *s, const struct profile_look *look)
@@ -375,23 +392,50 @@ static void begin(struct settler *s, const struct profile_look *look)
 	s->section.near = g_array_new(FALSE, FALSE, sizeof(struct profile_near));
 }
 
+/* Each as a piece of its own, which goes no farther: beyond it what is bent is elsewhere. */
+static void settle_halves(const struct settler *whole, GArray *ret)
+{
+	const struct profile_piece *seed = whole->seed;
+	for (int n = 0; n < 2; n++) {
+		struct profile_piece half = *seed;
+		g_autoptr(GArray) found = g_array_new(FALSE, FALSE, sizeof half);
+		*(n ? &half.from_m : &half.to_m) = (seed->from_m + seed->to_m) / 2;
+		profile_piece_settle(whole->all, &half, &whole->section.look, whole->is_known,
+			whole->user_data, found);
+		for (guint k = 0; k < found->len; k++) {
+			struct profile_piece *p = &g_array_index(found, struct profile_piece, k);
+			if (p->seen_m > 0)
+				cut_to_seen(p, 1, BESIDE_PAST_M);
+			if (p->to_m > p->from_m)
+				g_array_append_val(ret, *p);
+		}
+	}
+}
+
 void profile_piece_settle(const profile_around *all, const struct profile_piece *seed,
 	const struct profile_look *look,
 	bool (*is_known)(const struct profile_piece *p, const void *user_data),
 	const void *user_data, GArray *ret)
 {
+	const bool is_again = seed->seen_m > 0;
 	struct settler s = {
 		.all = all, .seed = seed, .ret = ret, .is_known = is_known, .user_data = user_data
 	};
 	begin(&s, look);
 	find_edges(&s);
-	if (ret->len == 0 && seed->is_directed && seed->support > MARK_SUPPORT) {
-		struct profile_piece p = *seed;
-		p.kind = s.section.faces ? PROFILE_MARK : PROFILE_THIN;
-		g_array_append_val(ret, p);
+	if (s.is_bent) {
+		if (is_again)
+			g_array_set_size(ret, 0);
+		settle_halves(&s, ret);
+	} else {
+		if (ret->len == 0 && seed->is_directed && seed->support > MARK_SUPPORT) {
+			struct profile_piece p = *seed;
+			p.kind = s.section.faces ? PROFILE_MARK : PROFILE_THIN;
+			g_array_append_val(ret, p);
+		}
+		if (is_again && !keep_same(&s, seed, ret))
+			settle_halves(&s, ret);
 	}
-	if (seed->seen_m > 0)
-		keep_same(&s, seed, ret);
 	profile_section_clear(&s.section);
 }
 

@@ -22,6 +22,10 @@
 #define STEPS_SHARE   0.35f
 /* In a face, beside the piece: a gap of so many spacings ends it. */
 #define GAP_SPACINGS 2.5f
+/* From the middle of a section to its ends a face that is bent leaves its plane by so much; this many points tell, if it is so many sigmas. */
+#define BOW_M      0.008
+#define BOW_POINTS 20u
+#define BOW_SIGMAS 5.0
 /* One in so many of the points are left out by looks that leave some out, by chance. */
 #define SHARES 4u
 #define HASH   2654435761u
@@ -263,6 +267,35 @@ bool profile_is_of(const struct profile_near *p, const struct profile_face *f)
 float profile_beside(const struct profile_near *p, const struct profile_face *f)
 {
 	return (p->v * f->normal[0] - p->u * f->normal[1]) / hypotf(f->normal[0], f->normal[1]);
+}
+
+/* A parabola through its points tells. */
+bool profile_section_is_bent(const struct profile_section *s, uint32_t face)
+{
+	const struct profile_face *f = &s->face[face];
+	double information[9] = { 0 }, gradient[3] = { 0 }, x[3], covariance[9], left = 0;
+	uint32_t points = 0;
+	for (guint i = 0; i < s->near->len; i++) {
+		const struct profile_near *p = near_at(s, i);
+		const float at[3] = { p->u, p->v, p->t };
+		if (s->face_of[i] != face)
+			continue;
+		const double t = (double)(p->t / s->half_m), row[3] = { 1, t, t * t },
+			     off = (double)(vector3_dot(at, f->normal) - f->off_m);
+		for (int j = 0; j < 3; j++) {
+			gradient[j] += row[j] * off;
+			for (int k = 0; k < 3; k++)
+				information[3 * j + k] += row[j] * row[k];
+		}
+		left += off * off;
+		points++;
+	}
+	if (points < BOW_POINTS || !normal_equations_solve(information, gradient, 3, x, covariance))
+		return false;
+	for (int k = 0; k < 3; k++)
+		left -= x[k] * gradient[k];
+	double sigma = sqrt(fmax(left, 0) / (points - 3) * covariance[8]);
+	return fabs(x[2]) > BOW_M && fabs(x[2]) > BOW_SIGMAS * sigma;
 }
 
 /* ---- where faces begin and end ---- */

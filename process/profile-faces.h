@@ -57,6 +57,8 @@ void profile_section_clear(struct profile_section *s);
 
 void profile_frame_of(const struct profile_piece *p, struct profile_frame *f);
 bool profile_is_of(const struct profile_near *p, const struct profile_face *f);
+/* Whether a face of the section is bent along it, by more than what edges may lie off. */
+bool profile_section_is_bent(const struct profile_section *s, uint32_t face);
 /* How far beside the piece a point of the face is, in it. */
 float profile_beside(const struct profile_near *p, const struct profile_face *f);
 

@@ -12,8 +12,9 @@
 #define SAME_SHORT_COS  0.978  /* 12 */
 /* One behind the other they are one when what is between is shorter. */
 #define BETWEEN_M 0.2
-/* What makes one longer by so much moves it. */
+/* What makes one longer by so much moves it; but they are parts of something that is bent when they lie so far off one line, root mean square. */
 #define LONGER_M 0.1
+#define BENT_M   0.003
 /* What grew in feature points is explained by edges that are so near, and go the same way, along this part of it. */
 #define EXPLAINS_M             0.02
 #define EXPLAINS_SPACINGS      0.8
@@ -83,20 +84,36 @@ static struct line_sums sums_of(const struct profile_piece *p)
 	return sums;
 }
 
+static struct line_sums sums_with(
+	const profile_joiner *j, uint32_t number, const struct profile_piece *p)
+{
+	struct line_sums all = g_array_index(j->sums, struct line_sums, number);
+	const struct line_sums more = sums_of(p);
+	all.weight += more.weight;
+	for (int k = 0; k < 6; k++) {
+		all.product[k] += more.product[k];
+		if (k < 3)
+			all.sum[k] += more.sum[k];
+	}
+	return all;
+}
+
+static bool is_bent_with(const profile_joiner *j, uint32_t number, const struct profile_piece *p)
+{
+	const struct line_sums all = sums_with(j, number, p);
+	struct straight line;
+	double off_m;
+	return line_sums_fit(&all, &line, &off_m) && off_m > BENT_M;
+}
+
 /* With one more part, the line is the one that is nearest to all of them. */
 static void fit_anew(profile_joiner *j, uint32_t number, const struct profile_piece *p)
 {
 	struct profile_piece *q = piece_at(j->pieces, number);
 	struct line_sums *all = &g_array_index(j->sums, struct line_sums, number);
-	const struct line_sums more = sums_of(p);
 	struct straight line;
 	double from[3], to[3];
-	all->weight += more.weight;
-	for (int k = 0; k < 6; k++) {
-		all->product[k] += more.product[k];
-		if (k < 3)
-			all->sum[k] += more.sum[k];
-	}
+	*all = sums_with(j, number, p);
 	if (!line_sums_fit(all, &line, NULL))
 		return;
 	straight_place(&q->line, q->from_m, from);
@@ -110,6 +127,17 @@ static void fit_anew(profile_joiner *j, uint32_t number, const struct profile_pi
 		q->from_m = -q->from_m;
 		q->to_m = -q->to_m;
 	}
+}
+
+/* Of p, whose ends are at these places along q, what lies beyond the end of q that it lies beyond the farthest. */
+static void leave_past(struct profile_piece *p, const double at[2], const struct profile_piece *q)
+{
+	double before = q->from_m - fmin(at[0], at[1]), behind = fmax(at[0], at[1]) - q->to_m,
+	       cut = fmax(profile_piece_length(p) - fmax(before, behind), 0);
+	if ((before > behind) == (at[0] < at[1]))
+		p->to_m -= cut;
+	else
+		p->from_m += cut;
 }
 
 /* Takes p into q as far as they are one; true: nothing is left of p. */
@@ -130,15 +158,19 @@ static bool absorb(profile_joiner *j, uint32_t number, struct profile_piece *p)
 	if (from > q->to_m + BETWEEN_M || to < q->from_m - BETWEEN_M)
 		return false;
 	if (off[0] <= beside_m && off[1] <= beside_m) {
+		double whole = fmax(to, q->to_m) - fmin(from, q->from_m);
+		bool extends = whole > LONGER_M + profile_piece_length(q);
+		if (extends && is_bent_with(j, number, p)) {
+			leave_past(p, at, q);
+			return false;
+		}
 		places_add(&j->places, q, from, fmin(to, q->from_m), number);
 		places_add(&j->places, q, fmax(from, q->to_m), to, number);
-		double whole = fmax(to, q->to_m) - fmin(from, q->from_m);
 		double both = profile_piece_length(p) * (double)p->support +
 			      profile_piece_length(q) * (double)q->support;
 		double shared = fmax(fmin(to, q->to_m) - fmax(from, q->from_m), 0);
 		q->support = fmaxf(q->support * (float)(profile_piece_length(q) / whole),
 			(float)fmin((both - shared) / whole, 1));
-		bool extends = whole > LONGER_M + profile_piece_length(q);
 		q->from_m = fmin(q->from_m, from);
 		q->to_m = fmax(q->to_m, to);
 		/* What lies beside it all along may be another edge: the longer one is known better. */
