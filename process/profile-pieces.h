@@ -45,7 +45,8 @@ struct profile_look {
 };
 
 /* Looks at the faces around a piece that grew, and adds the edges that they make: where two cut each other, and where one ends; the piece
- * itself where there are none and its points are directional. What is_known (may be NULL) says of the part beside the piece is left out. Any
+ * itself where there are none and its points are directional. Of a long piece the same of its halves, where the faces beside it are bent, or it is an edge
+ * and is not found again. What is_known (may be NULL) says of the part beside the piece is left out. Any
  * number of threads. */
 void profile_piece_settle(const profile_around *all, const struct profile_piece *seed,
 	const struct profile_look *look,
