@@ -41,4 +41,17 @@ static inline model *write_model(GArray *all, JsonArray *made_from)
 	return m;
 }
 
+/* Of one scan, from a scanner that stands upright there. */
+static inline JsonArray *made_from_one(const double scanner_m[3])
+{
+	JsonArray *scans = json_array_new(), *pose = json_array_new();
+	JsonObject *scan = json_object_new();
+	for (int n = 0; n < 12; n++)
+		json_array_add_double_element(pose, n < 9 ? n % 4 == 0 : scanner_m[n - 9]);
+	json_object_set_int_member(scan, "scan", 1);
+	json_object_set_array_member(scan, "pose", pose);
+	json_array_add_object_element(scans, scan);
+	return scans;
+}
+
 #endif

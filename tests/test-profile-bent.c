@@ -65,8 +65,6 @@ static model *make_bridge(void)
 {
 	g_autoptr(GRand) r = g_rand_new_with_seed(3);
 	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
-	JsonArray *scans = json_array_new(), *pose = json_array_new();
-	JsonObject *scan = json_object_new();
 	for (double x = -HALF_M; x < HALF_M; x += SPACING_M)
 		for (size_t n = 0; n + 1 < CORNERS; n++) {
 			double length = hypot(
@@ -78,12 +76,7 @@ static model *make_bridge(void)
 				g_array_append_val(all, p);
 			}
 		}
-	for (int n = 0; n < 12; n++)
-		json_array_add_double_element(pose, n < 9 ? n % 4 == 0 : scanner_m[n - 9]);
-	json_object_set_int_member(scan, "scan", 1);
-	json_object_set_array_member(scan, "pose", pose);
-	json_array_add_object_element(scans, scan);
-	return write_model(all, scans);
+	return write_model(all, made_from_one(scanner_m));
 }
 
 /* From the nearest edge; ret_edge, which one that is: a corner. */

@@ -303,8 +303,6 @@ static model *make_band(bool is_crooked)
 {
 	g_autoptr(GRand) r = g_rand_new_with_seed(3);
 	g_autoptr(GArray) all = g_array_new(FALSE, FALSE, sizeof(struct part_point));
-	JsonArray *scans = json_array_new(), *pose = json_array_new();
-	JsonObject *scan = json_object_new();
 	for (double x = -0.25; x < 0.16; x += BEAM_RAD)
 		for (double z = 0.5; z < 0.64; z += BEAM_RAD) {
 			struct part_point p = band_point(r, (double[3]){ x, 1, z }, is_crooked);
@@ -312,12 +310,7 @@ static model *make_band(bool is_crooked)
 			if (fabs(side) < BAND_LONG_M)
 				g_array_append_val(all, p);
 		}
-	for (int n = 0; n < 12; n++)
-		json_array_add_double_element(pose, n < 9 ? n % 4 == 0 : scanner_m[n - 9]);
-	json_object_set_int_member(scan, "scan", 1);
-	json_object_set_array_member(scan, "pose", pose);
-	json_array_add_object_element(scans, scan);
-	return write_model(all, scans);
+	return write_model(all, made_from_one(scanner_m));
 }
 
 static double nearest_line(const profile_lines *lines, const double at[3])
