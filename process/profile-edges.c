@@ -19,6 +19,7 @@
 #define SAME_M        0.015
 #define SAME_SPACINGS 0.5
 #define SEEN_PART     2.0
+#define SEEN_PAST_M   0.1 /* what may go no farther than it was seen: this, at either end */
 #define LEFT_M        0.1
 #define NEAR_M        0.04f
 #define NEAR_SPACINGS 1.0f
@@ -27,7 +28,6 @@
 #define ENDS_SPACINGS  2.5f
 #define BESIDE_PART    0.7
 #define BESIDE_SUPPORT 0.92f
-#define BESIDE_PAST_M  0.1
 /* The halves of longer pieces are looked at where these lie between faces that are bent, or were not found again by all of their length. */
 #define BENT_LONG_M 2.0f
 /* The farthest points of a face that ends lie on a line, in most steps, as far as spacings explain. */
@@ -148,7 +148,7 @@ static void cut_to_seen(struct profile_piece *p, double part, double past_m)
 
 static bool runs_along(struct profile_piece *p)
 {
-	cut_to_seen(p, 1, BESIDE_PAST_M);
+	cut_to_seen(p, 1, SEEN_PAST_M);
 	return p->support >= BESIDE_SUPPORT &&
 	       profile_piece_length(p) >= BESIDE_PART * (double)p->seen_m;
 }
@@ -405,7 +405,7 @@ static void settle_halves(const struct settler *whole, GArray *ret)
 		for (guint k = 0; k < found->len; k++) {
 			struct profile_piece *p = &g_array_index(found, struct profile_piece, k);
 			if (p->seen_m > 0)
-				cut_to_seen(p, 1, BESIDE_PAST_M);
+				cut_to_seen(p, 1, SEEN_PAST_M);
 			if (p->to_m > p->from_m)
 				g_array_append_val(ret, *p);
 		}
