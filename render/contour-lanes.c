@@ -1,5 +1,6 @@
 #include "render/stroke-rows.h"
 #include "render/surface-lanes.h"
+#include <math.h>
 #include <string.h>
 
 /* Strokes that come towards the camera are shorter, down to this part. */
@@ -15,8 +16,12 @@
 /* What is seen beside lies behind from this part of the depth on, and surely at the second. */
 #define STEP_LEAST 0.03f
 #define STEP_SURE  0.08f
-/* Of eight places around so many make a line whole. */
-#define STEP_PLACES 4.f
+/* It is looked for within so many pixels, and more (CONTOURS_REACH). */
+#define REACH_LEAST_PX 2.f
+/* What share of what is around makes a line whole: beyond a straight border through the point there is a half. And how far aside that must
+ * be, on average of all that is around and in reaches, for a line to know where it runs: beyond such a border it is 0.156. */
+#define STEP_SHARE 0.5f
+#define STEP_ASIDE 0.104f
 
 /* How near points are to a line, 0..1, and along what it runs, unit, as the camera sees it. */
 struct contour_lanes {
@@ -130,32 +135,113 @@ INLINE void find_smooth(const struct brush *b, uint32_t at, const vf k[2],
 		h->way[n] = choose(outline >= hinted, h->way[n], e.fold[n]);
 }
 
-/* At whole places, or the nearest that the mask has. */
-INLINE vf mask_depth_at(const struct brush *b, vf x, vf y)
+/* Pixels of the mask around a point, all of them, so that what one of them shows by chance, or a border that moves by less than one, does
+ * not matter; of what is drawn very large every so many, the nearest at least. */
+#define WINDOW_VECTORS 4
+
+struct window {
+	float reach, unit; /* in pixels, and its inverse */
+	int stride, first[2], count[2];
+	vf weight[WINDOW_VECTORS],
+		aside[WINDOW_VECTORS]; /* of columns; aside: the same by how far to the right, in reaches */
+	float sum;                     /* of weights */
+};
+
+/* Least of all at the rim, and in even steps, so that nothing comes or goes at once. */
+INLINE vf window_weight(vf away)
+{
+	vf left = most(1 - away * away, all(0));
+	return left * left;
+}
+
+/* From a pixel on, of so many to a picture. */
+INLINE void window_side(struct window *w, int n, float middle)
+{
+	int half = (int)(w->reach / (float)w->stride);
+	w->first[n] = (int)floorf(middle) - half * w->stride;
+	w->count[n] = 2 * half + 2;
+}
+
+INLINE struct window window_of(float reach_px, float x, float y, uint32_t width)
+{
+	struct window w = { .reach = reach_px, .unit = 1 / reach_px };
+	w.stride = 1 + (int)(2 * reach_px / (WINDOW_VECTORS * LANES - 2));
+	window_side(&w, 0, x);
+	window_side(&w, 1, y);
+	vf sum = all(0);
+	for (int n = 0; n * LANES < w.count[0]; n++) {
+		vf column =
+			   (float)w.first[0] + (lane_number + (float)(n * LANES)) * (float)w.stride,
+		   away = (column - x) * w.unit;
+		vi inside = (column >= 0) & (column < (float)width);
+		w.weight[n] = where(inside, window_weight(away));
+		w.aside[n] = w.weight[n] * away;
+		sum += w.weight[n];
+	}
+	for (int k = 0; k < LANES; k++)
+		w.sum += sum[k];
+	return w;
+}
+
+/* Of columns from the n-th vector of the window on, as many as there are lanes; beside the picture they do not matter. */
+INLINE vf window_depths(const visibility_mask *m, const struct window *w, const int32_t *row, int n)
+{
+	int from = w->first[0] + n * LANES * w->stride;
+	if (w->stride == 1 && from >= -MASK_MARGIN && from + LANES <= (int)m->width + MASK_MARGIN)
+		return (vf)load_mask(row + from);
+	vi column = from + w->stride * __builtin_convertvector(lane_number, vi);
+	column = higher(lower(column, (vi){ 0 } + ((int32_t)m->width - 1)), (vi){ 0 });
+	return (vf)gather(row, column, 4);
+}
+
+struct behind {
+	float share, aside[2]; /* of what is around, and how far aside on average, in reaches */
+};
+
+/* How much of what the mask has around a point lies behind it, and where. */
+INLINE struct behind look_behind(
+	const struct brush *b, float reach_px, float x, float y, float depth_m)
 {
 	const visibility_mask *m = b->mask;
-	vi column = __builtin_convertvector(least(most(x, all(0)), all((float)m->width - 1)), vi),
-	   row = __builtin_convertvector(least(most(y, all(0)), all((float)m->height - 1)), vi);
-	vi key = gather(m->key, row * (int32_t)m->pitch + column, 4);
-	return (vf)(key & ~((1 << MASK_PIPELINE_BITS) - 1));
+	struct window w = window_of(reach_px, x, y, m->width);
+	float by = LENS_STRETCH(&b->lens, depth_m) / (STEP_SURE - STEP_LEAST), per_m = by / depth_m,
+	      from = by + STEP_LEAST / (STEP_SURE - STEP_LEAST), whole = 0;
+	vf share = all(0), right = all(0), down = all(0);
+	for (int k = 0; k < w.count[1]; k++) {
+		int y_at = w.first[1] + k * w.stride;
+		float away = ((float)y_at - y) * w.unit, left = 1 - away * away;
+		if (y_at < 0 || y_at >= (int)m->height || left <= 0)
+			continue;
+		const int32_t *row = m->key + (ptrdiff_t)y_at * m->pitch;
+		vf row_share = all(0), row_right = all(0);
+		for (int n = 0; n * LANES < w.count[0]; n++) {
+			vf part = clamp01(window_depths(m, &w, row, n) * per_m - from);
+			row_share += w.weight[n] * part;
+			row_right += w.aside[n] * part;
+		}
+		float weight = left * left;
+		share += weight * row_share;
+		right += weight * row_right;
+		down += weight * away * row_share;
+		whole += weight;
+	}
+	struct behind ret = { 0 };
+	for (int k = 0; k < LANES; k++) {
+		ret.share += share[k];
+		ret.aside[0] += right[k];
+		ret.aside[1] += down[k];
+	}
+	float unit = 1 / fmaxf(whole * w.sum, 1e-3f);
+	ret.share *= unit;
+	ret.aside[0] *= unit;
+	ret.aside[1] *= unit;
+	return ret;
 }
 
-INLINE vf is_behind_there(const struct brush *b, vf x, vf y, vf depth_m)
+INLINE float reach_of(const struct brush *b)
 {
-	vf behind = (mask_depth_at(b, x, y) / depth_m - 1) * LENS_STRETCH(&b->lens, depth_m);
-	return clamp01((behind - STEP_LEAST) * (1 / (STEP_SURE - STEP_LEAST)));
-}
-
-/* 0..1: how surely what the mask has around this place lies behind the points. Of four pixels, so that lines do not flicker when borders
- * move by less than one. */
-INLINE vf is_behind(const struct brush *b, vf x, vf y, vf depth_m)
-{
-	vf x0 = floor_of(x), y0 = floor_of(y), u = x - x0, v = y - y0;
-	vf upper = (1 - u) * is_behind_there(b, x0, y0, depth_m) +
-		   u * is_behind_there(b, x0 + 1, y0, depth_m),
-	   lower = (1 - u) * is_behind_there(b, x0, y0 + 1, depth_m) +
-		   u * is_behind_there(b, x0 + 1, y0 + 1, depth_m);
-	return (1 - v) * upper + v * lower;
+	return fmaxf(
+		CONTOURS_REACH * b->layer->step->contours.band_px * b->f->ink_px, REACH_LEAST_PX);
 }
 
 /* Those that something so near to them may lie behind of, by the deepest pixels of the tiles there: far from borders nothing does. */
@@ -178,31 +264,26 @@ INLINE unsigned may_have_steps(
 	return bits(behind > STEP_LEAST) & c->left;
 }
 
-/* Where the picture falls off beside points; the line runs across the way there, facing the eye. Few of them are near a border: of each
- * all eight places at once. */
+/* Where the picture falls off beside points; the line runs across the way there, facing the eye. Few of them are near a border: one at a
+ * time. */
 INLINE void find_steps(const struct brush *b, unsigned near, const struct lane_candidates *c,
 	struct contour_lanes *h)
 {
-	_Static_assert(LANES == 8, "as many as there are places around");
-	static const float turn[2][LANES] = { { 1, 0.7071068f, 0, -0.7071068f, -1, -0.7071068f, 0,
-						      0.7071068f },
-		{ 0, 0.7071068f, 1, 0.7071068f, 0, -0.7071068f, -1, -0.7071068f } };
 	const struct contours_step *step = &b->layer->step->contours;
-	float band_px = step->band_px * b->f->ink_px;
-	vf sum = all(0), x = all(0), y = all(0);
+	float reach_px = reach_of(b);
+	vf share = all(0), x = all(0), y = all(0);
 	for (; near; near &= near - 1) {
 		int k = __builtin_ctz(near);
-		vf part = is_behind(b, c->x_px[k] - 0.5f + band_px * load(turn[0]),
-			c->y_px[k] - 0.5f + band_px * load(turn[1]), all(c->depth_m[k]));
-		for (int n = 0; n < LANES; n++) {
-			sum[k] += part[n];
-			x[k] += part[n] * turn[0][n];
-			y[k] += part[n] * turn[1][n];
-		}
+		struct behind behind = look_behind(
+			b, reach_px, c->x_px[k] - 0.5f, c->y_px[k] - 0.5f, c->depth_m[k]);
+		share[k] = behind.share;
+		x[k] = behind.aside[0];
+		y[k] = behind.aside[1];
 	}
-	vf length = root(x * x + y * y), unit = 1 / most(length, all(1e-3f));
+	vf length = root(x * x + y * y), unit = 1 / most(length, all(1e-6f));
 	/* What has it all around is a speck, and runs nowhere. */
-	vf weight = step->steps * least(sum * (1 / STEP_PLACES), all(1)) * least(length, all(1));
+	vf weight = step->steps * least(share * (1 / STEP_SHARE), all(1)) *
+		    least(length * (1 / STEP_ASIDE), all(1));
 	vi is_more = weight > h->weight;
 	h->weight = choose(is_more, weight, h->weight);
 	h->way[0] = choose(is_more, -y * unit, h->way[0]);
@@ -259,7 +340,7 @@ INLINE void try_points(
 		smooth = may_be_on_line(b, c, bend, along);
 	}
 	if (b->mask && step->steps > 0)
-		near = may_have_steps(b, c, step->band_px * b->f->ink_px + 2);
+		near = may_have_steps(b, c, reach_of(b));
 	c->left &= smooth | near;
 	if (!c->left)
 		return;

@@ -39,14 +39,18 @@ static uint64_t sheet_looks(const frame *f, uint32_t sheet)
 	return looks + (uint64_t)fmaxf(edl_looks(f, sheet), (float)sheet_ink_reach(f, sheet));
 }
 
-static float gap_px(const frame *f)
+/* How far strokes look around them in the mask. */
+static float mask_looks_px(const frame *f)
 {
-	int32_t most = 0;
-	for (uint32_t n = 0; n < f->layers; n++)
-		if (f->layer[n].paint)
-			most = MAX(
-				most, MAX(f->layer[n].paint->hole_px, f->layer[n].paint->gap_px));
-	return (float)most;
+	float most = 0;
+	for (uint32_t n = 0; n < f->layers; n++) {
+		const struct frame_layer *l = &f->layer[n];
+		if (l->paint)
+			most = fmaxf(most, (float)MAX(l->paint->hole_px, l->paint->gap_px));
+		if (l->is_contours)
+			most = fmaxf(most, CONTOURS_REACH * l->step->contours.band_px * f->ink_px);
+	}
+	return most;
 }
 
 uint32_t poster_margin_px(const frame *f)
@@ -56,7 +60,7 @@ uint32_t poster_margin_px(const frame *f)
 	for (uint32_t n = 0; n < f->sheets; n++)
 		most = MAX(most, sheet_looks(f, n));
 	most += filter_looks(whole->steps, whole->filters, f->px);
-	most += (uint64_t)gap_px(f) + EDGE_PX;
+	most += (uint64_t)mask_looks_px(f) + EDGE_PX;
 	return (uint32_t)MIN(most, UINT32_MAX);
 }
 

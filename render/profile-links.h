@@ -2,7 +2,8 @@
 #define RENDER_PROFILE_LINKS_H
 /* Profile lines as a layer of the step "profile" draws them from a camera: chains of short straight links, as wide and as dark as they are
  * where nothing hides them. What is hidden both backends tell from their own masks, link by link, by the rules below: a link is seen as far
- * as most of those around it are, and where a run of seen ones ends the pen is lifted.
+ * as it is in the mask, so that lines end where what hides them begins and nothing else of them changes when that moves; and where most of
+ * those around it are, for surface hides lines on it here and there. Where a run of seen ones ends the pen is lifted.
  *
  * Which lines there are, and how strong, hangs at each place on the scale there alone: on how long the line is on the screen, and how
  * much room it has to itself (scene-lines.h). So lines come and go by fading, and far away only those are left that count most. Wobble,
@@ -26,11 +27,11 @@ enum profile_link_flag {
 	LINK_ENDS = 8,
 };
 
-/* Neighbours on either side that have a say in whether a link is seen. */
+/* Neighbours on either side that have a say in whether a link is seen that is hidden itself. */
 #define PROFILE_AROUND 4
-/* Part of them from which on it begins to be seen, and how quickly it then is. */
-#define PROFILE_SEEN_FROM 0.2f
-#define PROFILE_SEEN_RISE 1.4f
+/* Part of them from which on it begins to be seen, and how quickly it then is: as soon as two thirds are, it is. */
+#define PROFILE_SEEN_FROM 0.3f
+#define PROFILE_SEEN_RISE 3.f
 /* Links in which the pen is lifted, at most. */
 #define PROFILE_LIFT_MOST 64
 /* How far behind the mask a place is still seen: in metres, and as a part of its depth. */

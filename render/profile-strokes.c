@@ -44,7 +44,7 @@ static float shows_around(
 	return (1 - v) * upper + v * lower;
 }
 
-/* Of the chain from first to end: as far as most around each are seen. */
+/* Of the chain from first to end: as far as each is seen, or most around it are. */
 static void see(const float *raw, uint32_t first, uint32_t end, float *seen)
 {
 	for (uint32_t n = first; n < end; n++) {
@@ -54,7 +54,8 @@ static void see(const float *raw, uint32_t first, uint32_t end, float *seen)
 		for (uint32_t k = from; k < to; k++)
 			sum += raw[k];
 		float part = sum / (float)(to - from);
-		seen[n] = CLAMP((part - PROFILE_SEEN_FROM) * PROFILE_SEEN_RISE, 0, 1);
+		float around = CLAMP((part - PROFILE_SEEN_FROM) * PROFILE_SEEN_RISE, 0, 1);
+		seen[n] = fmaxf(raw[n], around);
 	}
 }
 

@@ -164,11 +164,13 @@ struct contours_step {
 	struct ink_step ink; /* first */
 	float band_px;       /* how far from the line points still give strokes */
 	float outlines;      /* 0..1: how strong they are */
-	float steps; /* the same of lines where what is seen beside a point lies far behind it, smooth or not */
+	/* The same of lines where what is seen beside a point lies far behind it, smooth or not: within CONTOURS_REACH bands. */
+	float steps;
 	float suggestive;  /* the same of suggestive contours */
 	float slant_least; /* cosine of the angle to the eye from which on no contour is suggested */
 	float bent_least_per_m; /* what is bent less has no contours: the more the more abstract */
 };
+#define CONTOURS_REACH 2.f
 
 /* Lines where the view cuts through things (struct camera): the cut of a plan or a section. Strokes along the cut through each surface, of
  * all points that lie in a slab behind it, moved in their planes onto the cut itself; so they run through corners, and are as sharp as

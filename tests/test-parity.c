@@ -153,6 +153,7 @@ static const struct look {
 		"{\"step\":\"points\"},{\"step\":\"contours\",\"band_px\":8,\"slant_least\":1,"
 		"\"ink\":\"#802010\"}",
 		FOCUS },
+	{ "contours-broad", "{\"step\":\"contours\",\"outlines\":0,\"steps\":1,\"band_px\":40}" },
 	{ "stipple-lit", "{\"step\":\"stipple\",\"length_px\":5,\"level\":7,\"epsilon\":0.1}",
 		LIGHT },
 	{ "stipple-lamp",

@@ -42,37 +42,45 @@ float smooth_weight(candidate c, vec3 normal, out hatch h)
 	return max(outline, hinted);
 }
 
-const float STEP_LEAST = 0.03, STEP_SURE = 0.08, STEP_PLACES = 4.0, DIAGONAL = 0.7071068;
+const float STEP_LEAST = 0.03, STEP_SURE = 0.08, STEP_SHARE = 0.5, STEP_ASIDE = 0.104, CONTOURS_REACH = 2.0, REACH_LEAST_PX = 2.0;
+const int COLUMNS = 32;
 
-float is_behind_there(ivec2 at, float depth_m)
+/* 0..1: how surely what the mask has there lies behind. */
+float is_behind(ivec2 at, float depth_m)
 {
-	at = clamp(at, ivec2(0), ivec2(size.xy) - 1);
 	float behind = (mask_depth(texelFetch(mask_keys, at, 0).r) / depth_m - 1.0) * stretch(depth_m);
 	return clamp((behind - STEP_LEAST) * (1.0 / (STEP_SURE - STEP_LEAST)), 0.0, 1.0);
 }
 
-float is_behind(vec2 at, float depth_m)
+/* What lies behind of all around: how far aside on average, in reaches, and its share. */
+vec3 look_behind(vec2 middle, float reach_px, float depth_m)
 {
-	vec2 low = floor(at), u = at - low;
-	ivec2 p = ivec2(low);
-	return (1.0 - u.y) * ((1.0 - u.x) * is_behind_there(p, depth_m) +
-				     u.x * is_behind_there(p + ivec2(1, 0), depth_m)) +
-	       u.y * ((1.0 - u.x) * is_behind_there(p + ivec2(0, 1), depth_m) +
-			     u.x * is_behind_there(p + ivec2(1, 1), depth_m));
+	int stride = 1 + int(2.0 * reach_px / float(COLUMNS - 2)), half_count = int(reach_px / float(stride));
+	ivec2 first = ivec2(floor(middle)) - half_count * stride;
+	vec3 sum = vec3(0.0);
+	float whole = 0.0;
+	for (int row = 0; row < 2 * half_count + 2; row++)
+		for (int column = 0; column < 2 * half_count + 2; column++) {
+			ivec2 at = first + stride * ivec2(column, row);
+			vec2 away = (vec2(at) - middle) / reach_px, left = max(1.0 - away * away, 0.0);
+			if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(size.xy))))
+				continue;
+			float weight = left.x * left.x * left.y * left.y;
+			whole += weight;
+			if (weight > 0.0)
+				sum += weight * is_behind(at, depth_m) * vec3(away, 1.0);
+		}
+	return sum / max(whole, 1e-3);
 }
 
 /* The same where the picture falls off beside a point; raises what there is. */
 float step_weight(candidate c, float weight, inout hatch h)
 {
-	vec2 turn_to[8] = vec2[8](vec2(1.0, 0.0), vec2(DIAGONAL, DIAGONAL), vec2(0.0, 1.0), vec2(-DIAGONAL, DIAGONAL),
-		vec2(-1.0, 0.0), vec2(-DIAGONAL, -DIAGONAL), vec2(0.0, -1.0), vec2(DIAGONAL, -DIAGONAL));
-	vec3 sum = vec3(0.0);
-	for (int n = 0; n < 8; n++)
-		sum += is_behind(c.at - 0.5 + contour.y * turn_to[n], c.depth_m) * vec3(turn_to[n], 1.0);
-	float left = length(sum.xy);
-	float falls = contour_least.z * min(sum.z * (1.0 / STEP_PLACES), 1.0) * min(left, 1.0);
+	vec3 behind = look_behind(c.at - 0.5, max(CONTOURS_REACH * contour.y, REACH_LEAST_PX), c.depth_m);
+	float left = length(behind.xy);
+	float falls = contour_least.z * min(behind.z * (1.0 / STEP_SHARE), 1.0) * min(left * (1.0 / STEP_ASIDE), 1.0);
 	if (falls <= weight)
 		return weight;
-	h.way[0] = vec3(vec2(-sum.y, sum.x) / max(left, 1e-3), 0.0);
+	h.way[0] = vec3(vec2(-behind.y, behind.x) / max(left, 1e-6), 0.0);
 	return falls;
 }

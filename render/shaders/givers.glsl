@@ -50,11 +50,12 @@ bool giver_of(uint n, uint i, out giver g)
 		g.normal = turned(points[g.c.index].w);
 		g.wanted = wanted_per_px[0].x;
 		g.is_flat = g.spreads = g.normal != vec3(0.0);
-		g.most = 1e30;
-		if (views[n].mask.w > 0.0 && dot(g.normal, ray_of(g.c)) > BEYOND)
+		g.most = need_on_surface(g.wanted, nearest_m, ray_most()) * more_of(octaves_at(nearest_m));
+		if (g.rank >= g.most || (views[n].mask.w > 0.0 && dot(g.normal, ray_of(g.c)) > BEYOND))
 			return false;
 		float near = smooth_weight(g.c, g.normal, g.h);
-		if (contour_least.z > 0.0)
+		/* It takes long to look around: not of what is hidden anyway. */
+		if (contour_least.z > 0.0 && visibility(g.c) > 0.0)
 			near = step_weight(g.c, near, g.h);
 		g.h.chance = near;
 		return near > 0.0;

@@ -10,9 +10,9 @@ layout(std430, binding = 6) writeonly buffer Strokes {
 const uint WORDS = 10u, AROUND = 4u;
 /* In front of all that the mask has: what is seen was decided here. */
 const float NEAR = 1e20;
-const float SEEN_FROM = 0.2, SEEN_RISE = 1.4, TIP = 0.2, LAP_PX = 0.5, ALPHA_LEAST = 1.0 / 255.0;
+const float SEEN_FROM = 0.3, SEEN_RISE = 3.0, TIP = 0.2, LAP_PX = 0.5, ALPHA_LEAST = 1.0 / 255.0;
 
-/* As far as most around it in its chain are shown. */
+/* As far as it is shown, or most around it in its chain are. */
 float seen_at(uint n)
 {
 	float sum = shown[n], count = 1.0;
@@ -22,7 +22,7 @@ float seen_at(uint n)
 	at = n;
 	for (uint k = 0u; k < AROUND && (flags_of(at) & LAST) == 0u; k++, count += 1.0)
 		sum += shown[++at];
-	return clamp((sum / count - SEEN_FROM) * SEEN_RISE, 0.0, 1.0);
+	return max(shown[n], clamp((sum / count - SEEN_FROM) * SEEN_RISE, 0.0, 1.0));
 }
 
 /* How many links it is to where its run of the pen ends; lift: as many or more. */
