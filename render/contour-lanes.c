@@ -142,9 +142,9 @@ INLINE void find_smooth(const struct brush *b, uint32_t at, const vf k[2],
 struct window {
 	float reach, unit; /* in pixels, and its inverse */
 	int stride, first[2], count[2];
-	vf weight[WINDOW_VECTORS],
-		aside[WINDOW_VECTORS]; /* of columns; aside: the same by how far to the right, in reaches */
-	float sum;                     /* of weights */
+	vf weight[WINDOW_VECTORS]; /* of columns */
+	vf aside[WINDOW_VECTORS];  /* the same by how far to the right, in reaches */
+	float sum;                 /* of weights */
 };
 
 /* Least of all at the rim, and in even steps, so that nothing comes or goes at once. */
@@ -194,8 +194,9 @@ INLINE vf window_depths(const visibility_mask *m, const struct window *w, const 
 	return (vf)gather(row, column, 4);
 }
 
+/* A part of all that is around a point, and how far to the right and down of it that is: its share of the average, in reaches. */
 struct behind {
-	float share, aside[2]; /* of what is around, and how far aside on average, in reaches */
+	float share, aside[2];
 };
 
 /* How much of what the mask has around a point lies behind it, and where. */
