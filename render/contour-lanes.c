@@ -136,7 +136,7 @@ INLINE void find_smooth(const struct brush *b, uint32_t at, const vf k[2],
 }
 
 /* Pixels of the mask around a point, all of them, so that what one of them shows by chance, or a border that moves by less than one, does
- * not matter; of what is drawn very large every so many, the nearest at least. */
+ * not matter. Of windows that are wider than the vectors every second one, or third, and so on. */
 #define WINDOW_VECTORS 4
 
 struct window {
